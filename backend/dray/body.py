@@ -234,7 +234,7 @@ class DockReady(Part, frozen=True):
 
 
 class CloseDock(Part, frozen=True):
-    """Shut the dock again for this vehicle; harmless when it was never open."""
+    """Shut the dock again for this vehicle; harmless when it was never open. Said again, it has left, and nothing more is told of its load."""
 
     vehicle: str
 

@@ -215,6 +215,8 @@ class DepartureMemory(Part, frozen=True):
     change: int = 0
     let_in: bool = True
     """Whether the dock was opened for it; before that it has put nothing down."""
+    returns: bool = False
+    """Whether it stands there to put back what it has on board."""
 
 
 class ReservationMemory(Part, frozen=True):

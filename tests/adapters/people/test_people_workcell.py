@@ -34,6 +34,12 @@ def brought(rig: PeopleRig, pieces: int = 12, item: str = ITEM) -> None:
     rig.book(ATV, item, pieces)
 
 
+def left(rig: PeopleRig) -> None:
+    """A vehicle was not wanted any more, and has left."""
+    rig.body.instruct(CloseDock(ATV))
+    rig.body.instruct(CloseDock(ATV))
+
+
 # --- pieces ---
 
 
@@ -133,9 +139,17 @@ def test_a_second_person_who_confirms_the_same_load_is_told_that_there_is_none()
 def test_a_load_of_a_vehicle_that_was_not_let_in_is_none() -> None:
     rig = PeopleRig()
     assert rig.says(KIND.ARRIVED, 12, ITEM, vehicle=ATV) == (REFUSED.NO_LOAD, "")
-    rig.body.instruct(CloseDock(ATV))
+    assert rig.state.stock[ITEM] == FULL[ITEM]
+
+
+def test_a_vehicle_that_was_let_in_and_has_left_without_a_word_has_no_load() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    left(rig)
     assert rig.says(KIND.ARRIVED, 12, ITEM, vehicle=ATV) == (REFUSED.NO_LOAD, "")
     assert rig.state.stock[ITEM] == FULL[ITEM]
+    assert rig.kept is not None
+    assert rig.kept.visits == ()
 
 
 def test_what_people_say_of_a_vehicle_at_the_dock_counts_for_its_own_word_over_lives() -> None:
@@ -172,7 +186,6 @@ def test_a_word_that_was_said_before_the_transport_was_taken_over_counts_for_the
     rig.body.instruct(OpenDock(ATV, ITEM, 12))
     assert rig.says(KIND.ARRIVED, 11, ITEM) == (None, "")
     rig.body.instruct(CloseDock(ATV))
-    rig.body.instruct(CloseDock(ATV))
     rig.book(ATV, ITEM, 12)
     assert (rig.state.loads, rig.state.stock[ITEM]) == ((), 31)
 
@@ -197,6 +210,48 @@ def test_more_than_a_vehicle_had_that_is_not_wanted_any_more_was_brought_by_hand
     assert rig.says(KIND.ARRIVED, 10, ITEM) == (None, "")
     rig.book(ATV, ITEM, 2)
     assert rig.state.stock[ITEM] == 12
+
+
+def test_a_word_of_a_load_that_is_not_wanted_any_more_is_doubted_as_one_by_hand() -> None:
+    rig = PeopleRig({ITEM: 10_000})
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    rig.body.instruct(CloseDock(ATV))
+    assert rig.says(KIND.ARRIVED, 12, ITEM, vehicle=ATV) == (REFUSED.UNLIKELY, "0")
+    assert rig.says(KIND.ARRIVED, 12, ITEM, vehicle=ATV, sure=True) == (None, "")
+    rig = PeopleRig({ITEM: 3})
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    rig.body.instruct(CloseDock(ATV))
+    assert rig.says(KIND.TAKEN, 12, ITEM, vehicle=ATV) == (REFUSED.UNLIKELY, "3")
+    assert rig.state.stock[ITEM] == 3
+
+
+def test_nobody_counts_what_a_vehicle_that_is_not_wanted_any_more_may_still_put_down() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    rig.body.instruct(CloseDock(ATV))
+    assert rig.says(KIND.STOCK_IS, 32, ITEM, sure=True) == (REFUSED.DOCK_OPEN, "")
+    rig.begin()
+    assert rig.says(KIND.STOCK_IS, 32, ITEM, sure=True) == (REFUSED.DOCK_OPEN, "")
+    rig.book(ATV, ITEM, 12)
+    assert rig.says(KIND.STOCK_IS, 32, ITEM) == (None, "")
+    assert rig.state.stock[ITEM] == 32
+
+
+def test_what_a_vehicle_has_left_with_keeps_nobody_from_counting() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    left(rig)
+    assert rig.says(KIND.STOCK_IS, 20, ITEM) == (None, "")
+
+
+def test_a_count_has_the_load_of_a_vehicle_of_which_people_have_said_the_wrong_way_too() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    rig.body.instruct(CloseDock(ATV))
+    assert rig.says(KIND.TAKEN, 12, ITEM, vehicle=ATV) == (None, "")
+    assert rig.says(KIND.STOCK_IS, 32, ITEM, sure=True) == (None, "")
+    rig.book(ATV, ITEM, 12)
+    assert rig.state.stock[ITEM] == 32
 
 
 def test_a_count_has_what_was_said_of_a_load_that_its_vehicle_tells_of_later() -> None:

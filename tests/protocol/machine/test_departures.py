@@ -19,6 +19,7 @@ from dray.messages import (
     DockHeld,
     DockOpened,
     Grant,
+    HandoverAccepted,
     Phase,
     Reason,
     Removal,
@@ -34,6 +35,7 @@ from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
 from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.departures import UNHEARD_S, Departures
+from dray.protocol.contract_net.dock import Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
 from dray.protocol.traffic.places import Places
@@ -323,11 +325,89 @@ def test_who_has_loaded_is_inside_no_more_once_that_is_booked() -> None:
     rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
     rig.on_message("ATV2", Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
     rig.report(DockReady(vehicle="ATV2"))
+    assert instructed(beats(rig, Phase.CARRYING, aboard=True, task="PRESS1-1"), Book)
     rig.stocked("shaft", -6, "ATV2")
     # Its next load here is given back before the dock was made ready for it: nobody waits for it to leave.
     rig.on_message("PRESS1", StockAsked("PRESS1-2", 1, "shaft", 6))
     rig.on_message("ATV2", Docked("PRESS1-2", 1, "LATHE1", "shaft", 6))
     assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-2")), CloseDock) == SHUT
+
+
+@pytest.mark.parametrize("change", [24, -24])
+def test_where_the_dock_opens_at_once_the_next_life_books_what_is_taken_in_doubt_and_nothing_in(
+    change: int,
+) -> None:
+    out: list[Effect] = []
+    departures = alone(out)
+    door = Door(out, 60.0, departures)
+    door.answers, door.counts = False, False
+    door.restore(("ATV2",))
+    door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", change))
+    assert instructed(out, CloseDock) == SHUT
+    # It names the task no more, and has such a load on board.
+    departures.on_vehicle(rhb("ATV2", 1, 0.0), 0.0)
+    taken = [Book("ATV2", "housing", change, task="M7-1", epoch=1)]
+    assert instructed(out, Book) == (taken if change < 0 else [])
+    assert instructed(out, CloseDock) == 2 * SHUT
+
+
+@pytest.mark.parametrize(("is_heard", "told"), [(True, SHUT), (False, [])])
+def test_where_the_dock_opens_at_once_a_body_hears_once_more_when_who_was_to_load_has_left_without(
+    is_heard: bool, told: list[CloseDock]
+) -> None:
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=shipped_plant("levels"))
+    rig.start()
+    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
+    assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-1")), CloseDock) == SHUT
+    rig.run(rig.now_s + (1.0 if is_heard else 2 * UNHEARD_S))
+    effects = beats(rig, None, node="c1")
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (told, [])
+
+
+def test_who_is_not_wanted_after_it_has_left_without_its_load_is_told_to_have_left() -> None:
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=shipped_plant("levels"))
+    rig.start()
+    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
+    assert instructed(beats(rig, None, node="c1"), CloseDock) == []
+    assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-1")), CloseDock) == SHUT
+    assert instructed(beats(rig, None, node="c1"), CloseDock) == SHUT
+
+
+def test_a_vehicle_that_is_back_with_the_load_for_which_it_was_waited_is_not_let_in_yet() -> None:
+    out: list[Effect] = []
+    departures = alone(out)
+    load = DepartureMemory("ATV2", "M7-1", 1, "housing", 24)
+    departures.watch(load)
+    departures.take_back(load, 0.0)
+    assert [each.let_in for each in departures.memories()] == [False]
+    departures.note_let_in("ATV2", "M7-1", 1)
+    departures.take_back(load, 1.0)
+    assert [each.let_in for each in departures.memories()] == [True]
+
+
+def test_what_was_booked_of_an_earlier_transport_of_its_carrier_is_not_the_load_of_this_one() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.start()
+    rig.take_goal("G1", production(quantity=24))
+    rig.agent._flow.bookings.say(DepartureMemory("ATV2", "M7-0", 1, "housing", 24))
+    rig.hire("M7-1", "ATV2")
+    rig.stocked("housing", 24, "ATV2")
+    task = rig.agent._flow.tasks.get("M7-1")
+    assert task is not None
+    assert (task.contract.receipt.counted, task.is_counted) == (0, False)
+    effects = rig.on_message("ATV2", handover())
+    assert (instructed(effects, Book), len(sent(effects, HandoverAccepted, to="ATV2"))) == (BROUGHT, 1)
+
+
+def test_a_word_that_is_said_again_before_its_answer_is_told_once() -> None:
+    out: list[Effect] = []
+    bookings = Bookings(out, lambda: None)
+    load = DepartureMemory("ATV2", "M7-1", 1, "housing", 24)
+    bookings.say(load)
+    bookings.say(load)
+    assert instructed(out, Book) == BROUGHT
 
 
 def test_what_was_put_down_is_told_again_by_the_next_life_until_the_body_has_answered() -> None:

@@ -287,8 +287,8 @@ def test_a_dock_at_which_a_vehicle_is_waited_for_stays_open_however_often_it_is_
     door, departures, out = alone()
     door.open("ATV2", docked(), "housing", 24, 0.0)
     door.on_ready("ATV2", 5.0)
-    door.shut("ATV2")
-    door.shut("ATV2")
+    door.shut("ATV2", "M7-1")
+    door.shut("ATV2", "M7-1")
     assert instructed(out, CloseDock) == []
     departures.on_carried_away("ATV2")
     assert instructed(out, CloseDock) == [CloseDock("ATV2")]
@@ -302,8 +302,17 @@ def test_a_load_of_before_that_is_answered_late_is_not_the_one_that_a_vehicle_is
     door.answers, door.counts = False, False
     door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
     door.note_moved("ATV2", DepartureMemory("ATV2", answered, 1, "housing", 24))
-    door.shut("ATV2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
+    door.shut("ATV2", "M7-2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
     assert departures.waits_for("ATV2") is waits
+
+
+def test_an_answer_to_no_word_tells_nothing_of_whom_a_body_that_does_not_count_has_let_in() -> None:
+    door, departures, _ = alone()
+    door.answers, door.counts = False, False
+    door.open("ATV2", docked(), "housing", 24, 0.0)
+    door.note_moved("ATV2")
+    door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    assert departures.waits_for("ATV2")
 
 
 def test_the_end_of_another_transport_shuts_no_dock_in_which_its_vehicle_stands_for_this_one() -> None:
@@ -311,8 +320,33 @@ def test_the_end_of_another_transport_shuts_no_dock_in_which_its_vehicle_stands_
     door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
     door.on_ready("ATV2", 5.0)
     # It had another one before, whose loss is noticed only now.
-    door.shut("ATV2", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    door.shut("ATV2", "M7-1")  # As what others have fetched, and as what is booked.
+    door.close("ATV2", "M7-1")
     assert (instructed(out, CloseDock), departures.waits_for("ATV2")) == ([], False)
     this_one = DepartureMemory("ATV2", "M7-2", 1, "housing", 24)
-    door.shut("ATV2", this_one)
+    door.shut("ATV2", "M7-2", this_one)
     assert (instructed(out, CloseDock), departures.memories()) == ([], (this_one,))
+
+
+def test_a_vehicle_that_waits_for_the_dock_does_so_whatever_ends_besides() -> None:
+    door, _, out = alone()
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
+    door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    door.shut("ATV2", "M7-1")
+    door.close("ATV2", "M7-1")
+    assert (instructed(out, CloseDock), door.is_opening("ATV2")) == ([], True)
+    door.shut("ATV2", "M7-2")
+    assert (instructed(out, CloseDock), door.is_opening("ATV2")) == ([CloseDock("ATV2")], False)
+
+
+@pytest.mark.parametrize("counts", [True, False])
+def test_where_the_dock_opens_at_once_the_end_of_another_transport_shuts_it_neither(counts: bool) -> None:
+    door, _, out = alone()
+    door.answers, door.counts = False, counts
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
+    door.shut("ATV2", "M7-1")
+    door.close("ATV2", "M7-1")
+    assert instructed(out, CloseDock) == []
+    door.close("ATV2", "M7-2")
+    assert instructed(out, CloseDock) == [CloseDock("ATV2")]

@@ -3,13 +3,14 @@
     word                          is reported as                     is refused
     arrived N, a load waits       the difference to what was booked  unlikely: far from what was booked
     arrived N of V at the dock    nothing; V's load is booked as N   unlikely: far from what V was let in for
-    the same, V is wanted no more StockChanged by N; what V says     the same
+    the same, V is wanted no more StockChanged by N; what V says     the same, and as by hand
                                   of it changes nothing then
     arrived N of V, no such load  nothing                            no load: V has brought none that waits for a word
     arrived N, by hand            StockChanged by N                  unlikely: more than finds room (no vehicle is named, and none
                                                                      stands there with it)
     taken N                       the same, out                      unlikely: more than lies there
-    stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it; unlikely: far from what is believed
+    stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it, or is wanted no more and nobody
+                                                                     has said yet what became of its load; unlikely: far from what is believed
 
 What is unlikely is taken when it is said to be sure. A word with a key that was heard before is answered as it was, and nothing else happens.
 
@@ -59,7 +60,7 @@ class Visit(Struct, frozen=True, omit_defaults=True):
     goes: bool | None = None
     """Whether they say that it was taken, else that it has arrived; None where that was not remembered: what its vehicle says it has done."""
     shut: bool = False
-    """Its vehicle is not wanted there any more. It may still say that it has brought or taken the load, or has left with it."""
+    """Its vehicle is not wanted there any more. Until it has left it may still say that it has brought or taken the load."""
 
 
 class KeptStock(Struct, frozen=True):
@@ -159,9 +160,11 @@ class Words(Generic[K]):
             self.keep(visits=(*others, visit))
 
     def let_out(self, vehicle: str) -> None:
-        """It is not wanted there any more, or has left; what people have said of its load is kept for its word."""
+        """It is not wanted there any more: what people have said of its load is kept for its word. Said again, it has left, and says no more of it."""
         visits = tuple(
-            replace(each, shut=True) if each.vehicle == vehicle else each for each in self.kept.visits
+            replace(each, shut=True) if each.vehicle == vehicle else each
+            for each in self.kept.visits
+            if each.vehicle != vehicle or not each.shut
         )
         if visits != self.kept.visits:
             self.keep(visits=visits)
@@ -230,7 +233,8 @@ class Words(Generic[K]):
 
     def _judge_count(self, word: Word) -> Judged[K]:
         kept, item = self.kept, word.item
-        if any(visit.item == item and not visit.shut for visit in kept.visits):
+        if any(visit.item == item and (not visit.shut or visit.said is None) for visit in kept.visits):
+            # Whether its load is counted as well nobody knows: its vehicle's word would count it again.
             return CommandRefusal.DOCK_OPEN, "", [], kept
         believed = kept.stock[item]
         if not word.sure and is_far(word.quantity, believed):
@@ -238,7 +242,7 @@ class Words(Generic[K]):
         # What is counted settles what vehicles have brought and taken before, and what people have said of loads that are not booked yet.
         loads = tuple(load for load in kept.loads if load.item != item)
         visits = tuple(
-            replace(each, said=0) if each.item == item and each.said else each for each in kept.visits
+            replace(each, said=0, goes=None) if each.item == item else each for each in kept.visits
         )
         after = replace(kept, loads=loads, visits=visits)
         return None, "", *self._corrected(after, item, word.quantity - believed)
@@ -260,17 +264,16 @@ class Words(Generic[K]):
             return CommandRefusal.NO_LOAD, "", [], kept
         if not word.quantity:
             return CommandRefusal.QUANTITY_OUT_OF_RANGE, "", [], kept
-        there = kept.stock[word.item]
-        most = there if goes else max(0, self._room.get(word.item, COUNT_MAX) - there)
-        if word.quantity > most and not word.sure:
-            return CommandRefusal.UNLIKELY, str(most), [], kept
         return self._by_hand(word)
 
     def _by_hand(self, word: Word) -> Judged[K]:
-        """It is so at once."""
+        """It is so at once, as far as it can be."""
         kept = self.kept
         there = kept.stock[word.item]
         goes = word.kind is MachineCommandKind.TAKEN
+        most = there if goes else max(0, self._room.get(word.item, COUNT_MAX) - there)
+        if word.quantity > most and not word.sure:
+            return CommandRefusal.UNLIKELY, str(most), [], kept
         change = -min(word.quantity, there) if goes else word.quantity
         seq = kept.seq + 1
         report = StockChanged(item=word.item, change=change, seq=seq)
@@ -290,6 +293,8 @@ class Words(Generic[K]):
         if not word.sure and is_far(word.quantity, visit.quantity):
             return CommandRefusal.UNLIKELY, str(visit.quantity), [], self.kept
         refused, detail, reports, kept = self._by_hand(word) if visit.shut else (None, "", [], self.kept)
+        if refused is not None:
+            return refused, detail, reports, kept
         said = 0 if visit.shut else word.quantity
         goes = word.kind is MachineCommandKind.TAKEN
         now = replace(visit, said=said, goes=goes)

@@ -31,8 +31,11 @@ class Bookings:
         """What was said and is not answered, by what names a word, the oldest first."""
 
     def say(self, load: DepartureMemory) -> None:
-        """Tell the body what a vehicle has put down or taken."""
-        self._said[load.vehicle, load.item, load.task, load.epoch, load.change > 0] = load
+        """Tell the body what a vehicle has put down or taken. Harmless while it has not answered the same word."""
+        name = (load.vehicle, load.item, load.task, load.epoch, load.change > 0)
+        if name in self._said:
+            return  # It would answer twice, the second time for another word.
+        self._said[name] = load
         book = Book(load.vehicle, load.item, load.change, task=load.task, epoch=load.epoch)
         self._out.append(Instruct(book))
         self._commit()

@@ -82,7 +82,7 @@ class Departures:
         Harmless when that is known; of what it was watched for before nothing was put down.
         """
         known = self._leaving.get(load.vehicle)
-        load = replace(load, let_in=False)
+        load = replace(load, let_in=False, returns=True)
         if known is not None and replace(known, let_in=False) != load:
             if known.item == load.item and known.change < 0:
                 self._bookings.say(known)

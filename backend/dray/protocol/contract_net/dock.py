@@ -6,7 +6,7 @@ Who may load or unload is for the dock's owner to know: whoever receives a load 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from msgspec import UNSET, UnsetType
 from msgspec.structs import replace
@@ -67,20 +67,28 @@ class Door:
         out: where effects go.
         patience_s: so long the body may take to open it.
         departures: of this dock.
+        is_told_of: whether it is still waited for what a vehicle has to tell of a load that it was let in to take, though it is not wanted any more.
 
     Attributes:
         answers: whether the body says when it has opened (`dray.body.WorkcellState`); else it is open as soon as it is told to.
         counts: whether the body counts what vehicles bring and take.
     """
 
-    def __init__(self, out: list[Effect], patience_s: float, departures: Departures) -> None:
+    def __init__(
+        self,
+        out: list[Effect],
+        patience_s: float,
+        departures: Departures,
+        is_told_of: Callable[[str], bool] = lambda _vehicle: False,
+    ) -> None:
         self._out, self._patience_s, self._departures = out, patience_s, departures
+        self._is_told_of = is_told_of
         self._asked: dict[str, Docked] = {}
         """By vehicle, what it has asked for and waits to be opened."""
         self._since_s: dict[str, float] = {}
         """Since when each of them is the next one."""
         self._inside: dict[str, tuple[str, int]] = {}
-        """Those that were let in, with the task and its epoch: they may be at it. Not where the body counts and opens at once."""
+        """Those that were let in, with the task and its epoch: they may be at it."""
         self.answers = False
         self.counts = True
 
@@ -92,8 +100,7 @@ class Door:
             self._since_s.setdefault(vehicle, now_s)
             self.hold(vehicle, asked, NOT_READY)
         else:
-            if not self.counts:
-                self._let_in(vehicle, asked)
+            self._let_in(vehicle, asked)
             self.agree(vehicle, asked)
 
     def is_opening(self, vehicle: str) -> bool:
@@ -129,58 +136,81 @@ class Door:
 
     def restore(self, opened: Iterable[str]) -> None:
         """Go on with a dock that an earlier life has opened."""
-        if self.answers:
+        if self.answers or not self.counts:
             self._inside.update(dict.fromkeys(opened, OF_EARLIER_LIFE))
 
-    def shut(self, vehicle: str, load: DepartureMemory | None = None) -> None:
+    def shut(self, vehicle: str, task: str, load: DepartureMemory | None = None) -> None:
         """A vehicle is not wanted any more: end a transfer that it has begun without effect, or let it leave where it may be inside.
+
+        Harmless where it stands here for another task, whose own end shuts the dock.
 
         Args:
             vehicle: which.
+            task: for which it is not wanted; empty for any.
             load: what it may move meanwhile, and nobody else would book; None for nothing.
         """
-        asked, let_in = self._forget(vehicle), self._inside.pop(vehicle, None)
-        if (
-            load is not None
-            and asked is None
-            and let_in not in (None, OF_EARLIER_LIFE)
-            and let_in[0] != load.task
-        ):
-            # It is inside for something else, whose own end shuts the dock.
-            self._inside[vehicle] = let_in
+        asked, let_in = self._asked.get(vehicle), self._inside.get(vehicle)
+        waits_for_another = bool(task) and asked is not None and asked.task != task
+        if not waits_for_another:
+            self._forget(vehicle)
+        if task and let_in not in (None, OF_EARLIER_LIFE) and let_in[0] != task:
             return
-        if not self.answers:
-            # Nothing moves that could hurt it: the permit goes at once, and only what it moves is waited for.
+        if waits_for_another and let_in is None:
+            return
+        self._inside.pop(vehicle, None)
+        is_left_to = self._departures.waits_for(vehicle) or self._is_told_of(vehicle)
+        if self.answers:
+            if let_in is not None:
+                self._watch(vehicle, let_in, load)
+            if not self._departures.waits_for(vehicle):
+                # Also when this life has not opened it: an earlier one may have.
+                self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+            return
+        # Nothing moves that could hurt it: the permit goes at once, and only what it moves is waited for. Said twice, it has left.
+        if let_in is not None or not is_left_to:
             self._out.append(Instruct(CloseDock(vehicle=vehicle)))
-            if load is not None and load.change and let_in == (load.task, load.epoch):
-                self._departures.watch(load)
-            return
-        if load is None and let_in is not None:
-            self._departures.watch(DepartureMemory(vehicle))
-        elif load is not None and let_in == (load.task, load.epoch):
+        if let_in is not None and not self.counts and (load is not None or not self._is_told_of(vehicle)):
+            self._watch(vehicle, let_in, load)
+
+    def _watch(self, vehicle: str, let_in: tuple[str, int], load: DepartureMemory | None) -> None:
+        """Wait until it has left, for what it was let in for."""
+        if load is not None and let_in == (load.task, load.epoch):
             self._departures.watch(load)
         elif load is not None and let_in == OF_EARLIER_LIFE:
             # Whether for this load nobody knows: in doubt it is booked out, and never in.
             self._departures.watch(replace(load, change=min(load.change, 0)))
-        elif not self._departures.waits_for(vehicle):
-            # Also when this life has not opened it: an earlier one may have.
-            self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+        else:
+            self._departures.watch(DepartureMemory(vehicle))
 
-    def close(self, vehicle: str) -> None:
-        """A vehicle has done what it was let in for."""
-        self._inside.pop(vehicle, None)
-        self.shut(vehicle)
+    def close(self, vehicle: str, task: str) -> None:
+        """A vehicle has done what it was let in for by a task."""
+        if self._inside.get(vehicle, ("", 0))[0] in ("", task):
+            self._inside.pop(vehicle, None)
+        self.shut(vehicle, task)
 
     def note_moved(self, vehicle: str, word: DepartureMemory | None = None) -> None:
         """What a vehicle has moved is booked: it is inside no more, unless it was let in for something else since. What it has asked for still waits.
 
         Args:
             vehicle: which.
-            word: what its agent had told the body of it; None where the body has counted it by itself.
+            word: what its agent had told the body of it; None where the body has counted it by itself, or has answered before.
         """
-        let_in = self._inside.get(vehicle)
-        if word is None or let_in in (OF_EARLIER_LIFE, (word.task, word.epoch)):
+        if word is None:
+            is_of_it = self.counts
+        else:
+            is_of_it = self._inside.get(vehicle) in (OF_EARLIER_LIFE, (word.task, word.epoch))
+        if is_of_it:
             self._inside.pop(vehicle, None)
+
+    def note_left(self, vehicle: str) -> None:
+        """A vehicle that was let in to load has left without, and tells no more of it: a body that waits for its word is told."""
+        if (
+            not self.answers
+            and not self.counts
+            and vehicle not in self._inside
+            and not self._departures.waits_for(vehicle)
+        ):
+            self._out.append(Instruct(CloseDock(vehicle=vehicle)))
 
     def forget(self, vehicle: str) -> None:
         """A vehicle has gone away: it waits for nothing here any more."""

@@ -291,9 +291,9 @@ class Machine(AgentBase):
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         is_news = self._supply.change(report.item, report.change, report.seq)
-        self._flow.note_booked(report)
+        word = self._flow.note_booked(report)
         if not self._goals.products.is_goods(report.item):
-            self._flow.on_material(report, now_s)
+            self._flow.on_material(report, word, now_s)
         else:
             self._flow.on_goods(report, is_news, now_s)
             self._commit()

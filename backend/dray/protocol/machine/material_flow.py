@@ -13,7 +13,7 @@ from typing import Protocol, cast
 from msgspec.structs import replace
 
 from dray.body import StockChanged, WorkcellState
-from dray.memory import MachineMemory, Memory
+from dray.memory import DepartureMemory, MachineMemory, Memory
 from dray.messages import THING, Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -207,8 +207,8 @@ class MaterialFlow(TransportFlow):
             if part in self._plant.parts:
                 self.put_away.offer(part, self._book.level(part) - self._book.asked(part), now_s)
 
-    def on_material(self, report: StockChanged, now_s: float) -> None:
-        super().on_material(report, now_s)
+    def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
+        super().on_material(report, word, now_s)
         if report.vehicle and report.change < 0:
             self._issuing.on_taken(report.vehicle, report.item)
         self.note_stock(now_s)

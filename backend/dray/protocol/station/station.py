@@ -274,8 +274,7 @@ class Station(AgentBase):
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         self._book.change(report.item, report.change, report.seq)
-        self._flow.note_booked(report)
-        self._flow.on_material(report, now_s)
+        self._flow.on_material(report, self._flow.note_booked(report), now_s)
         if report.change < 0:
             self._issuing.on_taken(report.vehicle, report.item)
         self._go_on(now_s)

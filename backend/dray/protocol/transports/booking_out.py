@@ -35,6 +35,7 @@ class BookingOut:
         bookings: what its body is told.
         out: where effects go.
         commit: called when the next life must know of something else.
+        left: called with a vehicle that has left without its load.
     """
 
     def __init__(
@@ -43,9 +44,10 @@ class BookingOut:
         bookings: Bookings,
         out: list[Effect],
         commit: Callable[[], None],
+        left: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._subscriptions, self._bookings = subscriptions, bookings
-        self._out, self._commit = out, commit
+        self._out, self._commit, self._left = out, commit, left
         self._let_in: dict[str, ReservationMemory] = {}
         """By vehicle, what it may take."""
         self._heard_s: dict[str, float] = {}
@@ -72,7 +74,7 @@ class BookingOut:
         elif heartbeat.load == load.item and heartbeat.load_quantity > 0:
             self._book(load)
         elif self._was_heard(load, now_s):
-            self._forget(load.vehicle)
+            self._leave(load.vehicle)
         else:
             self._ask(load, now_s)
 
@@ -85,7 +87,7 @@ class BookingOut:
         if load is None or (docked.task, docked.epoch) == (load.task, load.opened):
             return
         if self._was_heard(load, now_s):
-            self._forget(vehicle)
+            self._leave(vehicle)
         else:
             self._book(load)
 
@@ -104,8 +106,12 @@ class BookingOut:
             if freed.fetched:
                 self._book(load)
                 return True
-            self._forget(vehicle)
+            self._leave(vehicle)
         return False
+
+    def waits_for(self, vehicle: str) -> bool:
+        """Whether a vehicle may still tell that it has the load that it was let in for."""
+        return vehicle in self._let_in
 
     def memories(self) -> tuple[ReservationMemory, ...]:
         """For the next life, which hears the vehicle in this one's place."""
@@ -136,6 +142,11 @@ class BookingOut:
     def _book(self, load: ReservationMemory) -> None:
         self._bookings.say(DepartureMemory(load.vehicle, load.task, load.opened, load.item, -load.quantity))
         self._forget(load.vehicle)
+
+    def _leave(self, vehicle: str) -> None:
+        """It has left without its load."""
+        self._left(vehicle)
+        self._forget(vehicle)
 
     def _forget(self, vehicle: str) -> None:
         del self._let_in[vehicle]

@@ -96,11 +96,11 @@ class Dock:
         """The primary of a task carries it no more: a manoeuvre that it has begun ends without effect, where the dock can see to that."""
         vehicle, work = task.primary, cast(Transport, task.work)
         if task.contract.receipt.booked or task.is_counted:
-            self._door.close(vehicle)
+            self._door.close(vehicle, task.id)
             return
         change = work.quantity if work.destination == self._place else -work.quantity
         load = DepartureMemory(vehicle, task.id, task.epoch, work.item, 0 if self.counts else change)
-        self._door.shut(vehicle, load)
+        self._door.shut(vehicle, task.id, load)
 
     def on_handover(self, sender: str, message: Handover) -> OpenTask | None:
         """Somebody says that its load is down.

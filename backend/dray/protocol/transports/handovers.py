@@ -72,9 +72,17 @@ class Handovers:
             self._book(task)
         self._judge(task, now_s)
 
-    def on_stock_changed(self, report: StockChanged, now_s: float) -> None:
-        """The body has counted material that a vehicle has brought."""
+    def on_stock_changed(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
+        """The body has counted material that a vehicle has brought.
+
+        Args:
+            report: what it says.
+            word: what it was told and has answered by this. A body that does not count knows of no other load.
+            now_s: the present time.
+        """
         for task in list(self._tasks):
+            if not self.counts and (word is None or (word.task, word.epoch) != (task.id, task.epoch)):
+                continue
             if report.vehicle and task.primary == report.vehicle and task.work_item == report.item:
                 task.contract.receipt.counted += max(report.change, 0)
                 if task.contract.receipt.counted and not task.is_counted:

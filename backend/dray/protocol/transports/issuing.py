@@ -116,7 +116,7 @@ class Issuing:
     def _release(self, ask: Ask) -> None:
         self._book.release(ask)
         if ask.opened:
-            self._door.shut(ask.vehicle)
+            self._door.shut(ask.vehicle, ask.task)
 
     # --- the dock ---
 
@@ -146,7 +146,7 @@ class Issuing:
         known = {ask.vehicle for ask in self._book if ask.opened}
         for vehicle in opened:
             if vehicle not in known:
-                self._door.shut(vehicle)
+                self._door.shut(vehicle, "")
 
     def on_taken(self, vehicle: str, item: str) -> None:
         """The body has counted that a vehicle has fetched something."""
@@ -163,7 +163,7 @@ class Issuing:
 
     def _open(self, vehicle: str, docked: Docked, ask: Ask, now_s: float) -> None:
         if ask.opened and ask.vehicle != vehicle:
-            self._door.shut(ask.vehicle)
+            self._door.shut(ask.vehicle, ask.task)
         ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
         self._book.renew(ask, now_s)
         self._door.open(vehicle, docked, ask.item, ask.quantity, now_s)
@@ -180,7 +180,7 @@ class Issuing:
         """Promise what is free, and take back what cannot be kept."""
         for ask in self._book.overdrawn():
             if ask.vehicle:
-                self._door.shut(ask.vehicle)
+                self._door.shut(ask.vehicle, ask.task)
             self._say_short(ask)
         for ask in self._book.promise(now_s):
             self._say_reserved(ask)

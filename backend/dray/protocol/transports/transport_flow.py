@@ -159,7 +159,13 @@ class TransportFlow:
         self.held = HeldTransports(plant, self.tasks)
         self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held)
         self.bookings = Bookings(out, owner.commit)
-        self.booking_out = BookingOut(self.subscriptions, self.bookings, out, owner.commit)
+        self.booking_out = BookingOut(
+            self.subscriptions,
+            self.bookings,
+            out,
+            owner.commit,
+            left=lambda vehicle: self.door.note_left(vehicle),  # noqa: PLW0108 - made below
+        )
         self.departures = Departures(
             plant.node_of(place),
             self.subscriptions,
@@ -168,7 +174,7 @@ class TransportFlow:
             owner.commit,
             left=lambda vehicle: self.door.forget(vehicle),  # noqa: PLW0108 - made below
         )
-        self.door = Door(out, ready_within_s(plant, place), self.departures)
+        self.door = Door(out, ready_within_s(plant, place), self.departures, self.booking_out.waits_for)
         self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
         self._handovers = Handovers(
             place,
@@ -312,14 +318,17 @@ class TransportFlow:
         self._dock.on_ready(report.vehicle, now_s)
         self._owner.beat_soon(now_s)
 
-    def note_booked(self, report: StockChanged) -> None:
-        """The body has counted what a vehicle has moved, or has booked it."""
-        if report.vehicle:
-            self.door.note_moved(report.vehicle, self.bookings.on_stock_changed(report))
+    def note_booked(self, report: StockChanged) -> DepartureMemory | None:
+        """The body has counted what a vehicle has moved, or has booked it: the word that it has answered is returned, None for none."""
+        if not report.vehicle:
+            return None
+        word = self.bookings.on_stock_changed(report)
+        self.door.note_moved(report.vehicle, word)
+        return word
 
-    def on_material(self, report: StockChanged, now_s: float) -> None:
-        """Material has come, or was taken."""
-        self._handovers.on_stock_changed(report, now_s)
+    def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
+        """Material has come, or was taken; `word`: what the body has answered by this."""
+        self._handovers.on_stock_changed(report, word, now_s)
 
     def _announce_sourced(self, need: Need, now_s: float) -> None:
         """What is to be fetched is set aside: have it fetched."""
