@@ -14,7 +14,7 @@ import pytest
 from spoken import rhb
 from transports_rig import TransportsRig
 
-from dray.messages import Phase, Reason, Resigned, Role, TakenOver, Transport
+from dray.messages import THING, Phase, Reason, Resigned, Role, TakenOver, Transport
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TRANSITIONS, TaskState
 from dray.protocol.liveness.failure_detector import UNNAMED_S
@@ -31,14 +31,14 @@ class Walk(TransportsRig):
     """A coordinator's one task at one point of its way, and the changes of its state so far.
 
     Args:
-        goods: it is of goods, and not of material.
+        load: `material`, `goods`, or a `thing` without master data, which exists once as goods do and is counted as material is.
         restored: an earlier life has opened it, and told so much: nothing, a carrier, a carrier with goods on board.
         monkey: notes the changes.
     """
 
-    def __init__(self, goods: bool, restored: str, monkey: Any) -> None:
+    def __init__(self, load: str, restored: str, monkey: Any) -> None:
         super().__init__()
-        self.goods = goods
+        self.load, self.exists_once = load, load != "material"
         self.seen: set[tuple[TaskState, TaskState]] = set()
         enter = States.enter
 
@@ -63,9 +63,11 @@ class Walk(TransportsRig):
 
     def open_work(self) -> OpenTask:
         task = self.open()
-        if self.goods:
-            assert isinstance(task.work, Transport)
+        assert isinstance(task.work, Transport)
+        if self.load == "goods":
             task.work = msgspec.structs.replace(task.work, goal="G1", item="pump-p3")
+        elif self.load == "thing":
+            task.work = msgspec.structs.replace(task.work, item=THING)
         return task
 
     @property
@@ -155,7 +157,7 @@ class Walk(TransportsRig):
                 self.transports.on_heartbeat(rhb(self.task.primary, self.seq, self.now_s), self.now_s)
 
     def goods_leave(self) -> None:
-        if self.task.primary and self.goods:
+        if self.task.primary and self.exists_once:
             self.seq += 1
             beat = rhb(self.task.primary, self.seq, self.now_s, task="T1")
             assert beat.task is not None
@@ -164,7 +166,7 @@ class Walk(TransportsRig):
 
     def goods_leave_unheard(self) -> None:
         """The machine's own senses tell, while the carrier is silent."""
-        if self.task.primary and self.goods:
+        if self.task.primary and self.exists_once:
             self.transports.failover.note_loaded(self.task)
 
     def goods_come_back(self) -> None:
@@ -172,7 +174,7 @@ class Walk(TransportsRig):
             self.transports.reopen(self.task, "the goods are back", self.now_s)
 
     def load_is_counted(self) -> None:
-        if self.task.primary and not self.goods and not self.task.is_counted:
+        if self.task.primary and self.load != "goods" and not self.task.is_counted:
             self.task.states.enter(TaskState.COUNTED)
 
     def is_disputed_again(self) -> None:
@@ -224,21 +226,21 @@ HAPPENINGS: tuple[Callable[[Walk], None], ...] = (
 )
 
 STARTS = [
-    (goods, restored)
-    for goods in (False, True)
+    (load, restored)
+    for load in ("material", "goods", "thing")
     for restored in ("", "nobody", "carried", "loaded")
-    if goods or restored != "loaded"
+    if load != "material" or restored != "loaded"
 ]
 
 
 def walks() -> Iterator[Walk]:
     """Every state that a task comes to, by every happening, from every start."""
-    for goods, restored in STARTS:
+    for load, restored in STARTS:
         paths: list[tuple[Callable[[Walk], None], ...]] = [()]
         known = set()
         for path in paths:
             with pytest.MonkeyPatch.context() as patch:
-                walk = Walk(goods, restored, patch)
+                walk = Walk(load, restored, patch)
                 for happening in path:
                     if not walk.ended:
                         happening(walk)
