@@ -354,5 +354,7 @@ def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
 ) -> None:
     page = open_page(busy_factory, color_scheme=theme)
     expect(page.locator("canvas").first).to_be_visible()
+    expect(page.locator(".live-age")).not_to_be_empty()
+    expect(page.locator(".auction a").first).to_be_visible()
     screenshot(page, f"management-panel-{theme}")
     screenshot(page, f"live-auction-{theme}", of=".auction")
