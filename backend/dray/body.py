@@ -377,6 +377,8 @@ class WorkcellState(Part, frozen=True):
     """Of people: what vehicles have brought and taken by their own word, and nobody has confirmed yet; the oldest first."""
     opened: tuple[str, ...] = ()
     """Vehicles for which its dock is open, or is being opened, where it remembers them over its agent's lives."""
+    gone: tuple[str, ...] = ()
+    """Of people: vehicles that are not wanted there any more, and whose own word of their loads is still awaited."""
 
 
 # --- a storage: instructions and state; it has a dock as a workcell has -------
@@ -406,6 +408,8 @@ class StorageState(Part, frozen=True):
     people: bool = False
     """Whether it is people, whose words (`Word`) it takes."""
     loads: tuple[UnconfirmedLoad, ...] = ()
+    """Of people; see `WorkcellState`."""
+    gone: tuple[str, ...] = ()
     """Of people; see `WorkcellState`."""
 
 

@@ -37,6 +37,8 @@ class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     """Where vehicles dock at the machine that asks, if it is a joining one; empty for one in the plant file."""
     vehicle: IdOrNone = ""
     """The only one that may carry it; empty for any."""
+    vehicle_until_s: Seconds | None = None
+    """Until when only that one may; None for always."""
     handed_at: IdOrNone = ""
     """The node where a person hands the load over, which is then its only source; empty where it is fetched at a station."""
     also: IdOrNone = ""

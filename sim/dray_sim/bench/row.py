@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import gc
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+
+from dray_sim.run.observer import percentile
 
 REPEATS = 5
 """The best of five: other work on the machine can only make a run slower."""
@@ -55,6 +57,30 @@ class Row:
             aim = f"{'at most ' if self.less else ''}{_number(self.target)} {'met' if self.met else 'MISSED'}"
         figure = f"{_number(self.figure)} {self.unit}"
         return (self.name, figure, f"{self.ratio:.3g} x {self.baseline_name}", aim, self.note)
+
+
+def tail_row(
+    name: str, times_s: Sequence[float], note: str = "of the plant's clock", target: float | None = None
+) -> Row:
+    """The 95th percentile of some times (s), beside their median.
+
+    Args:
+        name: what was measured.
+        times_s: all of them.
+        note: by which clock.
+        target: what is to be reached (s); None for nothing.
+    """
+    longest_s = max(times_s, default=0.0)
+    return Row(
+        name,
+        percentile(times_s, 0.95),
+        "s",
+        max(1e-9, percentile(times_s, 0.5)),
+        "the median",
+        target,
+        note=f"{note}; of {len(times_s)}; longest {longest_s:.3g} s",
+        less=True,
+    )
 
 
 HEADS = ("benchmark", "figure", "times the baseline", "aim", "")

@@ -170,3 +170,15 @@ def test_what_was_damaged_has_to_be_counted_and_no_count_is_doubted_then() -> No
     others = {line.material for line in SPEC.stocks} - {ITEM}
     assert (set(shelf.body.sense().uncounted), shelf.level) == (others, 40)
     assert shelf.says(KIND.STOCK_IS, 400) == (REFUSED.UNLIKELY, "40")
+
+
+def test_whose_word_is_awaited_is_told_so_that_an_agent_without_notes_can_end_it() -> None:
+    shelf = Shelf()
+    shelf.body.instruct(OpenDock(ATV, ITEM, 12))
+    assert shelf.body.sense().gone == ()
+    shelf.body.instruct(CloseDock(ATV))
+    assert (shelf.body.sense().opened, shelf.body.sense().gone) == ((), (ATV,))
+    assert shelf.says(KIND.STOCK_IS, 40) == (REFUSED.DOCK_OPEN, "")
+    shelf.body.instruct(CloseDock(ATV))
+    assert shelf.body.sense().gone == ()
+    assert shelf.says(KIND.STOCK_IS, 40) == (None, "")

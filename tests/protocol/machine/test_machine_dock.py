@@ -10,7 +10,7 @@ from msgspec import UNSET
 from rigs import MachineRig
 from spoken import production, rhb
 
-from dray.body import CloseDock, DockReady, OpenDock
+from dray.body import CloseDock, DockReady, OpenDock, StockChanged
 from dray.memory import DepartureMemory
 from dray.messages import (
     Docked,
@@ -46,6 +46,8 @@ def alone() -> tuple[Door, Departures, list[Effect]]:
     door.answers = True
     return door, departures, out
 
+
+HOUSINGS_CAME = StockChanged(item="housing", change=24, seq=1, vehicle="ATV2")
 
 # --- the dock ---------------------------------------------------------------------------------------
 
@@ -186,7 +188,7 @@ def test_a_vehicle_that_goes_away_waits_for_no_dock() -> None:
 def test_whoever_stands_behind_another_one_waits_from_its_turn_on() -> None:
     door, _, _ = alone()
     for vehicle in ("ATV1", "ATV2"):
-        door.open(vehicle, docked(), "housing", 24, 0.0)
+        door.open(vehicle, docked(), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV1", 50.0)
     assert door.wait(110.0) is UNSET
     assert door.wait(111.0) == DockWait(vehicle="ATV2", since_s=50.0)
@@ -285,7 +287,7 @@ def test_what_is_handed_over_is_on_order_no_longer() -> None:
 
 def test_a_dock_at_which_a_vehicle_is_waited_for_stays_open_however_often_it_is_not_wanted() -> None:
     door, departures, out = alone()
-    door.open("ATV2", docked(), "housing", 24, 0.0)
+    door.open("ATV2", docked(), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV2", 5.0)
     door.shut("ATV2", "M7-1")
     door.shut("ATV2", "M7-1")
@@ -300,8 +302,8 @@ def test_a_load_of_before_that_is_answered_late_is_not_the_one_that_a_vehicle_is
 ) -> None:
     door, departures, _ = alone()
     door.answers, door.counts = False, False
-    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
-    door.note_moved("ATV2", DepartureMemory("ATV2", answered, 1, "housing", 24))
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
+    door.note_moved(HOUSINGS_CAME, DepartureMemory("ATV2", answered, 1, "housing", 24))
     door.shut("ATV2", "M7-2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
     assert departures.waits_for("ATV2") is waits
 
@@ -309,15 +311,15 @@ def test_a_load_of_before_that_is_answered_late_is_not_the_one_that_a_vehicle_is
 def test_an_answer_to_no_word_tells_nothing_of_whom_a_body_that_does_not_count_has_let_in() -> None:
     door, departures, _ = alone()
     door.answers, door.counts = False, False
-    door.open("ATV2", docked(), "housing", 24, 0.0)
-    door.note_moved("ATV2")
+    door.open("ATV2", docked(), "housing", 24, 0.0, comes=True)
+    door.note_moved(HOUSINGS_CAME)
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     assert departures.waits_for("ATV2")
 
 
 def test_the_end_of_another_transport_shuts_no_dock_in_which_its_vehicle_stands_for_this_one() -> None:
     door, departures, out = alone()
-    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV2", 5.0)
     # It had another one before, whose loss is noticed only now.
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
@@ -331,7 +333,7 @@ def test_the_end_of_another_transport_shuts_no_dock_in_which_its_vehicle_stands_
 
 def test_a_vehicle_that_waits_for_the_dock_does_so_whatever_ends_besides() -> None:
     door, _, out = alone()
-    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     door.shut("ATV2", "M7-1")
     door.close("ATV2", "M7-1")
@@ -344,9 +346,53 @@ def test_a_vehicle_that_waits_for_the_dock_does_so_whatever_ends_besides() -> No
 def test_where_the_dock_opens_at_once_the_end_of_another_transport_shuts_it_neither(counts: bool) -> None:
     door, _, out = alone()
     door.answers, door.counts = False, counts
-    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
     door.shut("ATV2", "M7-1")
     door.close("ATV2", "M7-1")
     assert instructed(out, CloseDock) == []
     door.close("ATV2", "M7-2")
     assert instructed(out, CloseDock) == [CloseDock("ATV2")]
+
+
+@pytest.mark.parametrize(
+    ("moved", "waits"),
+    [
+        (HOUSINGS_CAME, False),
+        (StockChanged(item="housing", change=-24, seq=1, vehicle="ATV2"), True),
+        (StockChanged(item="shaft", change=24, seq=1, vehicle="ATV2"), True),
+    ],
+    ids=["its load", "what it took", "another load"],
+)
+def test_what_a_body_has_counted_of_another_transport_leaves_a_vehicle_inside(
+    moved: StockChanged, waits: bool
+) -> None:
+    door, departures, _ = alone()
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
+    door.on_ready("ATV2", 5.0)
+    door.note_moved(moved)
+    door.shut("ATV2", "M7-2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
+    assert departures.waits_for("ATV2") is waits
+
+
+def test_who_has_left_after_an_old_transport_still_waits_for_what_it_has_asked_for_since() -> None:
+    subscribed: list[Effect] = []
+    subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, subscribed)
+    out: list[Effect] = []
+    departures = Departures(
+        "m7",
+        subscriptions,
+        Bookings(out, lambda: None),
+        out,
+        lambda: None,
+        left=lambda vehicle, task: door.on_departed(vehicle, task),  # noqa: PLW0108 - made below
+    )
+    door = Door(out, 60.0, departures)
+    door.answers = True
+    door.open("ATV2", docked("M7-1"), "housing", 24, 0.0, comes=True)
+    door.on_ready("ATV2", 5.0)
+    door.open("ATV2", docked("M7-2"), "housing", 24, 8.0, comes=True)
+    door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    departures.on_vehicle(rhb("ATV2", 1, 9.0, task="M7-2"), 9.0)
+    assert (departures.waits_for("ATV2"), door.is_opening("ATV2")) == (False, True)
+    door.on_carried_away("ATV2")
+    assert not door.is_opening("ATV2")

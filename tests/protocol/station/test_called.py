@@ -69,9 +69,13 @@ class StorageRig(Rig):
         self.stock = {kept.material: 0 for kept in PLANT.storages["S1"].stocks} | {"shaft": stock}
         self.seq = self.beats = 0
         self.opened: tuple[str, ...] = ()
+        self.gone: tuple[str, ...] = ()
+        self.counts = True
 
     def sense(self) -> StorageState:
-        return StorageState(stock=dict(self.stock), seq=self.seq, opened=self.opened)
+        return StorageState(
+            stock=dict(self.stock), seq=self.seq, opened=self.opened, counts=self.counts, gone=self.gone
+        )
 
     def asks(self, order: Message = ORDER) -> TransportAnswered:
         """Somebody asks, and is answered."""
@@ -567,10 +571,10 @@ def thing_beats(
     rig.on_message(atv, msgspec.structs.replace(rhb(atv, seq, rig.now_s), task=brief))
 
 
-def with_thing_aboard(phase: Phase = Phase.CARRYING) -> StorageRig:
+def with_thing_aboard(phase: Phase = Phase.CARRYING, order: TransportOrdered = PUMP) -> StorageRig:
     """ATV1 has a thing for S1 on board, which it has fetched at M8; or loads it."""
     rig = started()
-    rig.asks(PUMP)
+    rig.asks(order)
     rig.on_message("M8", StockReserved(THING_TASK, 1, THING, 1))
     offered = bid(200.0, task=THING_TASK, finish_s=rig.now_s + 300.0)
     rig.on_message("ATV1", msgspec.structs.replace(offered, source="M8"))
@@ -580,8 +584,8 @@ def with_thing_aboard(phase: Phase = Phase.CARRYING) -> StorageRig:
     return rig
 
 
-def silent_with_thing() -> StorageRig:
-    rig = with_thing_aboard()
+def silent_with_thing(order: TransportOrdered = PUMP) -> StorageRig:
+    rig = with_thing_aboard(order=order)
     rig.run(rig.now_s + 100.0)
     return rig
 
@@ -623,8 +627,13 @@ def test_a_thing_that_is_called_off_while_it_is_loaded_is_waited_for_by_nobody_w
 
 
 @pytest.mark.parametrize("restart", [False, True], ids=["in one life", "in the next life"])
-def test_a_thing_is_fetched_where_a_person_hands_it_over(restart: bool) -> None:
-    rig = silent_with_thing()
+@pytest.mark.parametrize("until_s", [None, 20.0, 250.0], ids=["for always", "ended", "not ended"])
+@pytest.mark.parametrize("vehicle", ["", "ATV1"])
+def test_a_thing_is_fetched_where_a_person_hands_it_over(
+    vehicle: str, until_s: float | None, restart: bool
+) -> None:
+    """By any vehicle: the only one that was to carry it has failed."""
+    rig = silent_with_thing(msgspec.structs.replace(PUMP, vehicle=vehicle, vehicle_until_s=until_s))
     if restart:
         rig = restarted(rig)
     asked = len(sent(rig.all, StockAsked))
@@ -637,6 +646,7 @@ def test_a_thing_is_fetched_where_a_person_hands_it_over(restart: bool) -> None:
     offered = bid(200.0, task=THING_TASK, epoch=2, finish_s=rig.now_s + 300.0)
     effects = rig.on_message("ATV2", msgspec.structs.replace(offered, source="b2"))
     while not sent(effects, Award, to="ATV2"):
+        assert rig.now_s < 1000.0, "nobody else may fetch it"
         effects += rig.run(rig.now_s + 0.5)
     rig.on_message("ATV2", accepted(THING_TASK, epoch=2, number=award_number(effects, "ATV2", THING_TASK)))
     opened = sent(rig.on_message("ATV2", Docked(THING_TASK, 2, "b2")), DockOpened, to="ATV2")
@@ -688,6 +698,65 @@ def test_a_vehicle_that_comes_back_without_its_thing_ends_the_wait_for_a_person(
     assert (brief.stranded, brief.primary, brief.epoch) == (msgspec.UNSET, "", 2)
     rig.run(rig.now_s + 2.0 * WRITTEN_OFF_AFTER_S)
     assert {each.task for each in published(rig.all, TaskAnnounced)} == {THING_TASK}
+
+
+def test_that_a_thing_is_on_board_is_known_to_the_next_life() -> None:
+    rig = restarted(with_thing_aboard())
+    rig.run(rig.now_s + 100.0)
+    [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
+    assert isinstance(brief.stranded, StrandedGoods)
+    assert published(rig.all, TaskAnnounced) == []
+
+
+def test_that_a_vehicle_goes_on_with_its_thing_is_known_to_the_next_life() -> None:
+    rig = with_thing_aboard()
+    rig.run(rig.now_s + 10.0)
+    for seq in range(2, 8):
+        thing_beats(rig, "ATV1", seq)
+        rig.run(rig.now_s + 1.0)
+    after = restarted(rig)
+    after.run(after.now_s + 1.0)
+    [brief] = after.heartbeats(StationHeartbeat)[-1].tasks
+    assert (brief.stranded, brief.primary) == (msgspec.UNSET, "ATV1")
+
+
+def beats_without_contract(rig: StorageRig, first: int, load: str) -> None:
+    """ATV1 tells of no task, for a minute."""
+    for seq in range(first, first + 60):
+        heartbeat = msgspec.structs.replace(
+            rhb("ATV1", seq, rig.now_s), load=load, load_quantity=1 if load else 0
+        )
+        rig.on_message("ATV1", heartbeat)
+        rig.run(rig.now_s + 1.0)
+
+
+def test_a_vehicle_that_has_forgotten_its_transport_and_has_the_thing_on_board_waits_for_a_person() -> None:
+    rig = with_thing_aboard()
+    beats_without_contract(rig, 2, THING)
+    assert {each.epoch for each in published(rig.all, TaskAnnounced)} == {1}
+    assert (call := published(rig.all, HelpCall)[-1]).goods == THING_TASK
+    assert call.state is not CallState.ENDED
+    # A person takes it off first, and says so then.
+    beats_without_contract(rig, 100, "")
+    assert {each.epoch for each in published(rig.all, TaskAnnounced)} == {1}
+    assert thing_word(rig, MachineCommandKind.FETCH_GOODS, "b2") is None
+    rig.run(rig.now_s + 200.0)
+    work = published(rig.all, TaskAnnounced)[-1].work
+    assert isinstance(work, Transport)
+    assert work.sources == ("b2",)
+
+
+# --- whose word people's bodies await ---
+
+
+def test_the_next_life_tells_its_body_whose_word_of_a_load_will_not_come() -> None:
+    rig = started()
+    rig.asks()
+    rig.carried()
+    rig.beats_in(Phase.APPROACHING)
+    after = StorageRig(rig.stock["shaft"], incarnation=2)
+    after.memory, after.now_s, after.counts, after.gone = committed(rig.all), rig.now_s, False, ("ATV7",)
+    assert instructed(after.start(), CloseDock) == [CloseDock("ATV7")]
 
 
 # --- since when nobody bids ---

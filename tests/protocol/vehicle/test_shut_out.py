@@ -113,10 +113,18 @@ def test_who_has_just_taken_over_waits_for_the_silent_one_first() -> None:
     assert not sent(shut_in(contracted(), 0.0), Resigned)
 
 
-def test_nobody_gives_back_what_it_alone_may_carry() -> None:
+@pytest.mark.parametrize(
+    ("until_s", "gives_back"),
+    [(None, False), (1e6, False), (0.5, True)],
+    ids=["always", "still", "until then"],
+)
+def test_nobody_gives_back_what_it_alone_may_carry_before_others_may(
+    until_s: float | None, gives_back: bool
+) -> None:
     rig = parked()
-    assert sent(rig.on_message("M8", award(work=transport(vehicle="ATV1"))), Accepted)
-    assert not sent(shut_in(rig), Resigned)
+    work = transport(vehicle="ATV1", vehicle_until_s=until_s)
+    assert sent(rig.on_message("M8", award(work=work)), Accepted)
+    assert bool(sent(shut_in(rig), Resigned)) is gives_back
 
 
 def test_a_contract_for_what_was_only_to_be_had_there_waits_longer() -> None:

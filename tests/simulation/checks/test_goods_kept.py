@@ -21,7 +21,9 @@ from dray.messages import (
     StationHeartbeat,
     StrandedGoods,
     Transport,
+    TransportAnswered,
     TransportCancelled,
+    TransportState,
 )
 from dray.messages.fact import MemoryLost, TaskClosed
 from dray.messages.heartbeat import TaskBrief
@@ -75,6 +77,14 @@ def test_by_somebodys_word_it_may_be_given_up(word: Message) -> None:
     dead = Dead(A_THING)
     dead.hears(110.0, "gateway", word)
     dead.given_up(20.0)
+
+
+def test_what_was_called_off_too_late_may_not() -> None:
+    dead = Dead(A_THING)
+    dead.hears(110.0, "gateway", TransportCancelled("T-9"))
+    dead.hears(110.1, "S1", TransportAnswered("T-9", TransportState.ON_BOARD))
+    with pytest.raises(InvariantBroken):
+        dead.given_up(20.0)
 
 
 def test_who_has_lost_its_memory_may_give_up_what_it_does_not_know() -> None:

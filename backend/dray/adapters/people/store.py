@@ -65,6 +65,7 @@ class PeopleStore:
             stock=dict(kept.stock),
             seq=kept.seq,
             opened=self._words.opened,
+            gone=self._words.gone,
             counts=False,
             people=True,
             loads=kept.loads,

@@ -151,6 +151,11 @@ class Words(Generic[K]):
         """Those that were let in and are wanted there."""
         return tuple(visit.vehicle for visit in self.kept.visits if not visit.shut)
 
+    @property
+    def gone(self) -> tuple[str, ...]:
+        """Those that are not wanted there any more, and whose word is still awaited."""
+        return tuple(visit.vehicle for visit in self.kept.visits if visit.shut)
+
     def let_in(self, opened: OpenDock) -> None:
         """A vehicle stands at the dock; harmless when it does already."""
         visit = Visit(opened.vehicle, opened.item, opened.quantity)

@@ -141,6 +141,7 @@ class PeopleWorkcell:
             people=True,
             loads=kept.loads,
             opened=self._words.opened,
+            gone=self._words.gone,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:

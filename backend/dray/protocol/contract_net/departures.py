@@ -58,7 +58,7 @@ class Departures:
         bookings: Bookings,
         out: list[Effect],
         commit: Callable[[], None],
-        left: Callable[[str], None] = lambda _vehicle: None,
+        left: Callable[[str, str], None] = lambda _vehicle, _task: None,
     ) -> None:
         self._node, self._subscriptions, self._out, self._commit = node, subscriptions, out, commit
         self._bookings, self._left = bookings, left
@@ -170,8 +170,8 @@ class Departures:
         self._close(load.vehicle)
 
     def _close(self, vehicle: str) -> None:
-        del self._leaving[vehicle]
+        load = self._leaving.pop(vehicle)
         self._subscriptions.unfollow(vehicle)
         self._out.append(Instruct(CloseDock(vehicle=vehicle)))
-        self._left(vehicle)
+        self._left(vehicle, load.task)
         self._commit()

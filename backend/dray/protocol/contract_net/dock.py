@@ -7,11 +7,12 @@ Who may load or unload is for the dock's owner to know: whoever receives a load 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 from msgspec import UNSET, UnsetType
 from msgspec.structs import replace
 
-from dray.body import CloseDock, OpenDock
+from dray.body import CloseDock, OpenDock, StockChanged
 from dray.memory import DepartureMemory
 from dray.messages import Docked, DockHeld, DockOpened, Transport
 from dray.messages.heartbeat import DockWait
@@ -56,8 +57,23 @@ def ready_within_s(plant: Plant, place: str) -> float:
 NOT_READY = "the dock is not ready yet"
 """To a vehicle, while whoever makes the dock safe has not said that it is."""
 
-OF_EARLIER_LIFE = ("", 0)
-"""The task and the epoch for which an earlier life has let somebody in: not known."""
+
+class Entry(NamedTuple):
+    """What a vehicle has asked the dock for, and is let in for."""
+
+    task: str
+    epoch: int
+    item: str
+    comes: bool
+    """It unloads; else it loads."""
+
+    def is_of(self, load: DepartureMemory) -> bool:
+        """Whether a load is what it is let in for."""
+        return (self.task, self.epoch) == (load.task, load.epoch)
+
+
+OF_EARLIER_LIFE = Entry("", 0, "", comes=False)
+"""For what an earlier life has let somebody in: not known."""
 
 
 class Door:
@@ -83,24 +99,27 @@ class Door:
     ) -> None:
         self._out, self._patience_s, self._departures = out, patience_s, departures
         self._is_told_of = is_told_of
-        self._asked: dict[str, Docked] = {}
+        self._asked: dict[str, tuple[Docked, Entry]] = {}
         """By vehicle, what it has asked for and waits to be opened."""
         self._since_s: dict[str, float] = {}
         """Since when each of them is the next one."""
-        self._inside: dict[str, tuple[str, int]] = {}
-        """Those that were let in, with the task and its epoch: they may be at it."""
+        self._inside: dict[str, Entry] = {}
+        """Those that were let in: they may be at it."""
         self.answers = False
         self.counts = True
 
-    def open(self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float) -> None:
-        """Let a vehicle that stands here load or unload, once; it waits where the body has to make the dock ready for it."""
+    def open(
+        self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float, *, comes: bool
+    ) -> None:
+        """Let a vehicle that stands here unload (`comes`) or load, once; it waits where the body has to make the dock ready for it."""
         self._out.append(Instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity)))
+        entry = Entry(asked.task, asked.epoch, item, comes)
         if self.answers:
-            self._asked[vehicle] = asked
+            self._asked[vehicle] = asked, entry
             self._since_s.setdefault(vehicle, now_s)
             self.hold(vehicle, asked, NOT_READY)
         else:
-            self._let_in(vehicle, asked)
+            self._let_in(vehicle, entry)
             self.agree(vehicle, asked)
 
     def is_opening(self, vehicle: str) -> bool:
@@ -116,10 +135,11 @@ class Door:
 
     def on_ready(self, vehicle: str, now_s: float) -> bool:
         """The body has opened the dock for a vehicle; whether that has waited for it here."""
-        asked = self._forget(vehicle)
-        if asked is None:
+        waited = self._forget(vehicle)
+        if waited is None:
             return False
-        self._let_in(vehicle, asked)
+        asked, entry = waited
+        self._let_in(vehicle, entry)
         self.agree(vehicle, asked)
         # It gets ready: whoever waits behind this one has waited for that one's turn.
         self._since_s = dict.fromkeys(self._since_s, now_s)
@@ -150,10 +170,10 @@ class Door:
             load: what it may move meanwhile, and nobody else would book; None for nothing.
         """
         asked, let_in = self._asked.get(vehicle), self._inside.get(vehicle)
-        waits_for_another = bool(task) and asked is not None and asked.task != task
+        waits_for_another = bool(task) and asked is not None and asked[1].task != task
         if not waits_for_another:
             self._forget(vehicle)
-        if task and let_in not in (None, OF_EARLIER_LIFE) and let_in[0] != task:
+        if task and let_in is not None and let_in.task not in ("", task):
             return
         if waits_for_another and let_in is None:
             return
@@ -172,9 +192,9 @@ class Door:
         if let_in is not None and not self.counts and (load is not None or not self._is_told_of(vehicle)):
             self._watch(vehicle, let_in, load)
 
-    def _watch(self, vehicle: str, let_in: tuple[str, int], load: DepartureMemory | None) -> None:
+    def _watch(self, vehicle: str, let_in: Entry, load: DepartureMemory | None) -> None:
         """Wait until it has left, for what it was let in for."""
-        if load is not None and let_in == (load.task, load.epoch):
+        if load is not None and let_in.is_of(load):
             self._departures.watch(load)
         elif load is not None and let_in == OF_EARLIER_LIFE:
             # Whether for this load nobody knows: in doubt it is booked out, and never in.
@@ -184,23 +204,28 @@ class Door:
 
     def close(self, vehicle: str, task: str) -> None:
         """A vehicle has done what it was let in for by a task."""
-        if self._inside.get(vehicle, ("", 0))[0] in ("", task):
+        if self._inside.get(vehicle, OF_EARLIER_LIFE).task in ("", task):
             self._inside.pop(vehicle, None)
         self.shut(vehicle, task)
 
-    def note_moved(self, vehicle: str, word: DepartureMemory | None = None) -> None:
+    def note_moved(self, report: StockChanged, word: DepartureMemory | None = None) -> None:
         """What a vehicle has moved is booked: it is inside no more, unless it was let in for something else since. What it has asked for still waits.
 
         Args:
-            vehicle: which.
+            report: what the body has booked.
             word: what its agent had told the body of it; None where the body has counted it by itself, or has answered before.
         """
-        if word is None:
-            is_of_it = self.counts
+        let_in = self._inside.get(report.vehicle)
+        if let_in is None:
+            return
+        if let_in == OF_EARLIER_LIFE:
+            is_of_it = self.counts or word is not None
+        elif word is not None:
+            is_of_it = let_in.is_of(word)
         else:
-            is_of_it = self._inside.get(vehicle) in (OF_EARLIER_LIFE, (word.task, word.epoch))
+            is_of_it = self.counts and (let_in.item, let_in.comes) == (report.item, report.change > 0)
         if is_of_it:
-            self._inside.pop(vehicle, None)
+            del self._inside[report.vehicle]
 
     def note_left(self, vehicle: str) -> None:
         """A vehicle that was let in to load has left without, and tells no more of it: a body that waits for its word is told."""
@@ -212,15 +237,24 @@ class Door:
         ):
             self._out.append(Instruct(CloseDock(vehicle=vehicle)))
 
-    def forget(self, vehicle: str) -> None:
-        """A vehicle has gone away: it waits for nothing here any more."""
+    def on_departed(self, vehicle: str, task: str) -> None:
+        """A vehicle has left that was watched for a task, empty where nobody knows for which: it waits for nothing of that any more.
+
+        What it has asked for since still waits.
+        """
+        self._inside.pop(vehicle, None)
+        if vehicle in self._asked and self._asked[vehicle][1].task == task:
+            self._forget(vehicle)
+
+    def on_carried_away(self, vehicle: str) -> None:
+        """People have carried a vehicle away: it waits for nothing here any more."""
         self._inside.pop(vehicle, None)
         self._forget(vehicle)
 
-    def _let_in(self, vehicle: str, asked: Docked) -> None:
-        self._inside[vehicle] = (asked.task, asked.epoch)
-        self._departures.note_let_in(vehicle, asked.task, asked.epoch)
+    def _let_in(self, vehicle: str, entry: Entry) -> None:
+        self._inside[vehicle] = entry
+        self._departures.note_let_in(vehicle, entry.task, entry.epoch)
 
-    def _forget(self, vehicle: str) -> Docked | None:
+    def _forget(self, vehicle: str) -> tuple[Docked, Entry] | None:
         self._since_s.pop(vehicle, None)
         return self._asked.pop(vehicle, None)

@@ -48,6 +48,7 @@ class CarrierContract:
         "detector",
         "first_promised_s",
         "held_s",
+        "left_aboard",
         "phase",
         "phase_s",
         "primary",
@@ -71,6 +72,8 @@ class CarrierContract:
         """How the primary comes on, while it is followed."""
         self.unnamed_s = NEVER_S
         """Since when the primary does not name the task in its heartbeat."""
+        self.left_aboard = False
+        """The primary has forgotten it, and had its thing on board then."""
         self.phase: Phase | None = None
         """How far the primary had come when it was heard last; None before it has said so."""
         self.phase_s = 0.0

@@ -155,7 +155,7 @@ class Machine(AgentBase):
             () if traffic is None else docks_heard(machine, plant.materials_of(machine), plant, self._keys)
         )
         heard = self._flow.subscriptions
-        gone = self._flow.departures.on_carried_away
+        gone = self._flow.on_carried_away
         self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out, gone)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
@@ -212,6 +212,7 @@ class Machine(AgentBase):
         if isinstance(note, MachineMemory):
             self._restore(note, memory, now_s)
         self._flow.shut_unknown(body.opened)
+        self._flow.dismiss(body.gone)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
         self._flow.goods.count()
         self._out += [Subscribe(self._keys.goals(each)) for each in (*self._goals.products.own, self.id)]

@@ -130,7 +130,7 @@ class Station(AgentBase):
         }
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         heard = self._flow.subscriptions
-        gone = self._flow.departures.on_carried_away
+        gone = self._flow.on_carried_away
         self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._timers, self._out, gone)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
@@ -167,6 +167,7 @@ class Station(AgentBase):
             self._flow.restore_tasks((), memory, now_s)
         bringing = {task.primary for task in self._flow.tasks}
         self._issuing.shut_unknown(vehicle for vehicle in state.opened if vehicle not in bringing)
+        self._flow.dismiss(state.gone)
         self._out += (Subscribe(self._keys.all_free), *self._docks)
         self._closures.listen()
         if self.incarnation > 1:

@@ -25,7 +25,7 @@ from typing import Protocol, cast
 
 from msgspec import UNSET
 
-from dray.messages import AtvHeartbeat, Phase, Reason, TakenOver, Transport
+from dray.messages import THING, AtvHeartbeat, Phase, Reason, TakenOver, Transport
 from dray.messages.fact import CarrierChanged, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.task import OpenTask
@@ -85,6 +85,7 @@ class Failover:
         assessor: what it expects of its carriers, and has learned of them.
         is_missing: whether the load of a task lies at the coordinator no more, by its own senses.
         source_answers: whether the station where the load of a task is fetched lives, at a time (s).
+        commit: called when the next life must know of something else.
 
     Attributes:
         aboard: goods that were left on board.
@@ -102,6 +103,7 @@ class Failover:
         assessor: Assessor,
         is_missing: Callable[[OpenTask], bool],
         source_answers: Callable[[OpenTask, float], bool],
+        commit: Callable[[], None],
     ) -> None:
         self._tasks = tasks
         self._secondaries = secondaries
@@ -112,7 +114,8 @@ class Failover:
         self._assessor = assessor
         self._is_missing = is_missing
         self._source_answers = source_answers
-        self.aboard = LeftAboard(tasks, timers, remedies)
+        self._commit = commit
+        self.aboard = LeftAboard(tasks, timers, remedies, commit)
         self.alarms = {PRIMARY_SILENCE: self._check, **self.aboard.alarms}
 
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
@@ -140,6 +143,7 @@ class Failover:
             task.states.enter(TaskState.IN_TRANSIT)
             self.aboard.forget(task)
             self._secondaries.seek_no_more(task)
+            self._commit()
 
     def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """The primary lives; it may have lost its contract."""
@@ -160,7 +164,7 @@ class Failover:
                 self.aboard.goes_on(task)
         elif task.contract.unnamed_s == NEVER_S:
             task.contract.unnamed_s = now_s
-        elif now_s - task.contract.unnamed_s > UNNAMED_S:
+        elif now_s - task.contract.unnamed_s > UNNAMED_S and not task.contract.left_aboard:
             self.replace(task, Reason.FORGOTTEN, now_s)
 
     def objection(self, task: OpenTask, sender: str, message: TakenOver, now_s: float) -> Reason | None:
@@ -293,7 +297,11 @@ class Failover:
 
     def _wait_for_goods(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         detector = cast(FailureDetector, task.contract.detector)
-        if detector.failure(now_s):
+        last = detector.last
+        if task.is_thing and reason is Reason.FORGOTTEN and last is not None and last.load == THING:
+            # A person takes it off, whatever its carrier says of it after that.
+            task.contract.left_aboard = True
+        if task.contract.left_aboard or detector.failure(now_s):
             self.aboard.strand(task, now_s)
             self._remedies.wait(task, reason, now_s)
         elif task.is_of_goods or cast(Transport, task.work).handed_at:

@@ -14,7 +14,7 @@ Until another vehicle has them on board that time runs on: who has promised to h
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol, cast
 
 from msgspec.structs import replace
@@ -47,15 +47,23 @@ class LeftAboard:
         tasks: its open tasks, by id.
         timers: its alarms; this class uses names ``(GOODS_WAIT, task)``.
         remedies: the coordinator.
+        commit: called when the next life must know of something else.
 
     Attributes:
         alarms: what to call when an alarm of this class has come, with (task, now_s).
     """
 
-    def __init__(self, tasks: Mapping[str, OpenTask], timers: Timers, remedies: Remedies) -> None:
+    def __init__(
+        self,
+        tasks: Mapping[str, OpenTask],
+        timers: Timers,
+        remedies: Remedies,
+        commit: Callable[[], None],
+    ) -> None:
         self._tasks = tasks
         self._timers = timers
         self._remedies = remedies
+        self._commit = commit
         self.alarms = {GOODS_WAIT: self._end_wait}
 
     def restore(self, task: OpenTask, goods: StrandedGoods | None) -> None:
@@ -78,6 +86,7 @@ class LeftAboard:
         node = last.node if last is not None else ""
         task.stranded = StrandedGoods(atv=task.primary, node=node, until_s=now_s + WRITTEN_OFF_AFTER_S)
         self._timers.set((GOODS_WAIT, task.id), task.stranded.until_s)
+        self._commit()
 
     def goes_on(self, task: OpenTask) -> None:
         """Their carrier is well again; harmless when it was."""
@@ -87,8 +96,10 @@ class LeftAboard:
 
     def forget(self, task: OpenTask) -> None:
         """They wait no more: somebody has them on board who can go on, or they are back."""
-        task.stranded = None
+        was_waiting, task.stranded = task.stranded is not None, None
         self._timers.clear((GOODS_WAIT, task.id))
+        if was_waiting:
+            self._commit()
 
     # --- what people say ---
 
@@ -98,7 +109,10 @@ class LeftAboard:
         if task is None or task.stranded is None or task.state is not TaskState.STRANDED:
             return CommandRefusal.NOT_STRANDED
         task.stranded = replace(task.stranded, handed_at=node)
-        task.work = replace(cast(Transport, task.work), sources=(node,), handed_at=node)
+        # Whoever was to carry it has failed, and a person has taken it off: any other vehicle may fetch it.
+        task.work = replace(
+            cast(Transport, task.work), sources=(node,), handed_at=node, vehicle="", vehicle_until_s=None
+        )
         self._remedies.pass_on(task, Reason.HANDED_BY_PERSON, now_s)
         return None
 

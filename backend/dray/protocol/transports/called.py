@@ -229,6 +229,7 @@ class CalledTransports:
                 if called.item == THING
                 else self._plant.materials[called.item].ability,
                 vehicle=called.vehicle,
+                vehicle_until_s=called.vehicle_until_s,
                 also="" if called.item == THING else called.ability,
             )
             self._flow.seek(called.task, work, called.due_s, now_s)
@@ -239,7 +240,7 @@ class CalledTransports:
         if called is None:
             return
         task = self._flow.tasks.get(called.task)
-        if task is not None and (task.primary or self._is_on_board(called)):
+        if task is not None and (task.primary or task.is_held or not task.lies_at_source):
             self._timers.set((WISH_ENDS, transport), now_s + LOOK_AGAIN_S)
             return
         if task is not None:

@@ -75,7 +75,9 @@ class Dock:
         if held:
             self._door.hold(sender, message, held)
         elif here:
-            self._door.open(sender, message, work.item, work.quantity, now_s)
+            self._door.open(
+                sender, message, work.item, work.quantity, now_s, comes=work.destination == self._place
+            )
             if self._door.answers:
                 task.contract.held_s = min(was_held_s, now_s)
         else:

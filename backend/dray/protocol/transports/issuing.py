@@ -166,7 +166,7 @@ class Issuing:
             self._door.shut(ask.vehicle, ask.task)
         ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
         self._book.renew(ask, now_s)
-        self._door.open(vehicle, docked, ask.item, ask.quantity, now_s)
+        self._door.open(vehicle, docked, ask.item, ask.quantity, now_s, comes=False)
         self._changed(now_s)
 
     # --- what follows ---

@@ -172,7 +172,7 @@ class TransportFlow:
             self.bookings,
             out,
             owner.commit,
-            left=lambda vehicle: self.door.forget(vehicle),  # noqa: PLW0108 - made below
+            left=lambda vehicle, task: self.door.on_departed(vehicle, task),  # noqa: PLW0108 - made below
         )
         self.door = Door(out, ready_within_s(plant, place), self.departures, self.booking_out.waits_for)
         self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
@@ -244,7 +244,7 @@ class TransportFlow:
         self.booking_out.note_aboard(vehicle, docked.item)
         self.booking_out.on_docked(vehicle, docked, now_s)
         self.departures.take_back(load, now_s)
-        self.door.open(vehicle, docked, docked.item, docked.quantity, now_s)
+        self.door.open(vehicle, docked, docked.item, docked.quantity, now_s, comes=True)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life, and with those that people have asked for."""
@@ -318,12 +318,23 @@ class TransportFlow:
         self._dock.on_ready(report.vehicle, now_s)
         self._owner.beat_soon(now_s)
 
+    def on_carried_away(self, vehicle: str) -> None:
+        """People have carried a vehicle away: it is inside no more, and waits for nothing here."""
+        self.departures.on_carried_away(vehicle)
+        self.door.on_carried_away(vehicle)
+
+    def dismiss(self, gone: Iterable[str]) -> None:
+        """Tell the body, of vehicles whose word it awaits, which of them have none to say any more."""
+        for vehicle in gone:
+            if not self.booking_out.waits_for(vehicle):
+                self.door.note_left(vehicle)
+
     def note_booked(self, report: StockChanged) -> DepartureMemory | None:
         """The body has counted what a vehicle has moved, or has booked it: the word that it has answered is returned, None for none."""
         if not report.vehicle:
             return None
         word = self.bookings.on_stock_changed(report)
-        self.door.note_moved(report.vehicle, word)
+        self.door.note_moved(report, word)
         return word
 
     def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:

@@ -146,7 +146,7 @@ class Transports(Coordinator):
         self._auctions.waits = self.told_waits
         self._secondaries = Secondaries(self._open, self._auctions, subscriptions, timers, out)
         watched = (self._open, self._secondaries, subscriptions)
-        self.failover = Failover(*watched, timers, out, self, assessor, is_missing, source_answers)
+        self.failover = Failover(*watched, timers, out, self, assessor, is_missing, source_answers, commit)
         self.alarms |= self._secondaries.alarms | self.failover.alarms
 
     def superseded(self, task_id: str, epoch: int) -> Superseded:

@@ -17,8 +17,7 @@ from dray.plant import Plant
 from dray_sim.bench.losses.fleet import Fleet
 from dray_sim.bench.rest_work.calls import PIECES, Callers, Watch, button, call_once, loads, plan, tablet
 from dray_sim.bench.rest_work.house import Client
-from dray_sim.bench.row import Row
-from dray_sim.run.observer import percentile
+from dray_sim.bench.row import Row, tail_row
 
 TRIES = 180
 """Seconds for one call: a gateway that was killed is started again in some, on a busy computer in some dozens."""
@@ -171,17 +170,9 @@ def rows_of(called: Called, events: Iterable[Event], asked_s: Mapping[str, float
             target=0,
             less=True,
         ),
-        _times("calls: from call to bid won, p95", won_s),
-        _times("calls: from call to delivery, p95", done_s),
-        Row(
-            "calls: from call to 201, p95",
-            percentile(called.callers.waits_s, 0.95),
-            "s",
-            max(1e-9, percentile(called.callers.waits_s, 0.5)),
-            "the median",
-            note=f"real time; longest {max(called.callers.waits_s, default=0.0):.1f} s",
-            less=True,
-        ),
+        tail_row("calls: from call to bid won, p95", won_s),
+        tail_row("calls: from call to delivery, p95", done_s),
+        tail_row("calls: from call to 201, p95", called.callers.waits_s, "real time"),
     ]
 
 
@@ -189,15 +180,3 @@ def _ends(events: Iterable[Event]) -> Iterable[Any]:
     for event in events:
         if getattr(event.fact, "state", None) is TransportState.DELIVERED:
             yield event
-
-
-def _times(name: str, took_s: Sequence[float]) -> Row:
-    return Row(
-        name,
-        percentile(took_s, 0.95),
-        "s",
-        max(1e-9, percentile(took_s, 0.5)),
-        "the median",
-        note=f"of the plant's clock; of {len(took_s)}; longest {max(took_s, default=0.0):.0f} s",
-        less=True,
-    )

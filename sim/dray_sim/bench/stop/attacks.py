@@ -224,7 +224,9 @@ async def tracking_flood(target: Target) -> None:
     products = list(default_plant().products)
     items = [{"product": products[at % len(products)], "quantity": 1} for at in range(MAX_ITEMS)]
     order = json.dumps({"customer": "a customer", "items": items}).encode()
-    placed = json.loads(await _ask(target, "POST", "/api/orders", order))
+    while not (answer := await _ask(target, "POST", "/api/orders", order)):
+        await asyncio.sleep(1.0)
+    placed = json.loads(answer)
     page = placed["tracking_url"].partition("/track/")[2]
     paths = [("GET", path + token, b"") for token in ("x" * 32, page) for path in ("/api/track/", "/track/")]
     await _each(2 * WORKERS, lambda worker: _ask_all(target, _turned(paths, worker)))

@@ -19,7 +19,9 @@ from dray.messages import (
     Message,
     StationHeartbeat,
     Transport,
+    TransportAnswered,
     TransportCancelled,
+    TransportState,
 )
 from dray.messages.fact import MemoryLost, TaskClosed, TaskOpened
 from dray.protocol.takeover.left_aboard import WRITTEN_OFF_AFTER_S
@@ -53,11 +55,8 @@ class GoodsKept:
         """Note one utterance."""
         if type(message) is AtvHeartbeat:
             self._heard_s[message.atv] = at_s
-        elif type(message) is MachineCommand:
-            if message.kind is MachineCommandKind.WRITE_OFF:
-                self._note_word(message.task)
-        elif type(message) is TransportCancelled:
-            self._note_word(message.transport)
+        elif isinstance(message, (MachineCommand, TransportCancelled, TransportAnswered)):
+            self._on_word(message)
         elif type(message) is Event:
             fact = message.fact
             if type(fact) is TaskOpened:
@@ -70,6 +69,15 @@ class GoodsKept:
             elif type(fact) is MemoryLost:
                 # It may have taken up tasks since of which it knows less.
                 self._goods = {task: goods for task, goods in self._goods.items() if goods[1] != sender}
+
+    def _on_word(self, message: MachineCommand | TransportCancelled | TransportAnswered) -> None:
+        match message:
+            case MachineCommand(kind=MachineCommandKind.WRITE_OFF, task=task):
+                self._note_word(task)
+            case TransportCancelled(transport=transport):
+                self._note_word(transport)
+            case TransportAnswered(transport=transport, state=TransportState.ON_BOARD):
+                self._words.pop(transport, None)  # It was called off too late, and goes on.
 
     def _note_word(self, about: str) -> None:
         self._words[about] = None

@@ -71,9 +71,11 @@ class JobMoves:
             if other != self._source
         )
 
-    def is_shut_in(self) -> bool:
+    def is_shut_in(self, now_s: float) -> bool:
         """Whether others may fetch the load that this vehicle cannot: something is known to lie on every way from here, and on none from the destination."""
-        if self._work.vehicle or not self.is_shut_out_of(self._source):
+        until_s = self._work.vehicle_until_s
+        may_others = not self._work.vehicle or (until_s is not None and until_s <= now_s)
+        if not may_others or not self.is_shut_out_of(self._source):
             return False
         return self._routes.leads_round(self._dock(self._work.destination), self._dock(self._source))
 

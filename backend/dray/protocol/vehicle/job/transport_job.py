@@ -256,7 +256,7 @@ class TransportJob:
             if self._moves.can_fetch_elsewhere():
                 self._short = self.source
                 self.give_back(Reason.WAY_BLOCKED, now_s, by)
-            elif waited_s >= SHUT_OUT_S and self._moves.is_shut_in():
+            elif waited_s >= SHUT_OUT_S and self._moves.is_shut_in(now_s):
                 self.give_back(Reason.WAY_BLOCKED, now_s, by)
         elif self.state is JobState.RETURNING and (refuge := self._moves.refuge()) != self._station:
             self._station = refuge
