@@ -224,8 +224,10 @@ async def tracking_flood(target: Target) -> None:
     products = list(default_plant().products)
     items = [{"product": products[at % len(products)], "quantity": 1} for at in range(MAX_ITEMS)]
     order = json.dumps({"customer": "a customer", "items": items}).encode()
-    while not (answer := await _ask(target, "POST", "/api/orders", order)):
-        await asyncio.sleep(1.0)
+    while True:
+        if answer := await _ask(target, "POST", "/api/orders", order):
+            break
+        await asyncio.sleep(1.0)  # Others attack meanwhile: it was turned away.
     placed = json.loads(answer)
     page = placed["tracking_url"].partition("/track/")[2]
     paths = [("GET", path + token, b"") for token in ("x" * 32, page) for path in ("/api/track/", "/track/")]
