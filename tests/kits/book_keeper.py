@@ -14,7 +14,7 @@ from dray.plant import default_plant
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 from dray.protocol.runtime.events import Effect, Ignore, Record, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
 from dray.protocol.traffic.places import Places
@@ -49,23 +49,23 @@ class Keeper:
     def __init__(self, memory: dict[str, Note] | None = None, now_s: float = 0.0) -> None:
         traffic = TrafficMap(PLANT, is_signed)
         traffic.places = PLACES
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         self.books = Bookkeeping(
             "M4",
             PLANT,
             traffic,
             TrustedKeys(KEY.public),
-            HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, self.out),
-            Timers(),
-            self.out,
+            HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, self.life),
+            self.life,
         )
         self.books.start(memory or {NOTE + DISTRICT: BookMemory(0, 0, 0)}, now_s)
         self.table = self.books.handlers({})
 
     def told(self, sender: str, message: Message, now_s: float) -> list[Effect]:
-        self.out.clear()
+        self.life.effects.clear()
         self.table[type(message)](sender, message, now_s)
-        return list(self.out)
+        return list(self.life.effects)
 
     def remove(self, now_s: float = LATER_S, **how: Any) -> list[str]:
         """Returns why it is not believed."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dray.messages.floor.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking, PlaceWished
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.copies import Copies, Kept
 
 NAMES = ("M1", "M2", "M3")
@@ -13,18 +14,20 @@ class Trio:
     """Three keepers and what is under way between them."""
 
     def __init__(self) -> None:
-        self.outs: dict[str, list[Effect]] = {name: [] for name in NAMES}
-        self.keepers = {name: Copies("M1", name, NAMES, Kept(), self.outs[name], is_signed) for name in NAMES}
+        self.lives = {name: Life() for name in NAMES}
+        self.keepers = {
+            name: Copies("M1", name, NAMES, Kept(), self.lives[name], is_signed) for name in NAMES
+        }
         self.cut: set[str] = set()
         self.to_vehicles: list[tuple[str, Send]] = []
         """Who has said what to vehicles."""
 
     def carry(self) -> None:
         """Deliver everything, until nothing is under way."""
-        while any(self.outs.values()):
-            for sender, out in self.outs.items():
-                effects = list(out)
-                out.clear()
+        while any(life.effects for life in self.lives.values()):
+            for sender, life in self.lives.items():
+                effects = list(life.effects)
+                life.effects.clear()
                 for effect in effects:
                     assert isinstance(effect, Send)
                     if sender not in self.cut and effect.to not in self.cut:

@@ -20,7 +20,8 @@ from dray.messages.fact import AwardGiven
 from dray.protocol.contract_net.auction import Auction, Stage
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.terms import Place, Terms
-from dray.protocol.runtime.events import NEVER_S, Effect, Send
+from dray.protocol.runtime.events import NEVER_S, Send
+from dray.protocol.runtime.life import Life
 
 BIDDERS = ("ATV1", "ATV2", "ATV3", "ATV4")
 WILLING = "ATV9"
@@ -60,7 +61,8 @@ class Hall:
     """An auction, its bidders, and what must never be seen."""
 
     def __init__(self, rules: AuctionRules, candidates: list[tuple[str, float]] | None = None) -> None:
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         self.seen = 0
         self.now_s = 0.0
         self.asked = ""
@@ -75,7 +77,7 @@ class Hall:
         terms = Terms(task="T1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=300.0)
         place = Place(x_m=30.0, y_m=20.0, reach_m=72.0)
         self.auction = Auction(
-            "M8", terms, place, lambda _radius_m: ("k",), rules, self.out, Credulous(), left_over
+            "M8", terms, place, lambda _radius_m: ("k",), rules, self.life, Credulous(), left_over
         )
         self.auction.open(0.0)
         self.check()
@@ -135,7 +137,7 @@ class Hall:
             assert (auction.stage is Stage.ASKING) is bool(self.asked)
 
     def read(self) -> None:
-        for effect in self.out[self.seen :]:
+        for effect in self.life.effects[self.seen :]:
             if not isinstance(effect, Send):
                 continue
             if isinstance(effect.message, Award):
@@ -146,7 +148,7 @@ class Hall:
                 self.bound.pop(effect.to, None)
                 if self.asked == effect.to:
                     self.asked = ""
-        self.seen = len(self.out)
+        self.seen = len(self.life.effects)
 
     def all_arrive(self) -> None:
         for bidder, numbers in self.under_way.items():

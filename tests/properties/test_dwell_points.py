@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dray.messages import DwellPointClaimed
-from dray.protocol.runtime.events import Effect, Publish
+from dray.protocol.runtime.events import Publish
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.dwell_points import DwellPoints, Hold
 
 DWELL_POINT = "CH3"
@@ -19,8 +20,9 @@ class Claimant:
 
     def __init__(self, atv: str, battery_frac: float, standing: bool) -> None:
         self.atv = atv
-        self.out: list[Effect] = []
-        self.dwell_points = DwellPoints(atv, PLANT, "light", KEYS, self.out)
+        self.life = Life()
+        self.out = self.life.effects
+        self.dwell_points = DwellPoints(atv, PLANT, "light", KEYS, self.life)
         self.rank = (not standing, battery_frac, atv)
         if standing:
             self.dwell_points.stand(DWELL_POINT, battery_frac)
@@ -35,8 +37,8 @@ class Claimant:
 
     def said(self) -> list[DwellPointClaimed]:
         """What it has said since the last question."""
-        claims = [effect.message for effect in self.out if isinstance(effect, Publish)]
-        self.out.clear()
+        claims = [effect.message for effect in self.life.effects if isinstance(effect, Publish)]
+        self.life.effects.clear()
         return [claim for claim in claims if isinstance(claim, DwellPointClaimed)]
 
 

@@ -17,8 +17,8 @@ from spoken import transport
 from dray.body import Drive, Drop, Pick, VehicleState, WayDone
 from dray.memory import Contract
 from dray.messages import DockHeld, DockOpened, HandoverAccepted, Phase, Pose, Superseded
-from dray.protocol.runtime.events import NEVER_S, Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
 from dray.protocol.vehicle.job.job_state import LOADED, MANOEUVRES, TRANSITIONS, VOID, JobState, JobStates
@@ -41,9 +41,9 @@ class Walk:
         self, work: dict[str, Any], phase: Phase | None, *, loaded: bool, void: str, monkey: Any
     ) -> None:
         self.now_s = 0.0
-        self.out: list[Effect] = []
-        self.timers = Timers()
-        self.driver = Driver(PLANT, "light", self.out)
+        self.life = Life()
+        self.out = self.life.effects
+        self.driver = Driver(PLANT, "light", self.life)
         node = PLANT.nodes["p3"]
         self.driver.sense(
             VehicleState(
@@ -75,8 +75,7 @@ class Walk:
             plant=PLANT,
             vehicle_type="light",
             driver=self.driver,
-            timers=self.timers,
-            out=self.out,
+            life=self.life,
         )
         self.load = carried.item if loaded else ""
         self.seen: set[tuple[JobState, JobState]] = set()
@@ -98,7 +97,7 @@ class Walk:
 
     def arrives(self) -> None:
         if self.driver.way:
-            way = instructed(self.out, Drive)[-1]
+            way = instructed(self.life.effects, Drive)[-1]
             self.driver.on_done(WayDone(order=way.order, node=way.nodes[-1]), 0.0)
             self.job.arrived(self.now_s)
 
@@ -114,7 +113,7 @@ class Walk:
 
     @property
     def _order(self) -> int:
-        return max(act.order for kind in (Pick, Drop) for act in instructed(self.out, kind))
+        return max(act.order for kind in (Pick, Drop) for act in instructed(self.life.effects, kind))
 
     def opens(self) -> None:
         for station in (self.job.source, "M8"):
@@ -139,9 +138,9 @@ class Walk:
         self.waits()
 
     def waits(self) -> None:
-        if self.timers.next_s < NEVER_S and self.job.state not in MANOEUVRES and not self.job.ended:
-            self.now_s = max(self.now_s, self.timers.next_s)
-            if list(self.timers.due(self.now_s)):
+        if self.life.timers.next_s < NEVER_S and self.job.state not in MANOEUVRES and not self.job.ended:
+            self.now_s = max(self.now_s, self.life.timers.next_s)
+            if list(self.life.timers.due(self.now_s)):
                 self.job.wake(self.load, self.now_s)
 
     def hears_nothing(self) -> None:

@@ -15,6 +15,7 @@ from dray.protocol.contract_net.auction_rules import PATIENCE_S, AuctionRules
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.machine.production import Goal, GoalBook
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.transports import most_urgent, stands_back
 
 PLENTY = {"housing": 10_000, "impeller": 10_000, "seal-kit": 10_000, "shaft": 10_000, "bearing": 10_000}
@@ -125,6 +126,6 @@ def _waiting(name: str, priority: Priority, now_s: float) -> OpenTask:
     work = transport()
     terms = Terms(name, 1, Role.PRIMARY, work, now_s + TRANSPORT_WITHIN_S[priority])
     place = Place(x_m=0.0, y_m=0.0, reach_m=100.0)
-    auction = Auction("M8", terms, place, lambda _radius_m: ("k",), AuctionRules(), [], Credulous())
+    auction = Auction("M8", terms, place, lambda _radius_m: ("k",), AuctionRules(), Life(), Credulous())
     auction.stand_behind(now_s)
     return OpenTask(name, work, auction, now_s)

@@ -35,7 +35,7 @@ from dray.protocol.liveness.suspicion import (
     ArrivalStatistics,
     allowed_misses,
 )
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.life import Life
 
 CLOSE = 1e-9
 """Two ways to add up the same numbers differ by rounding only."""
@@ -62,10 +62,10 @@ def next_to_ask(offers: list[tuple[str, Bid]], asked: list[str]) -> str:
 def test_the_ranking_is_the_naive_one_and_so_are_those_who_are_left(
     offers: list[tuple[str, float, float]], refusals: int
 ) -> None:
-    out: list[Effect] = []
+    life = Life()
     terms = Terms(task="T1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=300.0)
     place = Place(x_m=0.0, y_m=0.0, reach_m=10.0)
-    auction = Auction("M8", terms, place, lambda _radius_m: ("k",), AuctionRules(), out, Credulous())
+    auction = Auction("M8", terms, place, lambda _radius_m: ("k",), AuctionRules(), life, Credulous())
     auction.open(0.0)
     told = [(bidder, bid(cost_s, finish_s=finish_s)) for bidder, cost_s, finish_s in offers]
     for bidder, offer in told:
@@ -74,7 +74,7 @@ def test_the_ranking_is_the_naive_one_and_so_are_those_who_are_left(
     asked: list[str] = []
     while expected := next_to_ask(told, asked):
         asked.append(expected)
-        assert [fact.bidder for fact in facts(out, AwardGiven)] == asked
+        assert [fact.bidder for fact in facts(life.effects, AwardGiven)] == asked
         if len(asked) > refusals:
             auction.on_accepted(expected, accepted(number=len(asked)))
             break

@@ -15,7 +15,7 @@ from dray.plant import Plant, load_plant
 from dray.plant.model import VehicleSpec
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Commit, Effect, Heard, Ignore, Instruct, Started
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.bookkeeping import NOTE, WITHOUT_BOOKS, Bookkeeping
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -108,18 +108,17 @@ def wish(district: str) -> PlaceWished:
 
 
 def test_a_machine_without_right_of_way_says_why_it_answers_no_wish() -> None:
-    out: list[Effect] = []
+    life = Life()
     table = Bookkeeping(
         "M1",
         PLANT,
         None,
         TrustedKeys(KEY.public),
-        HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, out),
-        Timers(),
-        out,
+        HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life),
+        life,
     ).handlers({})
     table[PlaceWished]("ATV1", wish("M1"), 0.0)
-    assert out == [Ignore(WITHOUT_BOOKS)]
+    assert life.effects == [Ignore(WITHOUT_BOOKS)]
 
 
 def changed() -> Plant:
@@ -141,8 +140,8 @@ def test_the_book_of_a_district_that_is_no_more_is_forgotten() -> None:
     name = next(district for district, keepers in TRAFFIC.places.keepers_of.items() if "M1" in keepers)
     kept = BookMemory(0, 0, 1, ())
     memory: dict[str, Note] = {f"{NOTE}{name}": kept, f"{NOTE}M1.00000000": kept}
-    heartbeats = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, [])
-    books = Bookkeeping("M1", PLANT, TRAFFIC, TrustedKeys(KEY.public), heartbeats, Timers(), [])
+    heartbeats = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, Life())
+    books = Bookkeeping("M1", PLANT, TRAFFIC, TrustedKeys(KEY.public), heartbeats, Life())
     books.start(memory, 0.0)
     gone = [commit for commit in books.commits() if commit.note is None]
     assert gone == [Commit(None, f"{NOTE}M1.00000000")]

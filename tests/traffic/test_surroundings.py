@@ -6,6 +6,7 @@ from dray.messages.floor.traffic import FloorTold, OnFloor
 from dray.messages.keys import Keys
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.prices import SILENT_S, Prices
 from dray.protocol.traffic.surroundings import AGAIN_S, COUNTS_S, Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -44,19 +45,19 @@ def heard(out: list[Effect]) -> set[str]:
 
 
 def test_it_listens_to_the_district_where_it_is_and_to_those_beside_it_while_it_must_know() -> None:
-    out: list[Effect] = []
-    surroundings = Surroundings("A", PLACES, KEYS.floor, out)
+    life = Life()
+    surroundings = Surroundings("A", PLACES, KEYS.floor, life)
     surroundings.listen([DISTRICT], 0.0)
-    assert heard(out) == {KEYS.floor(near) for near in PLACES.around(DISTRICT)}
-    assert KEYS.floor(FAR) not in heard(out)
+    assert heard(life.effects) == {KEYS.floor(near) for near in PLACES.around(DISTRICT)}
+    assert KEYS.floor(FAR) not in heard(life.effects)
     surroundings.listen([DISTRICT, FAR], 1.0)
-    assert heard(out) == {KEYS.floor(near) for one in (DISTRICT, FAR) for near in PLACES.around(one)}
+    assert heard(life.effects) == {KEYS.floor(near) for one in (DISTRICT, FAR) for near in PLACES.around(one)}
     surroundings.listen([], 2.0)
-    assert heard(out) == set()
+    assert heard(life.effects) == set()
 
 
 def test_only_who_keeps_the_book_is_believed_and_no_word_that_was_overtaken() -> None:
-    surroundings = Surroundings("A", PLACES, KEYS.floor, [])
+    surroundings = Surroundings("A", PLACES, KEYS.floor, Life())
     assert not surroundings.on_floor("B", told(on_floor("B", HERE)), 0.0)
     assert surroundings.on_floor(KEEPER, told(on_floor("B", HERE), number=2), 0.0)
     assert not surroundings.on_floor(KEEPER, told(on_floor("B", THERE), number=1), 0.1)
@@ -65,14 +66,14 @@ def test_only_who_keeps_the_book_is_believed_and_no_word_that_was_overtaken() ->
 
 
 def test_an_absurd_epoch_keeps_nobody_from_being_heard_for_long() -> None:
-    surroundings = Surroundings("A", PLACES, KEYS.floor, [])
+    surroundings = Surroundings("A", PLACES, KEYS.floor, Life())
     assert surroundings.on_floor(KEEPER, told(epoch=2**53), 0.0)
     assert not surroundings.on_floor(KEEPER, told(on_floor("B", HERE)), COUNTS_S - 0.1)
     assert surroundings.on_floor(KEEPER, told(on_floor("B", HERE)), COUNTS_S)
 
 
 def test_a_word_is_forgotten_and_counts_for_a_while_again_after_a_rest() -> None:
-    surroundings = Surroundings("A", PLACES, KEYS.floor, [])
+    surroundings = Surroundings("A", PLACES, KEYS.floor, Life())
     surroundings.listen([DISTRICT], 0.0)
     surroundings.on_floor(KEEPER, told(on_floor("B", HERE), on_floor("A", THERE)), 0.0)
     assert set(surroundings.others(COUNTS_S - 0.1)) == {"B"}
@@ -84,7 +85,7 @@ def test_a_word_is_forgotten_and_counts_for_a_while_again_after_a_rest() -> None
 
 
 def test_prices_count_silent_ones_and_who_comes_the_other_way() -> None:
-    surroundings = Surroundings("A", PLACES, KEYS.floor, [])
+    surroundings = Surroundings("A", PLACES, KEYS.floor, Life())
     surroundings.on_floor(
         KEEPER, told(on_floor("B", HERE, silent=True), on_floor("C", THERE, route=(THERE, HERE))), 0.0
     )

@@ -12,8 +12,8 @@ from dray.messages import Award, Role, TaskAnnounced, Withdrawn
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.coordinator import CLOSED_KEPT, Coordinator
 from dray.protocol.contract_net.terms import Place
-from dray.protocol.runtime.events import NEVER_S, Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 
 # --- the primary ---------------------------------------------------------------------------------
 
@@ -89,7 +89,7 @@ def test_a_task_for_which_nobody_bids_stays_announced() -> None:
     rig.run(3600.0)
     assert rig.transports.get("T1") is not None
     assert rig.task.round > 3600 / (AuctionRules().rest_aged_max_s + AuctionRules().window_max_s)
-    assert rig.timers.next_s < NEVER_S
+    assert rig.life.timers.next_s < NEVER_S
 
 
 # --- the end -------------------------------------------------------------------------------------
@@ -110,7 +110,7 @@ def test_a_task_that_is_withdrawn_during_its_auction_releases_who_was_asked() ->
     rig.run(1.0)
     rig.transports.close(task, "withdrawn")
     assert rig.released() == [("ATV1", Role.PRIMARY)]
-    assert rig.timers.next_s == NEVER_S
+    assert rig.life.timers.next_s == NEVER_S
     rig.accepts("ATV1")
     assert rig.released()[-1] == ("ATV1", Role.PRIMARY)
 
@@ -141,28 +141,26 @@ def test_what_is_heard_of_a_closed_task_opens_nothing() -> None:
 
 
 def test_where_contractors_are_not_watched_no_secondary_is_sought_and_nobody_is_suspected() -> None:
-    out: list[Effect] = []
-    timers = Timers()
+    life = Life()
     contracted: list[str] = []
     coordinator = Coordinator(
         "strategist",
         Place(x_m=0.0, y_m=0.0, reach_m=0.0),
         lambda _work, _radius_m: ("plant/goals/P1",),
         AuctionRules(),
-        timers,
-        out,
+        life,
         lambda task, _now_s: contracted.append(task.id),
         Credulous(),
     )
     coordinator.open("T1", transport(), 300.0, 0.0)
     coordinator.on_bid("ATV2", bid(54.8), 0.5)
     coordinator.on_bid("ATV1", bid(55.9), 0.5)
-    coordinator.alarms["primary auction"]("T1", timers.next_s)
+    coordinator.alarms["primary auction"]("T1", life.timers.next_s)
     coordinator.on_bid("ATV4", bid(60.0, role=Role.SECONDARY), 1.5)
     coordinator.on_accepted("ATV2", accepted(), 2.0)
     coordinator.on_accepted("ATV1", accepted(role=Role.SECONDARY), 2.0)
     coordinator.on_declined("ATV1", declined(role=Role.SECONDARY), 2.0)
     assert contracted == ["T1"]
-    assert [award.role for award in sent(out, Award)] == [Role.PRIMARY]
-    assert listening(out) == set()
-    assert timers.next_s == NEVER_S
+    assert [award.role for award in sent(life.effects, Award)] == [Role.PRIMARY]
+    assert listening(life.effects) == set()
+    assert life.timers.next_s == NEVER_S

@@ -28,6 +28,7 @@ from dray.protocol.contract_net.task import StandbyContract
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import FailureDetector
 from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.throttle import TOLD_EVERY_S
 
 NOW_S = 5000.0
@@ -39,25 +40,27 @@ def by_clock(ahead_s: float) -> Bid:
 
 @pytest.mark.parametrize("ahead_s", [3600.0, -1.9e9])
 def test_a_bid_by_a_wrong_clock_is_refused_and_its_bidder_hears_by_how_much(ahead_s: float) -> None:
-    out: list[Effect] = []
-    assert Assessor(PLANT, out).refuses("ATV1", transport(), by_clock(ahead_s), NOW_S)
-    [told] = sent(out, Disbelieved, to="ATV1")
+    life = Life()
+    assert Assessor(PLANT, life).refuses("ATV1", transport(), by_clock(ahead_s), NOW_S)
+    [told] = sent(life.effects, Disbelieved, to="ATV1")
     assert (told.task, told.reason) == ("T1", Implausible.CLOCK)
     assert told.clock_ahead_s == pytest.approx(ahead_s)
-    [fact] = facts(out, WordDisbelieved)
+    [fact] = facts(life.effects, WordDisbelieved)
     assert (fact.contractor, fact.task, fact.clock_ahead_s) == ("ATV1", "T1", told.clock_ahead_s)
-    assert [each.reason for each in out if isinstance(each, Ignore)] == [Implausible.CLOCK]
+    assert [each.reason for each in life.effects if isinstance(each, Ignore)] == [Implausible.CLOCK]
 
 
 def test_whoever_is_not_believed_is_told_once_a_minute() -> None:
-    out: list[Effect] = []
-    assessor = Assessor(PLANT, out)
+    life = Life()
+    assessor = Assessor(PLANT, life)
     for second in range(int(TOLD_EVERY_S) + 1):
         offer = replace(by_clock(3600.0), at_s=NOW_S + 3600.0 + second)
         assert assessor.refuses("ATV1", transport(), offer, NOW_S + second)
     assert assessor.refuses("ATV2", transport(), by_clock(3600.0), NOW_S)
-    assert len(sent(out, Disbelieved, to="ATV1")) == len(facts(out, WordDisbelieved)) - 1 == 2
-    assert len(sent(out, Disbelieved, to="ATV2")) == 1
+    assert (
+        len(sent(life.effects, Disbelieved, to="ATV1")) == len(facts(life.effects, WordDisbelieved)) - 1 == 2
+    )
+    assert len(sent(life.effects, Disbelieved, to="ATV2")) == 1
 
 
 def test_an_acceptance_by_a_wrong_clock_makes_no_contract_and_the_next_one_is_asked() -> None:

@@ -18,13 +18,14 @@ from dray.protocol.contract_net.trust.reliability import (
     KNOWN_MAX,
     Reliability,
 )
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.life import Life
 
 
 class School:
     def __init__(self) -> None:
-        self.out: list[Effect] = []
-        self.reliability = Reliability(self.out)
+        self.life = Life()
+        self.out = self.life.effects
+        self.reliability = Reliability(self.life)
 
     def drops(self, times: int = 1, reason: str = Reason.SILENT, now_s: float = 0.0) -> None:
         for _ in range(times):
@@ -108,7 +109,7 @@ def test_no_more_contractors_are_remembered_than_there_is_room_for() -> None:
 
 
 def test_restricted_a_task_that_was_dropped_counts_as_long_however_short_its_bid() -> None:
-    assessor = Assessor(PLANT, [])
+    assessor = Assessor(PLANT, Life())
     for _ in range(3):
         assessor.reliability.note_given_back("ATV9", "T1", "changed its mind", 0.0)
     assessor.reliability.note_dropped("ATV9", "T1", Reason.STALLED, 0.0)

@@ -34,7 +34,7 @@ class CallingAgent(AgentBase):
         super().__init__(agent, incarnation, leaves_within_s=1.0)
         self.place_m = NORTH_M
         self.hears_all = True
-        self.calls = HelpCalls(self, PLANT, self._timers, self._out)
+        self.calls = HelpCalls(self, PLANT, self._life)
         self._message_handlers = self.calls.message_handlers
         self._alarm_handlers = self.calls.alarms
 
@@ -43,7 +43,7 @@ class CallingAgent(AgentBase):
 
     def flush(self) -> list[Effect]:
         """What was wanted outside of a step."""
-        effects, self._out[:] = list(self._out), []
+        effects, self._life.effects[:] = list(self._life.effects), []
         return effects
 
 

@@ -8,13 +8,14 @@ from dray.messages import Bid, Handover, Transport, Work
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.machine.machine import Machine
+from dray.protocol.runtime.life import Life
 
 
 class Credulous(Assessor):
     """Believes every bid, and gives every carrier all the time: for tests in which prices are plain numbers."""
 
     def __init__(self) -> None:
-        super().__init__(PLANT, [])
+        super().__init__(PLANT, Life())
 
     def refuses(self, bidder: str, work: Work, bid: Bid, now_s: float) -> bool:
         """Nothing is said against it."""

@@ -11,7 +11,8 @@ from dray.messages.fact import AwardAnswered, AwardGiven
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.terms import Place, Terms
-from dray.protocol.runtime.events import NEVER_S, Effect
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 
 RULES = AuctionRules()
 
@@ -31,7 +32,8 @@ class Hall:
         reach_m: float = REACH_M,
         candidates: tuple[tuple[str, Bid], ...] = (),
     ) -> None:
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         self.radii_m: list[float] = []
         self.now_s = 0.0
         terms = Terms(
@@ -43,7 +45,7 @@ class Hall:
             primary="ATV9" if role is Role.SECONDARY else "",
         )
         place = Place(x_m=30.0, y_m=15.0, reach_m=reach_m)
-        self.auction = Auction("M8", terms, place, self._audience, rules, self.out, Credulous(), candidates)
+        self.auction = Auction("M8", terms, place, self._audience, rules, self.life, Credulous(), candidates)
         self.auction.open(0.0)
 
     def _audience(self, radius_m: float) -> tuple[str, ...]:
@@ -57,12 +59,12 @@ class Hall:
     def accepts(self, bidder: str) -> None:
         """It answers the newest award that it was sent."""
         role = self.auction.terms.role
-        answer = accepted(role=role, number=award_number(self.out, bidder, role=role))
+        answer = accepted(role=role, number=award_number(self.life.effects, bidder, role=role))
         self.auction.on_accepted(bidder, answer)
 
     def declines(self, bidder: str, reason: Refusal = Refusal.BUSY) -> None:
         role = self.auction.terms.role
-        answer = declined(role=role, reason=reason, number=award_number(self.out, bidder, role=role))
+        answer = declined(role=role, reason=reason, number=award_number(self.life.effects, bidder, role=role))
         self.auction.on_declined(bidder, answer, self.now_s)
 
     def wait(self) -> None:
@@ -80,11 +82,11 @@ class Hall:
     @property
     def asked(self) -> list[str]:
         """Everybody who was asked, in order."""
-        return [fact.bidder for fact in facts(self.out, AwardGiven)]
+        return [fact.bidder for fact in facts(self.life.effects, AwardGiven)]
 
     @property
     def answers(self) -> list[str]:
-        return [fact.reason or fact.answer for fact in facts(self.out, AwardAnswered)]
+        return [fact.reason or fact.answer for fact in facts(self.life.effects, AwardAnswered)]
 
     def released(self) -> list[str]:
-        return [effect.to for effect in self.out if sent([effect], Release)]
+        return [effect.to for effect in self.life.effects if sent([effect], Release)]

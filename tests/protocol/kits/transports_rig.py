@@ -24,8 +24,7 @@ from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.transports import Transports
 
 
@@ -33,26 +32,24 @@ class TransportsRig:
     """A machine's transports, the time, and the one task T1 unless more are opened."""
 
     def __init__(self) -> None:
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         self.now_s = 0.0
-        self.timers = Timers()
         self.contracted: list[str] = []
         self.transports = Transports(
             "M8",
             Place(x_m=30.0, y_m=15.0, reach_m=80.0),
             lambda _work, _radius_m: ("plant/task/0_0",),
             AuctionRules(),
-            self.timers,
-            HeartbeatSubscriptions(KEYS.atv_heartbeat, self.out),
+            self.life,
+            HeartbeatSubscriptions(KEYS.atv_heartbeat, self.life),
             Credulous(),
-            self.out,
             contracted=lambda task, _now_s: self.contracted.append(task.id),
             lost=lambda _task, _now_s: None,
             is_missing=lambda _task: False,
             source_answers=lambda _task, _now_s: True,
             left=lambda _atv: None,
             unloaded=lambda _task, _now_s: None,
-            commit=lambda: None,
             ended=lambda _task, _outcome: None,
         )
         self.seq = 0
@@ -77,10 +74,10 @@ class TransportsRig:
 
     def run(self, until_s: float, *alive: str) -> None:
         """Let time pass; the vehicles that are alive beat every second."""
-        while self.timers.next_s <= until_s or self.now_s + 1.0 <= until_s:
-            if self.timers.next_s <= self.now_s + 1.0:
-                self.now_s = max(self.now_s, self.timers.next_s)
-                for kind, task in self.timers.due(self.now_s):  # type: ignore[misc]
+        while self.life.timers.next_s <= until_s or self.now_s + 1.0 <= until_s:
+            if self.life.timers.next_s <= self.now_s + 1.0:
+                self.now_s = max(self.now_s, self.life.timers.next_s)
+                for kind, task in self.life.timers.due(self.now_s):  # type: ignore[misc]
                     self.transports.alarms[kind](task, self.now_s)
             else:
                 self.now_s += 1.0
@@ -96,11 +93,15 @@ class TransportsRig:
 
     def accepts(self, atv: str, role: Role = Role.PRIMARY, task: str = "T1", epoch: int = 1) -> None:
         """It answers the newest award of that role that it was sent."""
-        answer = accepted(task, role=role, epoch=epoch, number=award_number(self.out, atv, task, role))
+        answer = accepted(
+            task, role=role, epoch=epoch, number=award_number(self.life.effects, atv, task, role)
+        )
         self.transports.on_accepted(atv, answer, self.now_s)
 
     def declines(self, atv: str, role: Role = Role.PRIMARY) -> None:
-        answer = declined(role=role, reason=Refusal.BUSY, number=award_number(self.out, atv, role=role))
+        answer = declined(
+            role=role, reason=Refusal.BUSY, number=award_number(self.life.effects, atv, role=role)
+        )
         self.transports.on_declined(atv, answer, self.now_s)
 
     def resigns(self, atv: str, task: str = "T1") -> None:
@@ -109,10 +110,12 @@ class TransportsRig:
 
     def asked(self, role: Role = Role.SECONDARY) -> list[str]:
         """Everybody who was asked for a role, in order."""
-        return [effect.to for effect in self.out for award in sent([effect], Award) if award.role is role]
+        return [
+            effect.to for effect in self.life.effects for award in sent([effect], Award) if award.role is role
+        ]
 
     def released(self) -> list[tuple[str, Role]]:
-        return [(effect.to, said.role) for effect in self.out for said in sent([effect], Release)]
+        return [(effect.to, said.role) for effect in self.life.effects for said in sent([effect], Release)]
 
 
 def contracted() -> TransportsRig:

@@ -20,8 +20,8 @@ from dray.messages import (
     Superseded,
 )
 from dray.messages.fact import PhaseEntered
-from dray.protocol.runtime.events import NEVER_S, Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_state import JobState
 from dray.protocol.vehicle.job.transport_job import TransportJob
@@ -41,10 +41,10 @@ class Trip:
     """A job, the vehicle under it and the time."""
 
     def __init__(self, node: str = "p3", source: str = "S3", **changes: Any) -> None:
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         self.now_s = 0.0
-        self.timers = Timers()
-        self.driver = Driver(PLANT, "light", self.out)
+        self.driver = Driver(PLANT, "light", self.life)
         spot = PLANT.nodes[node]
         state = VehicleState(
             pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
@@ -72,8 +72,7 @@ class Trip:
             plant=PLANT,
             vehicle_type="light",
             driver=self.driver,
-            timers=self.timers,
-            out=self.out,
+            life=self.life,
         )
         self.load = ""
         self.takes_back = True
@@ -82,11 +81,11 @@ class Trip:
 
     @property
     def phases(self) -> list[Phase]:
-        return [fact.phase for fact in facts(self.out, PhaseEntered)]
+        return [fact.phase for fact in facts(self.life.effects, PhaseEntered)]
 
     def arrives(self, *, opens: bool = True) -> None:
         """The newest way is driven; a storage lets the vehicle load at once, unless the test answers for it."""
-        way = instructed(self.out, Drive)[-1]
+        way = instructed(self.life.effects, Drive)[-1]
         self.driver.on_done(WayDone(order=way.order, node=way.nodes[-1]), 0.0)
         self.job.arrived(self.now_s)
         source = self.job.source
@@ -96,7 +95,7 @@ class Trip:
 
     def _let_back(self) -> None:
         if self.takes_back and self.job.state is JobState.AT_REFUGE:
-            self.opened([each for each in sent(self.out, Docked) if each.returns][-1].station)
+            self.opened([each for each in sent(self.life.effects, Docked) if each.returns][-1].station)
 
     def hears(self, message: Message) -> None:
         self.job.on_answer(message, self.now_s)
@@ -112,17 +111,17 @@ class Trip:
 
     def done(self, kind: type[Pick | Drop]) -> None:
         self.load = self.job.work.item if kind is Pick else ""
-        self.job.action_done(instructed(self.out, kind)[-1].order, self.now_s)
+        self.job.action_done(instructed(self.life.effects, kind)[-1].order, self.now_s)
         self._let_back()
 
     def fails(self, kind: type[Pick | Drop]) -> None:
-        self.job.action_failed(instructed(self.out, kind)[-1].order, "no contact", self.now_s)
+        self.job.action_failed(instructed(self.life.effects, kind)[-1].order, "no contact", self.now_s)
 
     def waits(self) -> None:
         """Until the alarm."""
-        assert self.timers.next_s < NEVER_S
-        self.now_s = self.timers.next_s
-        for _ in self.timers.due(self.now_s):
+        assert self.life.timers.next_s < NEVER_S
+        self.now_s = self.life.timers.next_s
+        for _ in self.life.timers.due(self.now_s):
             self.job.wake(self.load, self.now_s)
         self._let_back()
 

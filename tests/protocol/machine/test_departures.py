@@ -38,6 +38,7 @@ from dray.protocol.contract_net.departures import UNHEARD_S, Departures
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import LISTEN_S
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -87,10 +88,10 @@ def beats(
     return rig.on_message("ATV2", replace(beat, task=doing, node=node, load=load[0], load_quantity=load[1]))
 
 
-def alone(out: list[Effect]) -> Departures:
+def alone(life: Life) -> Departures:
     """Of a dock, without an agent."""
-    subscriptions = HeartbeatSubscriptions(Keys("dray").atv_heartbeat, out)
-    return Departures(DOCK, subscriptions, Bookings(out, lambda: None), out, lambda: None)
+    subscriptions = HeartbeatSubscriptions(Keys("dray").atv_heartbeat, life)
+    return Departures(DOCK, subscriptions, Bookings(life), life)
 
 
 def test_a_vehicle_that_goes_away_with_its_load_has_the_dock_until_it_has_left() -> None:
@@ -138,11 +139,11 @@ def test_a_heartbeat_of_before_tells_nothing() -> None:
 
 
 def test_what_a_vehicle_may_have_taken_while_it_was_not_heard_is_booked_out() -> None:
-    out: list[Effect] = []
-    departures = alone(out)
+    life = Life()
+    departures = alone(life)
     departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
     departures.on_vehicle(rhb("ATV2", 1, 0.0), 0.0)
-    assert instructed(out, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
+    assert instructed(life.effects, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
 
 
 def test_a_vehicle_that_asks_for_the_dock_for_something_else_is_done_though_it_has_to_wait() -> None:
@@ -177,14 +178,14 @@ def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
 
 
 def test_a_vehicle_that_was_carried_away_has_left() -> None:
-    out: list[Effect] = []
-    departures = alone(out)
+    life = Life()
+    departures = alone(life)
     departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     departures.on_carried_away("ATV7")
-    assert instructed(out, CloseDock) == []
+    assert instructed(life.effects, CloseDock) == []
     departures.on_carried_away("ATV2")
-    assert (instructed(out, CloseDock), instructed(out, Book)) == (SHUT, [])
-    assert listening(out) == set()
+    assert (instructed(life.effects, CloseDock), instructed(life.effects, Book)) == (SHUT, [])
+    assert listening(life.effects) == set()
 
 
 def with_books_elsewhere() -> TrafficMap:
@@ -337,18 +338,18 @@ def test_who_has_loaded_is_inside_no_more_once_that_is_booked() -> None:
 def test_where_the_dock_opens_at_once_the_next_life_books_what_is_taken_in_doubt_and_nothing_in(
     change: int,
 ) -> None:
-    out: list[Effect] = []
-    departures = alone(out)
-    door = Door(out, 60.0, departures)
+    life = Life()
+    departures = alone(life)
+    door = Door(life, 60.0, departures)
     door.answers, door.counts = False, False
     door.restore(("ATV2",))
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", change))
-    assert instructed(out, CloseDock) == SHUT
+    assert instructed(life.effects, CloseDock) == SHUT
     # It names the task no more, and has such a load on board.
     departures.on_vehicle(rhb("ATV2", 1, 0.0), 0.0)
     taken = [Book("ATV2", "housing", change, task="M7-1", epoch=1)]
-    assert instructed(out, Book) == (taken if change < 0 else [])
-    assert instructed(out, CloseDock) == 2 * SHUT
+    assert instructed(life.effects, Book) == (taken if change < 0 else [])
+    assert instructed(life.effects, CloseDock) == 2 * SHUT
 
 
 @pytest.mark.parametrize(("is_heard", "told"), [(True, SHUT), (False, [])])
@@ -376,8 +377,8 @@ def test_who_is_not_wanted_after_it_has_left_without_its_load_is_told_to_have_le
 
 
 def test_a_vehicle_that_is_back_with_the_load_for_which_it_was_waited_is_not_let_in_yet() -> None:
-    out: list[Effect] = []
-    departures = alone(out)
+    life = Life()
+    departures = alone(life)
     load = DepartureMemory("ATV2", "M7-1", 1, "housing", 24)
     departures.watch(load)
     departures.take_back(load, 0.0)
@@ -402,12 +403,12 @@ def test_what_was_booked_of_an_earlier_transport_of_its_carrier_is_not_the_load_
 
 
 def test_a_word_that_is_said_again_before_its_answer_is_told_once() -> None:
-    out: list[Effect] = []
-    bookings = Bookings(out, lambda: None)
+    life = Life()
+    bookings = Bookings(life)
     load = DepartureMemory("ATV2", "M7-1", 1, "housing", 24)
     bookings.say(load)
     bookings.say(load)
-    assert instructed(out, Book) == BROUGHT
+    assert instructed(life.effects, Book) == BROUGHT
 
 
 def test_what_was_put_down_is_told_again_by_the_next_life_until_the_body_has_answered() -> None:
@@ -435,14 +436,14 @@ def test_a_load_is_booked_when_its_vehicle_says_that_it_is_down_though_it_was_no
 
 
 def test_no_more_is_booked_than_its_vehicle_was_given() -> None:
-    out: list[Effect] = []
-    departures = alone(out)
+    life = Life()
+    departures = alone(life)
     departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     departures.on_put_down("ATV2", "M7-1", 2, 24)
     departures.on_put_down("ATV2", "M8-1", 1, 24)
-    assert instructed(out, Book) == []
+    assert instructed(life.effects, Book) == []
     departures.on_put_down("ATV2", "M7-1", 1, 240)
-    assert instructed(out, Book) == BROUGHT
+    assert instructed(life.effects, Book) == BROUGHT
 
 
 def test_what_a_carrier_has_handed_over_is_told_again_by_the_next_life_until_the_body_has_answered() -> None:
@@ -454,8 +455,8 @@ def test_what_a_carrier_has_handed_over_is_told_again_by_the_next_life_until_the
 
 
 def test_a_body_that_has_answered_one_word_of_a_vehicle_has_not_answered_the_next() -> None:
-    out: list[Effect] = []
-    bookings = Bookings(out, lambda: None)
+    life = Life()
+    bookings = Bookings(life)
     loads = [
         DepartureMemory("ATV2", f"M7-{number}", 1, "housing", change) for number, change in ((1, 24), (2, -6))
     ]

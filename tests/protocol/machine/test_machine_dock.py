@@ -35,16 +35,17 @@ from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S, Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.life import Life
 
 
 def alone() -> tuple[Door, Departures, list[Effect]]:
     """The door of a dock that makes itself safe, without an agent; who is waited for at it, and its effects."""
-    out: list[Effect] = []
-    subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, out)
-    departures = Departures("m7", subscriptions, Bookings(out, lambda: None), out, lambda: None)
-    door = Door(out, 60.0, departures)
+    life = Life()
+    subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life)
+    departures = Departures("m7", subscriptions, Bookings(life), life)
+    door = Door(life, 60.0, departures)
     door.answers = True
-    return door, departures, out
+    return door, departures, life.effects
 
 
 HOUSINGS_CAME = StockChanged(item="housing", change=24, seq=1, vehicle="ATV2")
@@ -375,18 +376,16 @@ def test_what_a_body_has_counted_of_another_transport_leaves_a_vehicle_inside(
 
 
 def test_who_has_left_after_an_old_transport_still_waits_for_what_it_has_asked_for_since() -> None:
-    subscribed: list[Effect] = []
-    subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, subscribed)
-    out: list[Effect] = []
+    life = Life()
+    subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life)
     departures = Departures(
         "m7",
         subscriptions,
-        Bookings(out, lambda: None),
-        out,
-        lambda: None,
+        Bookings(life),
+        life,
         left=lambda vehicle, task: door.on_departed(vehicle, task),  # noqa: PLW0108 - made below
     )
-    door = Door(out, 60.0, departures)
+    door = Door(life, 60.0, departures)
     door.answers = True
     door.open("ATV2", docked("M7-1"), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV2", 5.0)

@@ -162,7 +162,7 @@ def test_a_delivered_task_releases_its_secondary_and_not_its_carrier() -> None:
     [closed] = facts(rig.out, TaskClosed)
     assert (closed.outcome, closed.carrier, closed.promised_s) == ("delivered", "ATV2", 100.0)
     assert listening(rig.out) == set()
-    assert rig.timers.next_s == NEVER_S
+    assert rig.life.timers.next_s == NEVER_S
     assert len(rig.transports) == 0
 
 
@@ -170,7 +170,7 @@ def test_a_watch_that_is_still_sought_at_the_end_is_sought_no_longer() -> None:
     rig = contracted()
     rig.transports.close(rig.task, "delivered")
     assert rig.released() == [("ATV1", Role.SECONDARY)]
-    assert rig.timers.next_s == NEVER_S
+    assert rig.life.timers.next_s == NEVER_S
 
 
 # --- waits ---------------------------------------------------------------------------------------

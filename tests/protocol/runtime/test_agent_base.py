@@ -21,12 +21,12 @@ class Clerk(AgentBase):
     def _start(self, _body: BodyState | None, memory: Memory, _now_s: float) -> None:
         note = memory.get(WHOLE)
         self.lives = note.goal_count if isinstance(note, StrategistMemory) else 0
-        self._out.append(Send("desk", OrderTaken(order="before")))
+        self._life.send("desk", OrderTaken(order="before"))
         if self.diligent:
-            self._commit()
+            self._life.commit()
             self.lives += 1
-            self._commit()
-        self._out.append(Send("desk", OrderTaken(order="after")))
+            self._life.commit()
+        self._life.send("desk", OrderTaken(order="after"))
 
     def _memory(self) -> Note:
         return StrategistMemory(goal_count=self.lives)

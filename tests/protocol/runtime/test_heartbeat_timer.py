@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import Timers, spread_frac
 
 
@@ -15,26 +16,26 @@ def beat(pulse: HeartbeatTimer, timers: Timers, now_s: float) -> float:
 
 
 def test_heartbeats_are_numbered_from_1() -> None:
-    pulse = HeartbeatTimer("M1", Timers())
+    pulse = HeartbeatTimer("M1", Life())
     assert [pulse.count(), pulse.count(), pulse.seq] == [1, 2, 2]
 
 
 def test_the_first_interval_is_shorter_by_a_part_that_follows_from_the_name() -> None:
-    timers = Timers()
-    pulse = HeartbeatTimer("ATV3", timers)
+    life = Life()
+    pulse = HeartbeatTimer("ATV3", life)
     pulse.at_once(10.0)
-    second_s = beat(pulse, timers, 10.0)
+    second_s = beat(pulse, life.timers, 10.0)
     assert second_s == 10.0 + 5.0 * (0.5 + spread_frac("ATV3") / 2)
-    assert beat(pulse, timers, second_s) == second_s + 5.0
+    assert beat(pulse, life.timers, second_s) == second_s + 5.0
 
 
 def test_a_change_brings_the_next_heartbeat_forward() -> None:
-    timers = Timers()
-    pulse = HeartbeatTimer("ATV3", timers)
+    life = Life()
+    pulse = HeartbeatTimer("ATV3", life)
     pulse.at_once(10.0)
-    beat(pulse, timers, 10.0)
+    beat(pulse, life.timers, 10.0)
     pulse.at_once(11.0)
-    assert beat(pulse, timers, 11.0) == 16.0
+    assert beat(pulse, life.timers, 11.0) == 16.0
 
 
 def test_agents_that_are_started_together_are_spread_over_the_whole_span() -> None:

@@ -12,8 +12,8 @@ from dray.messages import Award, Reason, Release, Resigned, Role
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.protocol.liveness.failure_detector import FailureDetector, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
-from dray.protocol.runtime.events import NEVER_S, Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.standby import OVER_AFTER_S, Standby
 
 BOUND_S = bound_s(WORKING_INTERVAL_S)
@@ -27,11 +27,11 @@ class StandbyRig:
     """The watches of ATV1, and the time."""
 
     def __init__(self) -> None:
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         self.now_s = 0.0
-        self.timers = Timers()
-        self.following = HeartbeatSubscriptions(KEYS.atv_heartbeat, self.out)
-        self.standby = Standby(self.following, self.timers, self.out)
+        self.following = HeartbeatSubscriptions(KEYS.atv_heartbeat, self.life)
+        self.standby = Standby(self.following, self.life)
 
     def watch(self, order: Award) -> None:
         self.standby.watch(order, "M8", self.now_s)
@@ -41,19 +41,19 @@ class StandbyRig:
         self.standby.on_heartbeat(rhb(atv, seq, at_s, task=task), at_s)
 
     def run(self, until_s: float) -> None:
-        while self.timers.next_s <= until_s:
-            self.now_s = self.timers.next_s
-            for _, task in self.timers.due(self.now_s):  # type: ignore[misc]
+        while self.life.timers.next_s <= until_s:
+            self.now_s = self.life.timers.next_s
+            for _, task in self.life.timers.due(self.now_s):  # type: ignore[misc]
                 self.standby.failed(task, self.now_s)
         self.now_s = until_s
 
     @property
     def suspicions(self) -> list[PrimarySuspected]:
-        return facts(self.out, PrimarySuspected)
+        return facts(self.life.effects, PrimarySuspected)
 
     @property
     def ended(self) -> list[tuple[str, str]]:
-        return [(fact.task, fact.reason) for fact in facts(self.out, ContractEnded)]
+        return [(fact.task, fact.reason) for fact in facts(self.life.effects, ContractEnded)]
 
 
 def test_a_watch_listens_to_the_primary_and_is_told_in_the_heartbeat() -> None:
@@ -149,7 +149,7 @@ def test_an_ended_watch_is_silent_and_forgotten() -> None:
     rig.standby.unwatch("M8-1", "the task has ended")
     rig.standby.unwatch("M8-1", "the task has ended")
     assert listening(rig.out) == set()
-    assert rig.timers.next_s == NEVER_S
+    assert rig.life.timers.next_s == NEVER_S
     assert rig.ended == [("M8-1", "the task has ended")]
     assert "M8-1" not in rig.standby
     assert rig.standby.failed("M8-1", 100.0) is None

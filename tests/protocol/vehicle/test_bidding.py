@@ -15,6 +15,7 @@ from dray.messages.fact import BidRefused, BidSent
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.events import Effect, Record, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.bidding import (
     MAX_WATCHES,
     PLACES_TOLD,
@@ -44,15 +45,15 @@ def standing(**changes: Any) -> Standing:
     return msgspec.structs.replace(FREE, **changes)
 
 
-def bidder(kind: str, out: list[Effect]) -> Bidder:
-    return Bidder("ATV1", PLANT, kind, Probation(0), Charging(PLANT, kind), Waits(), out)
+def bidder(kind: str, life: Life) -> Bidder:
+    return Bidder("ATV1", PLANT, kind, Probation(0), Charging(PLANT, kind), Waits(), life)
 
 
 def on_announcement(circumstances: Standing = FREE, *, kind: str = "light", **changes: Any) -> list[Effect]:
     """What a vehicle does about an announcement."""
-    out: list[Effect] = []
-    bidder(kind, out).on_announced(announcement(**changes), circumstances, 0.0)
-    return out
+    life = Life()
+    bidder(kind, life).on_announced(announcement(**changes), circumstances, 0.0)
+    return life.effects
 
 
 def review(circumstances: Standing = FREE, **changes: Any) -> Quote | Unable:
@@ -90,29 +91,29 @@ def test_a_vehicle_on_the_edge_of_the_circle_bids() -> None:
 
 
 def test_a_refusal_is_said_once_for_a_task_however_often_it_is_announced() -> None:
-    out: list[Effect] = []
-    one = bidder("light", out)
+    life = Life()
+    one = bidder("light", life)
     busy, empty = standing(busy_with="M7-1"), standing(battery_frac=0.05)
     for number in range(1, 6):
         one.on_announced(announcement(round=number), standing(busy_with=f"M7-{number}"), 0.0)
-    assert len(facts(out, BidRefused)) == 1
+    assert len(facts(life.effects, BidRefused)) == 1
     one.on_announced(announcement(round=6), empty, 0.0)
-    assert [fact.reason for fact in facts(out, BidRefused)] == [Refusal.BUSY, Refusal.BATTERY]
+    assert [fact.reason for fact in facts(life.effects, BidRefused)] == [Refusal.BUSY, Refusal.BATTERY]
     one.on_announced(announcement(task="M8-2"), empty, 0.0)
     one.on_announced(announcement(epoch=2), empty, 0.0)
-    assert len(facts(out, BidRefused)) == 4
+    assert len(facts(life.effects, BidRefused)) == 4
     for number in (7, 9):
         one.on_announced(announcement(round=number, epoch=2), FREE, 0.0)
         one.on_announced(announcement(round=number + 1, epoch=2), busy, 0.0)
-    assert len(facts(out, BidRefused)) == 6, "who has bid meanwhile has news when it refuses"
+    assert len(facts(life.effects, BidRefused)) == 6, "who has bid meanwhile has news when it refuses"
 
 
 def test_one_that_must_charge_takes_work_again_when_it_has_charged() -> None:
-    out: list[Effect] = []
-    one = bidder("light", out)
+    life = Life()
+    one = bidder("light", life)
     for level, bids in ((0.3, 1), (0.2, 1), (0.39, 1), (0.4, 2)):
         one.on_announced(announcement(), standing(battery_frac=level), 0.0)
-        assert len(sent(out, Bid)) == bids, level
+        assert len(sent(life.effects, Bid)) == bids, level
 
 
 @pytest.mark.parametrize(
@@ -233,11 +234,11 @@ def test_no_coordinator_tells_of_more_places_than_a_transport_has() -> None:
 
 def at(now_s: float, circumstances: Standing, **changes: Any) -> list[Effect]:
     """What a vehicle does about an announcement at a time."""
-    out: list[Effect] = []
-    bidder("light", out).on_announced(
+    life = Life()
+    bidder("light", life).on_announced(
         announcement(deadline_s=now_s + 900.0, needed_s=500.0, **changes), circumstances, now_s
     )
-    return out
+    return life.effects
 
 
 def test_the_reserve_leaves_work_to_others_until_it_has_waited_for_long() -> None:
@@ -265,11 +266,11 @@ def test_the_reserve_carries_what_too_few_others_can(seed: int, leaves: bool) ->
     rare = large.abilities[-1]
     item = next(name for name in (*plant.materials, *plant.products) if plant.ability_of(name) == rare)
     source, machine = next(iter(plant.storages)), next(iter(plant.machines))
-    out: list[Effect] = []
+    life = Life()
     spot = plant.nodes[plant.spare_places.reserve[0]]
     circumstances = standing(node=spot.id, x_m=spot.x_m, y_m=spot.y_m, is_reserve=True)
-    carrier = Bidder("V1", plant, large.id, Probation(0), Charging(plant, large.id), Waits(), out)
+    carrier = Bidder("V1", plant, large.id, Probation(0), Charging(plant, large.id), Waits(), life)
     work = transport(item=item, sources=(source,), destination=machine, ability=rare)
     asked = announcement(work=work, x_m=spot.x_m, y_m=spot.y_m, coordinator=machine)
     carrier.on_announced(asked, circumstances, 0.0)
-    assert (sent(out, Bid) == []) is leaves
+    assert (sent(life.effects, Bid) == []) is leaves

@@ -8,7 +8,7 @@ from effects import instructed
 
 from dray.body import ActionFailed, Drive, LimitSpeed, NodePassed, VehicleState, WayDone
 from dray.messages import Pose
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.drivers.driver import Driver
 
 ROUTES = PLANT.routes("light")
@@ -18,8 +18,9 @@ class Seat:
     """A driver, and what it tells the vehicle."""
 
     def __init__(self, node: str = "p3") -> None:
-        self.out: list[Effect] = []
-        self.driver = Driver(PLANT, "light", self.out)
+        self.life = Life()
+        self.out = self.life.effects
+        self.driver = Driver(PLANT, "light", self.life)
         self.sense(node)
 
     def sense(self, node: str, speed_mps: float = 0.0) -> None:
@@ -40,7 +41,7 @@ class Seat:
 
     @property
     def drives(self) -> list[Drive]:
-        return instructed(self.out, Drive)
+        return instructed(self.life.effects, Drive)
 
     def passes(self, index: int, order: int | None = None) -> None:
         way = self.drives[-1]

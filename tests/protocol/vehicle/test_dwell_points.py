@@ -10,7 +10,8 @@ from effects import listening, published
 from dray.messages import DwellPointClaimed
 from dray.plant import Plant
 from dray.plant.charger_queue import WORTH_FRAC
-from dray.protocol.runtime.events import Effect, Publish, Subscribe
+from dray.protocol.runtime.events import Publish, Subscribe
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.dwell_points import (
     APPROACH_S,
     BLOCKED_S,
@@ -27,19 +28,20 @@ class Driver:
     """One vehicle's side of a contest."""
 
     def __init__(self, atv: str = "ATV5") -> None:
-        self.out: list[Effect] = []
-        self.dwell_points = DwellPoints(atv, PLANT, "light", KEYS, self.out)
+        self.life = Life()
+        self.out = self.life.effects
+        self.dwell_points = DwellPoints(atv, PLANT, "light", KEYS, self.life)
 
     def seek(self, *, charger: bool = True, battery_frac: float = 0.5, now_s: float = 0.0) -> bool:
         return self.dwell_points.seek(charger=charger, node="e3", battery_frac=battery_frac, now_s=now_s)
 
     @property
     def claims(self) -> list[DwellPointClaimed]:
-        return [effect.message for effect in self.out if isinstance(effect, Publish)]
+        return [effect.message for effect in self.life.effects if isinstance(effect, Publish)]
 
     @property
     def keys(self) -> set[str]:
-        return listening(self.out)
+        return listening(self.life.effects)
 
 
 def rival(
@@ -110,8 +112,8 @@ def test_an_occupant_objects_to_everybody_and_is_never_driven_out() -> None:
 def held_off_s(*, standing: bool) -> float:
     """How long a rival that never charges can keep a vehicle from the only charger by words."""
     one = Plant(msgspec.structs.replace(PLANT.file, chargers=PLANT.file.chargers[:1]))
-    out: list[Effect] = []
-    dwell_points = DwellPoints("ATV5", one, "light", KEYS, out)
+    life = Life()
+    dwell_points = DwellPoints("ATV5", one, "light", KEYS, life)
     for now_s in range(0, 24 * 3600, 30):
         if not dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=float(now_s)):
             continue
@@ -130,7 +132,7 @@ def test_a_claim_is_believed_for_as_long_as_it_can_be_true() -> None:
 def test_a_rival_is_believed_that_lets_the_vehicle_charge_in_between() -> None:
     """With small batteries the same two meet at a charger every few minutes."""
     one = Plant(msgspec.structs.replace(PLANT.file, chargers=PLANT.file.chargers[:1]))
-    dwell_points = DwellPoints("ATV5", one, "light", KEYS, [])
+    dwell_points = DwellPoints("ATV5", one, "light", KEYS, Life())
     emptier = rival(next(iter(one.chargers)), battery_frac=0.1)
     for meeting in range(10):
         now_s = 0.5 * APPROACH_S * meeting
@@ -177,7 +179,7 @@ def test_a_charger_of_no_use_is_not_asked_for_again_before_somebody_can_have_see
 def test_where_no_way_leads_to_a_charger_there_is_none_to_ask_for() -> None:
     lanes = tuple(lane for lane in PLANT.file.lanes if "e3" not in (lane.start, lane.end))
     alone = Plant(msgspec.structs.replace(PLANT.file, lanes=lanes))
-    dwell_points = DwellPoints("ATV5", alone, "light", KEYS, [])
+    dwell_points = DwellPoints("ATV5", alone, "light", KEYS, Life())
     assert not dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=0.0)
 
 
@@ -331,7 +333,7 @@ FAR = max(sorted(SMALL.stops), key=way_to_charger_s)
 
 
 def with_small_battery() -> DwellPoints:
-    return DwellPoints("ATV5", SMALL, "light", KEYS, [])
+    return DwellPoints("ATV5", SMALL, "light", KEYS, Life())
 
 
 def test_a_charger_that_the_battery_does_not_reach_is_waited_past_for_a_nearer_one() -> None:
@@ -367,8 +369,8 @@ def test_a_charger_of_the_reserve_is_asked_for_when_no_other_is_left() -> None:
     plant = draw_raster(17)
     shut = [each for each in plant.chargers if plant.stand_of(each) in plant.spare_places.shut]
     assert shut
-    out: list[Effect] = []
-    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, out)
+    life = Life()
+    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, life)
     beside = plant.stand_of(shut[0])
     asked: list[str] = []
     for now_s in range(len(plant.chargers)):
@@ -383,7 +385,7 @@ def test_a_charger_of_the_reserve_is_asked_for_when_no_other_is_left() -> None:
 def test_who_stands_at_a_place_of_the_reserve_belongs_to_it_and_who_drives_there_does_not_yet() -> None:
     plant = draw_raster(17)
     spare = plant.spare_places
-    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, [])
+    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, Life())
     assert points.seek_spare(spare.reserve, spare.reserve[0], 0.5, 0.0)
     assert not points.is_reserve
     points.arrive()

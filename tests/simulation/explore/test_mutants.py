@@ -37,7 +37,7 @@ from dray.protocol.contract_net.task import CarrierContract, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.people.command_authorisation import CommandAuthorisation
-from dray.protocol.runtime.events import Instruct, Publish, Send
+from dray.protocol.runtime.events import Publish
 from dray.protocol.strategist.order_book import OrderInWork
 from dray.protocol.strategist.order_revocations import OrderRevocations
 from dray.protocol.takeover import left_aboard
@@ -83,9 +83,9 @@ def without_the_fence(patch: pytest.MonkeyPatch) -> None:
         work = works[message.task]
         if message.station == self._place:
             opening = OpenDock(vehicle=sender, item=work.item, quantity=work.quantity)
-            self._out.append(Instruct(opening))
+            self._life.instruct(opening)
         opened = DockOpened(task=message.task, epoch=message.epoch, station=message.station)
-        self._out.append(Send(sender, opened))
+        self._life.send(sender, opened)
 
     def take_from_all(self: Handovers, sender: str, message: Handover, now_s: float) -> None:
         self._dock._accept(sender, message.task, message.epoch)
@@ -346,8 +346,12 @@ def that_tell_nobody_of_obstacles(patch: pytest.MonkeyPatch) -> None:
 
     def keep(self: ObstacleHandling, report: WayBlocked, now_s: float) -> None:
         meet(self, report, now_s)
-        told = [one for one in self._out if isinstance(one, Publish) and type(one.message) is ObstacleSeen]
-        self._out[:] = [one for one in self._out if one not in told]
+        told = [
+            one
+            for one in self._life.effects
+            if isinstance(one, Publish) and type(one.message) is ObstacleSeen
+        ]
+        self._life.effects[:] = [one for one in self._life.effects if one not in told]
 
     patch.setattr(ObstacleHandling, "_way_blocked", keep)
 

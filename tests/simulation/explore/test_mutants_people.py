@@ -46,7 +46,7 @@ def that_says_a_call_once(patch: pytest.MonkeyPatch) -> None:
     def say_once(self: HelpCalls, call: Any, now_s: float) -> None:
         go_on(self, call, now_s)
         if call.states.now is CallState.RESTING:
-            self._timers.clear((CALL, call.goods))
+            self._life.cancel((CALL, call.goods))
 
     patch.setattr(HelpCalls, "_go_on", say_once)
 

@@ -8,7 +8,8 @@ import pytest
 from trio import NAMES, Trio, line
 
 from dray.messages.floor.traffic import BookAsked, BookTold, PlaceBooked, PlaceBooking
-from dray.protocol.runtime.events import NEVER_S, Effect, Send
+from dray.protocol.runtime.events import NEVER_S, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.turns import ASK_S, DOUBT_S, SILENT_AFTER, Turns
 
@@ -56,10 +57,10 @@ def test_an_outdated_keeper_steps_down_when_it_hears_of_the_next_one() -> None:
 
 
 def test_one_that_has_lost_its_memory_promises_nothing_and_keeps_nothing() -> None:
-    out: list[Effect] = []
-    lost = Copies("M1", "M2", NAMES, None, out)
+    life = Life()
+    lost = Copies("M1", "M2", NAMES, None, life)
     lost.on_booked("M1", PlaceBooked(district="M1", epoch=9, version=4, bookings=line("A", 4)), silent=True)
-    assert out == []
+    assert life.effects == []
     lost.on_asked("M1", BookAsked(district="M1", epoch=12), silent=True)
     assert lost.kept.epoch == 0
 
@@ -69,7 +70,7 @@ def test_one_that_has_lost_its_memory_learns_it_from_all_others() -> None:
     leader = trio.lead("M1")
     leader.write(1, line("A", 1))
     trio.carry()
-    trio.keepers["M3"] = Copies("M1", "M3", NAMES, None, trio.outs["M3"])
+    trio.keepers["M3"] = Copies("M1", "M3", NAMES, None, trio.lives["M3"])
     trio.cut = {"M2"}
     trio.keepers["M3"].ask()
     trio.carry()
@@ -86,7 +87,7 @@ def test_when_two_have_lost_their_memory_the_first_of_them_calls_the_roll() -> N
     trio = Trio()
     trio.lead("M1")
     for name in ("M2", "M3"):
-        trio.keepers[name] = Copies("M1", name, NAMES, None, trio.outs[name])
+        trio.keepers[name] = Copies("M1", name, NAMES, None, trio.lives[name])
     for name in ("M2", "M3"):
         trio.keepers[name].ask()
     trio.carry()
@@ -99,7 +100,7 @@ def test_when_two_have_lost_their_memory_the_first_of_them_calls_the_roll() -> N
 def test_whoever_is_lost_too_takes_the_book_of_the_roll_call() -> None:
     trio = Trio()
     for name in NAMES:
-        trio.keepers[name] = Copies("M1", name, NAMES, None, trio.outs[name])
+        trio.keepers[name] = Copies("M1", name, NAMES, None, trio.lives[name])
     for name in NAMES:
         trio.keepers[name].ask()
     trio.carry()
@@ -130,19 +131,19 @@ def told_of(epoch: int, *, lost: bool) -> BookTold:
 )
 def test_whoever_is_lost_takes_no_book_that_may_lack_what_it_has_promised(told: dict[str, BookTold]) -> None:
     """The writer remembers of old, or somebody may lead under a later epoch by a promise that is forgotten."""
-    out: list[Effect] = []
-    lost = Copies("M1", "M3", NAMES, None, out)
+    life = Life()
+    lost = Copies("M1", "M3", NAMES, None, life)
     for keeper, message in told.items():
         lost.on_told(keeper, message)
     assert not lost.needs_roll_call
     lost.on_booked("M1", PlaceBooked(district="M1", epoch=3, version=4, bookings=line("A", 4)), silent=True)
     assert lost.lost
-    assert out == []
+    assert life.effects == []
 
 
 def test_one_keeper_alone_is_its_own_majority() -> None:
-    out: list[Effect] = []
-    alone = Copies("M1", "M1", ("M1",), Kept(), out)
+    life = Life()
+    alone = Copies("M1", "M1", ("M1",), Kept(), life)
     alone.seek()
     assert alone.leads
     alone.write(1, line("A", 1))
@@ -159,11 +160,11 @@ def test_two_versions_never_both_count_whatever_is_lost(seed: int) -> None:
     written: dict[tuple[str, int, int], tuple[PlaceBooking, ...]] = {}
     for step in range(300):
         trio.cut = {name for name in NAMES if random.random() < 0.5}
-        for sender, out in trio.outs.items():
-            for effect in out:
+        for sender, life in trio.lives.items():
+            for effect in life.effects:
                 assert isinstance(effect, Send)
                 under_way += [(sender, effect)] * random.choice((0, 1, 1, 1, 2))
-            out.clear()
+            life.effects.clear()
         move = random.random()
         name = random.choice(NAMES)
         keeper = trio.keepers[name]

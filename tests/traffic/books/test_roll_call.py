@@ -5,7 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 from dray.messages.floor.traffic import HoldsAsked, PlaceWished
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.roll_call import AGAIN_AT_MOST_S, QUIET_S, ROLL_S, WAVE, RollCall
 
 FLEET = tuple(f"ATV{number}" for number in range(1, 451))
@@ -15,14 +16,18 @@ class Call:
     """One roll call of a large fleet."""
 
     def __init__(self) -> None:
-        self.out: list[Effect] = []
-        self.roll = RollCall("M1", lambda epoch: epoch + 3, 0.0, self.out)
+        self.life = Life()
+        self.out = self.life.effects
+        self.roll = RollCall("M1", lambda epoch: epoch + 3, 0.0, self.life)
 
     def asked(self, now_s: float, atvs: tuple[str, ...] = FLEET) -> list[str]:
-        self.out.clear()
+        self.life.effects.clear()
         self.roll.call(atvs, now_s)
-        assert all(isinstance(effect, Send) and isinstance(effect.message, HoldsAsked) for effect in self.out)
-        return [effect.to for effect in self.out if isinstance(effect, Send)]
+        assert all(
+            isinstance(effect, Send) and isinstance(effect.message, HoldsAsked)
+            for effect in self.life.effects
+        )
+        return [effect.to for effect in self.life.effects if isinstance(effect, Send)]
 
     def tell(self, atv: str, now_s: float, epoch: int = 3) -> bool:
         wish = PlaceWished(

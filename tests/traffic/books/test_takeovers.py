@@ -20,8 +20,8 @@ from dray.messages.floor.traffic import (
 )
 from dray.messages.keys import Keys
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Record, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Record, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
 from dray.protocol.traffic.books.district import OUTBID_S, REFUSED_OFTEN, District
 from dray.protocol.traffic.books.turns import DOUBT_S
@@ -40,20 +40,16 @@ class Keepers:
     def __init__(self) -> None:
         self.now_s = 0.0
         self.dead: set[str] = set()
-        self.outs: dict[str, list[Effect]] = {}
-        self.timers: dict[str, Timers] = {}
+        self.lives: dict[str, Life] = {}
         self.books: dict[str, Bookkeeping] = {}
         self.to_vehicles: list[tuple[str, Message]] = []
         traffic = TrafficMap(PLANT, is_signed)
         traffic.places = PLACES
         for name in (FIRST, SECOND, THIRD):
-            out = self.outs[name] = []
-            self.timers[name] = Timers()
-            subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, out)
+            life = self.lives[name] = Life()
+            subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life)
             trusts = TrustedKeys(SigningKey(b"k" * 32).public)
-            self.books[name] = Bookkeeping(
-                name, PLANT, traffic, trusts, subscriptions, self.timers[name], out
-            )
+            self.books[name] = Bookkeeping(name, PLANT, traffic, trusts, subscriptions, life)
             memory: dict[str, Note] = {NOTE + district: BookMemory(0, 0, 0) for district in PLACES.keepers_of}
             self.books[name].start(memory, 0.0)
         self.carry()
@@ -76,9 +72,9 @@ class Keepers:
         """Deliver everything, until nothing is under way."""
         under_way: deque[tuple[str, Send]] = deque()
         while True:
-            for name, out in self.outs.items():
-                under_way += [(name, effect) for effect in out if isinstance(effect, Send)]
-                out.clear()
+            for name, life in self.lives.items():
+                under_way += [(name, effect) for effect in life.effects if isinstance(effect, Send)]
+                life.effects.clear()
             if not under_way:
                 return
             sender, sent = under_way.popleft()
@@ -89,10 +85,10 @@ class Keepers:
 
     def run(self, until_s: float) -> None:
         """Let their alarms come."""
-        while (now_s := min(timers.next_s for timers in self.timers.values())) <= until_s:
+        while (now_s := min(life.timers.next_s for life in self.lives.values())) <= until_s:
             self.now_s = now_s
-            for name, timers in self.timers.items():
-                for alarm, of in timers.due(now_s):
+            for name, life in self.lives.items():
+                for alarm, of in life.timers.due(now_s):
                     if name not in self.dead:
                         self.books[name].alarms[alarm](of, now_s)
             self.carry()
@@ -212,7 +208,7 @@ def test_people_are_told_of_a_keeper_that_goes_on_to_take_places_from_vehicles_w
     def write(version: int, *bookings: PlaceBooking) -> None:
         booked = PlaceBooked(district=NAME, epoch=epoch, version=version, bookings=bookings)
         keepers.books[SECOND].handlers({})[PlaceBooked](FIRST, booked, keepers.now_s)
-        told.extend(effect.fact for effect in keepers.outs[SECOND] if isinstance(effect, Record))
+        told.extend(effect.fact for effect in keepers.lives[SECOND].effects if isinstance(effect, Record))
         keepers.carry()
 
     line = PlaceBooking(place=HERE, number=10, atv="ATV2", mark=b"a key")

@@ -85,7 +85,7 @@ def test_a_keeper_that_starts_again_believes_its_own_copy_before_a_later_one_tha
     """The thief has forged what it remembers."""
     kept = trio.keepers["M1"].kept
     trio.keepers["M2"].kept = Kept(kept.epoch, kept.epoch, 10**6, line("B", 10**6))
-    trio.keepers["M1"] = Copies("M1", "M1", NAMES, kept, trio.outs["M1"])
+    trio.keepers["M1"] = Copies("M1", "M1", NAMES, kept, trio.lives["M1"])
     leader = trio.lead("M1")
     assert leader.leads
     assert leader.kept.bookings == line("A", 1)
@@ -96,7 +96,7 @@ def test_what_two_of_three_have_is_taken_before_what_the_thief_alone_has_forged(
     old = trio.keepers["M1"].kept
     trio.keepers["M1"].write(2, line("C", 2))
     trio.carry()
-    trio.keepers["M1"] = Copies("M1", "M1", NAMES, old, trio.outs["M1"])
+    trio.keepers["M1"] = Copies("M1", "M1", NAMES, old, trio.lives["M1"])
     kept = trio.keepers["M3"].kept
     trio.keepers["M2"].kept = Kept(kept.epoch, kept.epoch, 10**6, line("B", 10**6))
     assert trio.lead("M1").kept.bookings == line("C", 2)
@@ -159,9 +159,9 @@ def test_a_thief_that_says_anything_changes_nothing_while_both_others_hear_one_a
     honest: set[object] = {()}
     under_way: list[tuple[str, Send]] = []
     for step in range(1, 200):
-        for sender, out in trio.outs.items():
-            under_way += [(sender, effect) for effect in out if isinstance(effect, Send)]
-            out.clear()
+        for sender, life in trio.lives.items():
+            under_way += [(sender, effect) for effect in life.effects if isinstance(effect, Send)]
+            life.effects.clear()
         writer = trio.keepers[random.choice(HONEST)]
         move = random.random()
         if move < 0.4:

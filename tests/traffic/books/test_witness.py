@@ -18,8 +18,8 @@ from dray.messages.floor.traffic import (
     PlaceGranted,
     PlaceWished,
 )
-from dray.protocol.runtime.events import Effect, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.copies import Copies
 from dray.protocol.traffic.driving import wishes
 from dray.protocol.traffic.driving.wishes import LEAST_AGAIN_S, WITNESS_ASKED, State, Wishes
@@ -33,10 +33,11 @@ class Vehicle:
 
     def __init__(self, name: str, epoch: int) -> None:
         self.name, self.mark = name, name.encode()
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         self.state = State((0, 0.0, name), stands=True, docked=False, avoid=(), chain=())
         sign = lambda wish: replace(wish, key=self.mark, signature=self.mark)  # noqa: E731
-        self.wishes = Wishes(1, {"M1": NAMES}, Timers(), self.out, sign)
+        self.wishes = Wishes(1, {"M1": NAMES}, self.life, sign)
         for copy in COPIES:
             self.wishes.on_holds_asked(copy, HoldsAsked(district="M1", epoch=epoch))
         self.say((), WANTED)
@@ -231,7 +232,7 @@ def test_words_are_said_with_the_book_until_all_have_copied_it() -> None:
     leader.write(3, line("B", 3, mark=b"B"))
     assert all(
         not e.message.given_back
-        for e in floor.outs["M1"]
+        for e in floor.lives["M1"].effects
         if isinstance(e, Send) and isinstance(e.message, PlaceBooked)
     )
 

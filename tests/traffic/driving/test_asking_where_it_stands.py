@@ -13,8 +13,8 @@ from dray.messages.floor.traffic import (
 )
 from dray.messages.keys import Keys
 from dray.plant import load_plant
-from dray.protocol.runtime.events import Effect, Instruct, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Instruct, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -30,7 +30,8 @@ class Vehicle:
     """A's right of way, and what it says."""
 
     def __init__(self) -> None:
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         spec = next(iter(PLANT.fleet.values()))
         kind = PLANT.vehicle_types[spec.type]
         orders = iter(range(1, 100))
@@ -39,9 +40,8 @@ class Vehicle:
             1,
             TRAFFIC.places,
             TRAFFIC.ways(spec.type),
-            Surroundings("A", TRAFFIC.places, Keys(PLANT.id).floor, self.out),
-            Timers(),
-            self.out,
+            Surroundings("A", TRAFFIC.places, Keys(PLANT.id).floor, self.life),
+            self.life,
             node=HERE,
             top_mps=kind.max_speed_mps,
             acceleration_mps2=kind.acceleration_mps2,
@@ -54,14 +54,14 @@ class Vehicle:
     @property
     def said(self) -> PlaceWished:
         """Its newest wish in the district."""
-        wishes = [effect.message for effect in self.out if isinstance(effect, Send)]
+        wishes = [effect.message for effect in self.life.effects if isinstance(effect, Send)]
         return [w for w in wishes if isinstance(w, PlaceWished) and w.district == DISTRICT][-1]
 
     @property
     def drives(self) -> bool:
         return any(
             isinstance(effect, Instruct) and isinstance(effect.instruction, Drive | ReleaseWay)
-            for effect in self.out
+            for effect in self.life.effects
         )
 
     def grant(self, *places: str, removal: int = 0, upto: int | None = None, by: str = "") -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from dray.messages.floor.traffic import HoldsAsked, PlaceBooking, PlaceGranted, PlaceWished
-from dray.protocol.runtime.events import Effect, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving import wishes as correspondence
 from dray.protocol.traffic.driving.wishes import State, Wishes
 
@@ -27,8 +27,9 @@ class Correspondence:
     """A vehicle's, about one district. M1 keeps its book under epoch 3, and the vehicle knows that."""
 
     def __init__(self, *, knows: bool = True) -> None:
-        self.out: list[Effect] = []
-        self.wishes = Wishes(1, {"D": KEEPERS}, Timers(), self.out)
+        self.life = Life()
+        self.out = self.life.effects
+        self.wishes = Wishes(1, {"D": KEEPERS}, self.life)
         if knows:
             self.asked("M2", 3)
             self.asked("M3", 3)
@@ -116,7 +117,7 @@ def test_one_that_has_nothing_there_answers_a_copy_that_asks_alone_and_no_keeper
 
 
 def test_where_one_alone_keeps_the_book_its_word_is_enough() -> None:
-    wishes = Wishes(1, {"D": ("M1",)}, Timers(), [])
+    wishes = Wishes(1, {"D": ("M1",)}, Life())
     wishes.say("D", (), WANTED, STATE, 0.0)
     answer = PlaceGranted(district="D", epoch=1, life=1, upto=1, grants=(PlaceBooking(place="b3", number=1),))
     assert wishes.on_granted("M1", answer, 1.0) == ("b3",)

@@ -11,8 +11,8 @@ from dray.messages import HoldsAsked, PlaceConfirmed, PlaceGranted, PlaceWished
 from dray.messages.floor.traffic import PlaceBooking
 from dray.messages.keys import Keys
 from dray.plant import load_plant
-from dray.protocol.runtime.events import Effect, Instruct, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Instruct, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -29,16 +29,16 @@ class NewLife:
     """The right of way of a vehicle's second life, and what it has said and instructed."""
 
     def __init__(self, node: str, next_node: str = "", *, drives_beyond: bool) -> None:
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         kind = PLANT.vehicle_types[TYPE]
         self.row = RightOfWay(
             "ATV1",
             LIFE,
             TRAFFIC.places,
             TRAFFIC.ways(TYPE),
-            Surroundings("ATV1", TRAFFIC.places, Keys(PLANT.id).floor, self.out),
-            Timers(),
-            self.out,
+            Surroundings("ATV1", TRAFFIC.places, Keys(PLANT.id).floor, self.life),
+            self.life,
             node=node,
             next_node=next_node,
             top_mps=kind.max_speed_mps,
@@ -52,7 +52,7 @@ class NewLife:
     def drives(self) -> list[Drive]:
         return [
             effect.instruction
-            for effect in self.out
+            for effect in self.life.effects
             if isinstance(effect, Instruct) and isinstance(effect.instruction, Drive)
         ]
 
@@ -60,7 +60,7 @@ class NewLife:
         """The newest one."""
         return [
             effect.message
-            for effect in self.out
+            for effect in self.life.effects
             if isinstance(effect, Send)
             and isinstance(effect.message, PlaceWished)
             and effect.message.district == district

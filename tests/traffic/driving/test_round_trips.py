@@ -8,8 +8,8 @@ import pytest
 
 from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.plant.restrictions import OPEN
-from dray.protocol.runtime.events import Effect, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.wheels import SOON_S, Wheels
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN, State, Wishes
 
@@ -24,8 +24,8 @@ def after(round_s: float, wishes_made: int) -> tuple[Wishes, list[PlaceWished]]:
     Returns:
         Its correspondence, and all that it has said to others since it asked for the last place.
     """
-    timers, out = Timers(), list[Effect]()
-    wishes = Wishes(1, {"D": ("M1", "M2", "M3")}, timers, out)
+    life = Life()
+    wishes = Wishes(1, {"D": ("M1", "M2", "M3")}, life)
     now_s, strayed = 0.0, list[PlaceWished]()
     for keeper in ("M2", "M3"):
         wishes.on_holds_asked(keeper, HoldsAsked(district="D", epoch=0))
@@ -34,14 +34,14 @@ def after(round_s: float, wishes_made: int) -> tuple[Wishes, list[PlaceWished]]:
         wishes.say("D", (), groups, STATE, now_s)
         answers, strayed, answered = [], [], False
         while not answered or answers:
-            for sent in out:
+            for sent in life.effects:
                 assert isinstance(sent, Send)
                 assert isinstance(sent.message, PlaceWished)
                 if sent.to == "M1":
                     answers.append((now_s + round_s, sent.message.seq))
                 else:
                     strayed.append(sent.message)
-            out.clear()
+            life.effects.clear()
             now_s += STEP_S
             for at_s, seq in [each for each in answers if each[0] <= now_s]:
                 answers.remove((at_s, seq))
@@ -49,7 +49,7 @@ def after(round_s: float, wishes_made: int) -> tuple[Wishes, list[PlaceWished]]:
                     "M1", PlaceGranted(district="D", epoch=0, life=1, upto=seq, grants=()), now_s
                 )
                 answered = True
-            if (WISH_AGAIN, "D") in timers.due(now_s):
+            if (WISH_AGAIN, "D") in life.timers.due(now_s):
                 wishes.repeat("D", (), groups, STATE, now_s)
     return wishes, strayed
 

@@ -16,8 +16,8 @@ from dray.messages.floor.traffic import (
 )
 from dray.messages.keys import Keys
 from dray.plant import load_plant
-from dray.protocol.runtime.events import Effect, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import (
     AGES_BY_S,
     AGES_EVERY_S,
@@ -41,19 +41,18 @@ class Waiting:
     """A's right of way on a leg that is blocked from its first lane on."""
 
     def __init__(self, blocked: Blocked) -> None:
-        self.out: list[Effect] = []
+        self.life = Life()
+        self.out = self.life.effects
         spec = next(iter(PLANT.fleet.values()))
         kind = PLANT.vehicle_types[spec.type]
         orders = iter(range(1, 100))
-        self.timers = Timers()
         self.row = RightOfWay(
             "A",
             1,
             TRAFFIC.places,
             TRAFFIC.ways(spec.type),
-            Surroundings("A", TRAFFIC.places, Keys(PLANT.id).floor, self.out),
-            self.timers,
-            self.out,
+            Surroundings("A", TRAFFIC.places, Keys(PLANT.id).floor, self.life),
+            self.life,
             node=HERE,
             top_mps=kind.max_speed_mps,
             acceleration_mps2=kind.acceleration_mps2,
@@ -67,7 +66,9 @@ class Waiting:
 
     def wish(self) -> PlaceWished:
         """Its newest one."""
-        return [e.message for e in self.out if isinstance(e, Send) and isinstance(e.message, PlaceWished)][-1]
+        return [
+            e.message for e in self.life.effects if isinstance(e, Send) and isinstance(e.message, PlaceWished)
+        ][-1]
 
     def answer(self, blocked: Blocked, now_s: float, *places: str) -> None:
         """The book answers the newest wish."""
@@ -92,9 +93,9 @@ class Waiting:
 
     def wait(self, until_s: float) -> None:
         """Let its alarms come."""
-        while self.timers.next_s <= until_s:
-            now_s = self.timers.next_s
-            for name in self.timers.due(now_s):
+        while self.life.timers.next_s <= until_s:
+            now_s = self.life.timers.next_s
+            for name in self.life.timers.due(now_s):
                 if name == HELD_UP:
                     self.row.reroute(now_s)
 

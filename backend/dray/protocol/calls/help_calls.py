@@ -31,8 +31,7 @@ from dray.plant.people import people_from_s
 from dray.protocol.calls.call_rules import ANSWER_S, LATE_S, SAY_EVERY_S, is_there_for, next_asked, rest_s
 from dray.protocol.calls.call_state import TRANSITIONS
 from dray.protocol.calls.on_duty import OnDuty
-from dray.protocol.runtime.events import Effect, Ignore, Publish, Record, Subscribe
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.states import States
 
 CALL = "call"
@@ -111,8 +110,7 @@ class HelpCalls:
     Args:
         caller: the agent.
         plant: where areas and stations are.
-        timers: its alarms; this class uses `CALL`.
-        out: where effects go.
+        life: its agent's; its alarms are named `CALL`.
         not_coming: called with (since_s, now_s) when who has taken the agent's own call at that time has given it back or has gone: what
             was promised since counts no more.
 
@@ -121,14 +119,9 @@ class HelpCalls:
     """
 
     def __init__(
-        self,
-        caller: Caller,
-        plant: Plant,
-        timers: Timers,
-        out: list[Effect],
-        not_coming: Callable[[float, float], None] = _nothing,
+        self, caller: Caller, plant: Plant, life: Life, not_coming: Callable[[float, float], None] = _nothing
     ) -> None:
-        self._caller, self._plant, self._timers, self._out = caller, plant, timers, out
+        self._caller, self._plant, self._life = caller, plant, life
         self._not_coming = not_coming
         keys = Keys(plant.id)
         self._heartbeats, self._key = keys.all_operator_heartbeats, keys.call(caller.id)
@@ -167,7 +160,7 @@ class HelpCalls:
 
     def listen(self) -> None:
         """Hear who is on duty, from the beginning of the agent's life."""
-        self._out.append(Subscribe(self._heartbeats))
+        self._life.subscribe(self._heartbeats)
 
     def open(
         self,
@@ -198,7 +191,7 @@ class HelpCalls:
         self._calls[goods] = call = Call(name, goods, problem, reason, now_s, place_m)
         self._ended.pop(goods, None)
         if after_s > 0.0:
-            self._timers.set((CALL, goods), now_s + after_s)
+            self._life.alarm((CALL, goods), now_s + after_s)
         else:
             self._ask(call, now_s)
 
@@ -207,13 +200,13 @@ class HelpCalls:
         call = self._calls.pop(goods, None)
         if call is None:
             return
-        self._timers.clear((CALL, goods))
+        self._life.cancel((CALL, goods))
         if not call.said:
             return
         call.states.enter(CallState.ENDED)
         call.asked, call.until_s, taken_by = (), None, call.taken_by
         self._ended[goods] = EndedCall(self._say(call, now_s))
-        self._timers.set((CALL, goods), now_s + SAY_EVERY_S)
+        self._life.alarm((CALL, goods), now_s + SAY_EVERY_S)
         fact = HelpCallEnded(
             call=call.name,
             problem=call.problem.kind,
@@ -224,7 +217,7 @@ class HelpCalls:
             lasted_s=max(0.0, now_s - call.since_s),
             helped=bool(taken_by),
         )
-        self._out.append(Record(fact))
+        self._life.record(fact)
 
     # --- time passes -------------------------------------------------------------------------------
 
@@ -256,7 +249,7 @@ class HelpCalls:
         ended.said += 1
         self._publish(ended.told, now_s)
         if ended.said < END_SAID:
-            self._timers.set((CALL, goods), now_s + SAY_EVERY_S)
+            self._life.alarm((CALL, goods), now_s + SAY_EVERY_S)
         elif goods:
             # There are ever new ones: nothing of them is kept.
             del self._ended[goods]
@@ -266,7 +259,7 @@ class HelpCalls:
     def _on_heartbeat(self, sender: str, heartbeat: OperatorHeartbeat, now_s: float) -> None:
         could_be_asked = self._duty.can_be_asked(sender, now_s)
         if not self._duty.note(heartbeat, now_s):
-            self._out.append(Ignore("a heartbeat that was overtaken"))
+            self._life.ignore("a heartbeat that was overtaken")
             return
         for call in list(self._calls.values()):
             if call.said:
@@ -286,19 +279,19 @@ class HelpCalls:
     def _on_answered(self, sender: str, answered: CallAnswered, now_s: float) -> None:
         call = next((each for each in self._calls.values() if each.name == answered.call), None)
         if call is None or not call.said:
-            self._out.append(Ignore(NO_CALL))
+            self._life.ignore(NO_CALL)
             for ended in self._ended.values():
                 if ended.told.call == answered.call:
                     self._publish(ended.told, now_s)
         elif answered.answer is not CallAnswer.TAKE:
             self._declined(call, sender, answered.answer, now_s)
         elif call.taken_by not in ("", sender):
-            self._out.append(Ignore(TAKEN_BEFORE))
+            self._life.ignore(TAKEN_BEFORE)
             self._go_on(call, now_s)
         elif not _can_be_promised(answered.wait_s):
-            self._out.append(Ignore(NO_PROMISE))
+            self._life.ignore(NO_PROMISE)
         elif self._has_gone(sender, now_s):
-            self._out.append(Ignore(NOT_ON_DUTY))
+            self._life.ignore(NOT_ON_DUTY)
         else:
             self._taken(call, sender, answered.wait_s or 0.0, now_s)
 
@@ -378,7 +371,7 @@ class HelpCalls:
         at_s = now_s + SAY_EVERY_S
         if call.states.now is not CallState.TAKEN and call.until_s is not None:
             at_s = min(at_s, call.until_s)
-        self._timers.set((CALL, call.goods), at_s)
+        self._life.alarm((CALL, call.goods), at_s)
 
     def _place_m(self, call: Call) -> tuple[float, float]:
         return self._caller.place_m if call.place_m is None else call.place_m
@@ -412,7 +405,7 @@ class HelpCalls:
     def _publish(self, told: HelpCall, now_s: float) -> HelpCall:
         self._number += 1
         said = replace(told, number=self._number, at_s=now_s)
-        self._out.append(Publish(self._key, said))
+        self._life.publish(self._key, said)
         return said
 
 

@@ -8,8 +8,7 @@ from typing import Any
 from dray.messages import Closures, Message
 from dray.messages.keys import Keys
 from dray.protocol.closures.known_floor import KnownFloor
-from dray.protocol.runtime.events import Effect, Ignore, Subscribe
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 
 REOPEN = "reopen"
 """The alarm for a closure that ends by its own time."""
@@ -22,32 +21,25 @@ class ClosureListener:
         floor: as the agent knows it.
         trusts: called with words and a signature: whether it is that of somebody who is trusted. None for an agent that drives nowhere:
             the word of a gateway is enough for it, and every bus asks whether it is one.
-        timers: the agent's alarms; this class uses `REOPEN`.
-        out: where effects go.
+        life: its agent's; its alarms are named `REOPEN`.
 
     Attributes:
         message_handlers, alarms: for the agent's tables.
     """
 
-    def __init__(
-        self,
-        floor: KnownFloor,
-        trusts: Callable[[bytes, bytes], bool] | None,
-        timers: Timers,
-        out: list[Effect],
-    ) -> None:
+    def __init__(self, floor: KnownFloor, trusts: Callable[[bytes, bytes], bool] | None, life: Life) -> None:
         self._floor, self._trusts = floor, trusts
-        self._timers, self._out = timers, out
+        self._life = life
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {Closures: self._on_closures}
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {REOPEN: self._look_again}
 
     def listen(self) -> None:
         """Hear of closures from now on."""
-        self._out.append(Subscribe(Keys(self._floor.id).closures))
+        self._life.subscribe(Keys(self._floor.id).closures)
 
     def _on_closures(self, _sender: str, said: Closures, now_s: float) -> None:
         if objection := self._floor.objection(said, self._trusts):
-            self._out.append(Ignore(objection))
+            self._life.ignore(objection)
             return
         changed = self._floor.take(said, now_s)
         self._note(said)
@@ -61,7 +53,7 @@ class ClosureListener:
         self._set_alarm()
 
     def _set_alarm(self) -> None:
-        self._timers.set(REOPEN, self._floor.ends_s)
+        self._life.alarm(REOPEN, self._floor.ends_s)
 
     def _note(self, said: Closures) -> None:
         """Another list holds from now on."""

@@ -48,7 +48,8 @@ from dray.protocol.contract_net.terms import SPAN_MAX_S, SPANS_MAX, Place, Terms
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Publish, Record, Send
+from dray.protocol.runtime.events import NEVER_S, Publish, Record, Send
+from dray.protocol.runtime.life import Life
 
 BIDS_KEPT = 1024
 """In one round: more than any fleet has vehicles. Beyond that somebody bids under names that nobody has."""
@@ -128,7 +129,7 @@ class Auction:
         place: where the circle of those who are asked has its middle.
         audience: the bus keys that reach everybody within a radius (m).
         rules: patience and reach.
-        out: where effects go, in order.
+        life: its agent's.
         assessor: what is asked of a bid beside its price.
         candidates: bids to ask before announcing anything, cheapest first.
         numbers: of its awards; by default from 1 on.
@@ -142,7 +143,7 @@ class Auction:
         place: Place,
         audience: Callable[[float], tuple[str, ...]],
         rules: AuctionRules,
-        out: list[Effect],
+        life: Life,
         assessor: Assessor,
         candidates: tuple[Offer, ...] = (),
         numbers: Iterator[int] | None = None,
@@ -164,7 +165,7 @@ class Auction:
         self._audience = audience
         self._waits = waits
         self._rules = rules
-        self._out = out
+        self._life = life
         self._assessor = assessor
         self._bids = Bids(candidates)
         self._span_s = self._opened_s = 0.0
@@ -249,12 +250,12 @@ class Auction:
         """Announce what waits to one who asks for it; it may bid once more in this round."""
         self._move_deadline(now_s)
         self._bids.let_bid_again(bidder)
-        self._out.append(Send(bidder, self._announcement(self.wake_at_s, now_s)))
+        self._life.send(bidder, self._announcement(self.wake_at_s, now_s))
 
     def on_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
         """Note a bid, if it can be true. One of a later round replaces the same bidder's first."""
         if objection := self._objection(bidder, bid):
-            self._out.append(Ignore(objection))
+            self._life.ignore(objection)
             return
         bid = by_our_clock(bid, now_s)
         if self._assessor.refuses(bidder, self.terms.work, bid, now_s):
@@ -262,21 +263,19 @@ class Auction:
         terms = self.terms
         surcharge_s = self._assessor.surcharge_s(bidder, now_s)
         self._bids.note(bidder, bid, surcharge_s)
-        self._out.append(
-            Record(
-                BidReceived(
-                    task=terms.task,
-                    epoch=terms.epoch,
-                    role=terms.role,
-                    round=bid.round,
-                    bidder=bidder,
-                    cost=bid.cost,
-                    total_s=bid.cost.total_s,
-                    finish_s=bid.finish_s,
-                    source=bid.source,
-                    surcharge_s=surcharge_s,
-                    battery_reckoned=bid.battery_reckoned,
-                )
+        self._life.record(
+            BidReceived(
+                task=terms.task,
+                epoch=terms.epoch,
+                role=terms.role,
+                round=bid.round,
+                bidder=bidder,
+                cost=bid.cost,
+                total_s=bid.cost.total_s,
+                finish_s=bid.finish_s,
+                source=bid.source,
+                surcharge_s=surcharge_s,
+                battery_reckoned=bid.battery_reckoned,
             )
         )
         if self.stage is Stage.RESTING:
@@ -286,13 +285,13 @@ class Auction:
     def on_accepted(self, bidder: str, answer: Accepted) -> None:
         """The contract stands, if this bidder is the one that was asked."""
         if bidder == self.winner:
-            self._out.append(Ignore("accepted twice"))
+            self._life.ignore("accepted twice")
             return
         if bidder != self.asked:
             self._release(bidder, answer.number, Reason.NOT_ASKED)
             return
         if answer.number != self.number:
-            self._out.append(Ignore("an answer to an earlier award"))
+            self._life.ignore("an answer to an earlier award")
             return
         self._note_answer("accepted")
         self.winner, self.asked = bidder, ""
@@ -302,7 +301,7 @@ class Auction:
     def on_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
         """Ask the next one, if this bidder is the one that was asked."""
         if bidder != self.asked or answer.number != self.number:
-            self._out.append(Ignore("declined without being asked"))
+            self._life.ignore("declined without being asked")
             return
         self._note_answer("declined", answer.reason)
         self.asked = ""
@@ -344,7 +343,7 @@ class Auction:
         self.wake_at_s = now_s + self._rules.window_in_s(self.round)
         self._tell_opened(self.wake_at_s)
         announcement = self._announcement(self.wake_at_s, now_s)
-        self._out.extend(Publish(key, announcement) for key in self._audience(self.radius_m))
+        self._life.effects.extend(Publish(key, announcement) for key in self._audience(self.radius_m))
 
     def _begin(self, now_s: float) -> None:
         self._opened_s = now_s
@@ -354,18 +353,16 @@ class Auction:
 
     def _tell_opened(self, until_s: float) -> None:
         terms = self.terms
-        self._out.append(
-            Record(
-                TaskOpened(
-                    task=terms.task,
-                    epoch=terms.epoch,
-                    role=terms.role,
-                    round=self.round,
-                    work=terms.work,
-                    radius_m=self.radius_m,
-                    deadline_s=terms.deadline_s,
-                    bids_until_s=until_s,
-                )
+        self._life.record(
+            TaskOpened(
+                task=terms.task,
+                epoch=terms.epoch,
+                role=terms.role,
+                round=self.round,
+                work=terms.work,
+                radius_m=self.radius_m,
+                deadline_s=terms.deadline_s,
+                bids_until_s=until_s,
             )
         )
 
@@ -425,7 +422,7 @@ class Auction:
             primary=terms.primary,
             number=self.number,
         )
-        self._out += (Record(fact), Send(bidder, award))
+        self._life.effects += (Record(fact), Send(bidder, award))
 
     def _rest(self, now_s: float) -> None:
         reaches_all = self.radius_m >= self._place.reach_m
@@ -446,15 +443,15 @@ class Auction:
             bids=self._rank,
             next_round_s=self.wake_at_s,
         )
-        self._out.append(Record(failed))
+        self._life.record(failed)
         self._rank = 0
 
     def _note_answer(self, answer: Answer, reason: Refusal | None = None) -> None:
         terms = self.terms
         fact = AwardAnswered(terms.task, terms.epoch, terms.role, self.asked, answer, reason)
-        self._out.append(Record(fact))
+        self._life.record(fact)
 
     def _release(self, bidder: str, number: int, reason: Reason) -> None:
         terms = self.terms
         release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason, number=number)
-        self._out.append(Send(bidder, release))
+        self._life.send(bidder, release)

@@ -11,8 +11,8 @@ from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import ArrivalStatistics
-from dray.protocol.runtime.events import NEVER_S, Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 
 AWARDS_PER_LIFE = 1_000_000
 """Numbers of awards, so that an answer to an earlier life's is recognised: more than one life gives."""
@@ -25,8 +25,7 @@ class Auctions:
         coordinator: who asks.
         place: where it stands.
         audience: for a task's work and a radius (m), the bus keys of those to ask.
-        timers: the coordinator's alarms.
-        out: where effects go.
+        life: its agent's.
         arrivals: how heartbeats arrive at the coordinator; None where it follows nobody.
         incarnation: how often the coordinator was started.
         assessor: what is asked of bids beside their price.
@@ -37,8 +36,7 @@ class Auctions:
         coordinator: str,
         place: Place,
         audience: Callable[[Work, float], tuple[str, ...]],
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         arrivals: ArrivalStatistics | None,
         incarnation: int,
         assessor: Assessor,
@@ -46,8 +44,7 @@ class Auctions:
         self._coordinator = coordinator
         self._place = place
         self._audience = audience
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._arrivals = arrivals
         self._numbers = count((incarnation - 1) * AWARDS_PER_LIFE + 1)
         self._assessor = assessor
@@ -73,7 +70,7 @@ class Auctions:
             self._place,
             audience,
             rules,
-            self._out,
+            self._life,
             self._assessor,
             candidates,
             self._numbers,
@@ -84,6 +81,6 @@ class Auctions:
         """Set or clear the alarm ``(kind, task)`` as the auction wants it now."""
         name = (kind, auction.terms.task)
         if auction.wake_at_s < NEVER_S:
-            self._timers.set(name, auction.wake_at_s)
+            self._life.alarm(name, auction.wake_at_s)
         else:
-            self._timers.clear(name)
+            self._life.cancel(name)

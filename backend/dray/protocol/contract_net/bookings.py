@@ -6,12 +6,12 @@ it before books nothing twice.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from dray.body import Book, StockChanged
 from dray.memory import DepartureMemory
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.life import Life
 
 WORDS_KEPT = 256
 """Words that are said again: as many as a body remembers."""
@@ -21,12 +21,11 @@ class Bookings:
     """Of one dock.
 
     Args:
-        out: where effects go.
-        commit: called when the next life must know of something else.
+        life: its agent's.
     """
 
-    def __init__(self, out: list[Effect], commit: Callable[[], None]) -> None:
-        self._out, self._commit = out, commit
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self._said: BoundedMap[tuple[str, str, str, int, bool], DepartureMemory] = BoundedMap(WORDS_KEPT)
         """What was said and is not answered, by what names a word, the oldest first."""
 
@@ -37,8 +36,8 @@ class Bookings:
             return  # It would answer twice, the second time for another word.
         self._said[name] = load
         book = Book(load.vehicle, load.item, load.change, task=load.task, epoch=load.epoch)
-        self._out.append(Instruct(book))
-        self._commit()
+        self._life.instruct(book)
+        self._life.commit()
 
     def on_stock_changed(self, report: StockChanged) -> DepartureMemory | None:
         """The body has booked something.
@@ -51,7 +50,7 @@ class Bookings:
         word = next((each for each in self._said if each[:2] == told), None)
         if word is None:
             return None
-        self._commit()
+        self._life.commit()
         return self._said.pop(word)
 
     def memories(self) -> tuple[DepartureMemory, ...]:

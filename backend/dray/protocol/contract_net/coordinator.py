@@ -36,8 +36,7 @@ from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.liveness.suspicion import ArrivalStatistics
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Ignore, Record, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 
 CLOSED_KEPT = 1024
 """Closed tasks that late questions are still answered for: a day of one machine's work."""
@@ -53,8 +52,7 @@ class Coordinator:
         place: where it stands.
         audience: for a task's work and a radius (m), the bus keys of those to ask.
         rules: the auction's patience and reach.
-        timers: the agent's alarms; this class uses names ``(PRIMARY_AUCTION, task)``.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(PRIMARY_AUCTION, task)``.
         contracted: called when a task has got its contractor.
         assessor: what it asks of bids beside their price.
         arrivals: how heartbeats arrive at the agent; None where it follows nobody.
@@ -70,8 +68,7 @@ class Coordinator:
         place: Place,
         audience: Callable[[Work, float], tuple[str, ...]],
         rules: AuctionRules,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         contracted: Callable[[OpenTask, float], None],
         assessor: Assessor,
         arrivals: ArrivalStatistics | None = None,
@@ -79,13 +76,12 @@ class Coordinator:
         incarnation: int = 1,
     ) -> None:
         self._rules = rules
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._contracted = contracted
         self._open: dict[str, OpenTask] = {}
         self._closed: BoundedMap[str, ClosedTask] = BoundedMap(CLOSED_KEPT)
         self._assessor = assessor
-        self._auctions = Auctions(agent, place, audience, timers, out, arrivals, incarnation, assessor)
+        self._auctions = Auctions(agent, place, audience, life, arrivals, incarnation, assessor)
         self.alarms: dict[str, Callable[[str, float], None]] = {PRIMARY_AUCTION: self._wake_auction}
 
     def __iter__(self) -> Iterator[OpenTask]:
@@ -119,11 +115,11 @@ class Coordinator:
         contract = task.contract
         carrier = contract.primary
         task.auction.cancel()
-        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._life.cancel((PRIMARY_AUCTION, task.id))
         self._let_go(task, Reason.TASK_ENDED)
         if carrier and outcome == "withdrawn":
             withdrawn = Withdrawn(task=task.id, epoch=task.epoch, reason=Reason.NOT_NEEDED)
-            self._out.append(Send(carrier, withdrawn))
+            self._life.send(carrier, withdrawn)
         fact = TaskClosed(
             task=task.id,
             epoch=task.epoch,
@@ -131,7 +127,7 @@ class Coordinator:
             carrier=carrier,
             promised_s=contract.promised_s,
         )
-        self._out.append(Record(fact))
+        self._life.record(fact)
         task.states.enter(TaskState(outcome))
         del self._open[task.id]
         self._closed[task.id] = ClosedTask(carrier, task.epoch, outcome)
@@ -141,7 +137,7 @@ class Coordinator:
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
         if task is None:
-            self._out.append(Ignore("a bid for a task that has ended or moved on"))
+            self._life.ignore("a bid for a task that has ended or moved on")
         elif bid.role is Role.PRIMARY:
             task.auction.on_bid(sender, bid, now_s)
             self._auctions.arm(PRIMARY_AUCTION, task.auction)
@@ -154,7 +150,7 @@ class Coordinator:
             return
         elif task.primary == sender:
             # The contract stands, whichever life of either side has made it: a restarted carrier says so again.
-            self._out.append(Ignore("accepted twice"))
+            self._life.ignore("accepted twice")
         elif task.primary:
             self._release(sender, answer, Reason.ANOTHER_CARRIES)
         elif self._assessor.refuses_clock(sender, answer, now_s):
@@ -170,7 +166,7 @@ class Coordinator:
     def on_declined(self, sender: str, answer: Declined, now_s: float) -> None:
         task = self._present(answer)
         if task is None:
-            self._out.append(Ignore("declined a task that has ended or moved on"))
+            self._life.ignore("declined a task that has ended or moved on")
         elif answer.role is Role.PRIMARY:
             task.auction.on_declined(sender, answer, now_s)
             self._auctions.arm(PRIMARY_AUCTION, task.auction)
@@ -224,7 +220,7 @@ class Coordinator:
             task.work = replace(task.work, sources=(source,))
         # Whoever is awarded a task by this life loads under its eyes, whatever an earlier life may have missed.
         task.witnessed = True
-        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._life.cancel((PRIMARY_AUCTION, task.id))
         self._bound(task, auction.left_over, now_s)
         self._contracted(task, now_s)
 
@@ -232,4 +228,4 @@ class Coordinator:
         """Release a contractor from an award."""
         role, number = (said.role, said.number) if isinstance(said, Accepted) else (Role.PRIMARY, 0)
         release = Release(task=said.task, epoch=said.epoch, role=role, reason=reason, number=number)
-        self._out.append(Send(to, release))
+        self._life.send(to, release)

@@ -28,7 +28,8 @@ from dray.messages import AtvHeartbeat, Phase
 from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import NEVER_S, Effect, Instruct
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 
 UNHEARD_S = 8.0
 """No vehicle takes a load away, puts it down elsewhere and ends its task within this; several heartbeats of one that works come."""
@@ -46,8 +47,7 @@ class Departures:
         node: where vehicles stand at it.
         subscriptions: whose heartbeats are heard.
         bookings: what its body is told.
-        out: where effects go.
-        commit: called when the next life must know of something else.
+        life: its agent's.
         left: called with a vehicle that has left.
     """
 
@@ -56,11 +56,10 @@ class Departures:
         node: str,
         subscriptions: HeartbeatSubscriptions,
         bookings: Bookings,
-        out: list[Effect],
-        commit: Callable[[], None],
+        life: Life,
         left: Callable[[str, str], None] = lambda _vehicle, _task: None,
     ) -> None:
-        self._node, self._subscriptions, self._out, self._commit = node, subscriptions, out, commit
+        self._node, self._subscriptions, self._life = node, subscriptions, life
         self._bookings, self._left = bookings, left
         self._leaving: dict[str, DepartureMemory] = {}
         """By vehicle, what it may have moved."""
@@ -74,7 +73,7 @@ class Departures:
         if load.vehicle not in self._leaving:
             self._subscriptions.follow(load.vehicle)
             self._leaving[load.vehicle] = load
-            self._commit()
+            self._life.commit()
 
     def take_back(self, load: DepartureMemory, now_s: float) -> None:
         """A vehicle that has its load on board stands here to put it down, once it is let in (`note_let_in`).
@@ -87,7 +86,7 @@ class Departures:
             if known.item == load.item and known.change < 0:
                 self._bookings.say(known)
             self._leaving[load.vehicle] = load
-            self._commit()
+            self._life.commit()
         self._at_task[load.vehicle] = (load.task, load.epoch, now_s)
         self.watch(load)
 
@@ -100,7 +99,7 @@ class Departures:
         load = self._leaving.get(vehicle)
         if load is not None and (load.task, load.epoch) == (task, epoch) and not load.let_in:
             self._leaving[vehicle] = replace(load, let_in=True)
-            self._commit()
+            self._life.commit()
 
     def note_done(self, vehicle: str, now_s: float, *, aboard: bool) -> None:
         """A vehicle stands here for something else, and is done with what it was watched for. Harmless when it was not watched.
@@ -172,6 +171,6 @@ class Departures:
     def _close(self, vehicle: str) -> None:
         load = self._leaving.pop(vehicle)
         self._subscriptions.unfollow(vehicle)
-        self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+        self._life.instruct(CloseDock(vehicle=vehicle))
         self._left(vehicle, load.task)
-        self._commit()
+        self._life.commit()

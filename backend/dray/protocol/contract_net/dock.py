@@ -18,7 +18,7 @@ from dray.messages import Docked, DockHeld, DockOpened, Transport
 from dray.messages.heartbeat import DockWait
 from dray.plant import Plant
 from dray.protocol.contract_net.departures import Departures
-from dray.protocol.runtime.events import Effect, Instruct, Send
+from dray.protocol.runtime.life import Life
 
 
 def dock_of(plant: Plant, work: Transport, place: str) -> str:
@@ -80,7 +80,7 @@ class Door:
     """The door of one dock.
 
     Args:
-        out: where effects go.
+        life: its agent's.
         patience_s: so long the body may take to open it.
         departures: of this dock.
         is_told_of: whether it is still waited for what a vehicle has to tell of a load that it was let in to take, though it is not wanted any more.
@@ -92,12 +92,12 @@ class Door:
 
     def __init__(
         self,
-        out: list[Effect],
+        life: Life,
         patience_s: float,
         departures: Departures,
         is_told_of: Callable[[str], bool] = lambda _vehicle: False,
     ) -> None:
-        self._out, self._patience_s, self._departures = out, patience_s, departures
+        self._life, self._patience_s, self._departures = life, patience_s, departures
         self._is_told_of = is_told_of
         self._asked: dict[str, tuple[Docked, Entry]] = {}
         """By vehicle, what it has asked for and waits to be opened."""
@@ -112,7 +112,7 @@ class Door:
         self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float, *, comes: bool
     ) -> None:
         """Let a vehicle that stands here unload (`comes`) or load, once; it waits where the body has to make the dock ready for it."""
-        self._out.append(Instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity)))
+        self._life.instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity))
         entry = Entry(asked.task, asked.epoch, item, comes)
         if self.answers:
             self._asked[vehicle] = asked, entry
@@ -147,12 +147,12 @@ class Door:
 
     def agree(self, vehicle: str, asked: Docked) -> None:
         """Tell a vehicle that it may load or unload, without opening a dock: it is not this agent's."""
-        self._out.append(Send(vehicle, DockOpened(task=asked.task, epoch=asked.epoch, station=asked.station)))
+        self._life.send(vehicle, DockOpened(task=asked.task, epoch=asked.epoch, station=asked.station))
 
     def hold(self, vehicle: str, asked: Docked, reason: str) -> None:
         """Let it wait."""
         held = DockHeld(task=asked.task, epoch=asked.epoch, station=asked.station, reason=reason)
-        self._out.append(Send(vehicle, held))
+        self._life.send(vehicle, held)
 
     def restore(self, opened: Iterable[str]) -> None:
         """Go on with a dock that an earlier life has opened."""
@@ -184,11 +184,11 @@ class Door:
                 self._watch(vehicle, let_in, load)
             if not self._departures.waits_for(vehicle):
                 # Also when this life has not opened it: an earlier one may have.
-                self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+                self._life.instruct(CloseDock(vehicle=vehicle))
             return
         # Nothing moves that could hurt it: the permit goes at once, and only what it moves is waited for. Said twice, it has left.
         if let_in is not None or not is_left_to:
-            self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+            self._life.instruct(CloseDock(vehicle=vehicle))
         if let_in is not None and not self.counts and (load is not None or not self._is_told_of(vehicle)):
             self._watch(vehicle, let_in, load)
 
@@ -235,7 +235,7 @@ class Door:
             and vehicle not in self._inside
             and not self._departures.waits_for(vehicle)
         ):
-            self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+            self._life.instruct(CloseDock(vehicle=vehicle))
 
     def on_departed(self, vehicle: str, task: str) -> None:
         """A vehicle has left that was watched for a task, empty where nobody knows for which: it waits for nothing of that any more.

@@ -21,6 +21,7 @@ from dray.messages import (
 from dray.messages.fact import BidRefused, BidSent
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Record, Send
+from dray.protocol.runtime.life import Life
 
 REFUSALS_KEPT = 256
 """Tasks that one contractor has refused lately: more are not announced around it at one time."""
@@ -66,11 +67,11 @@ class Refusals:
     A task is announced until somebody takes it. Who goes on refusing it for the same reason has said so.
 
     Args:
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self._said: BoundedMap[tuple[str, Role], tuple[int, Refusal]] = BoundedMap(REFUSALS_KEPT)
         """By task and role: the epoch and the reason of the last refusal."""
 
@@ -82,7 +83,7 @@ class Refusals:
             refused = BidRefused(
                 task=announced.task, epoch=announced.epoch, role=announced.role, reason=reason, detail=detail
             )
-            self._out.append(Record(refused))
+            self._life.record(refused)
 
     def forget(self, announced: TaskAnnounced) -> None:
         """There is a bid for this now: another refusal would be news."""

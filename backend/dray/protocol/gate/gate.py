@@ -49,7 +49,7 @@ from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.words import PassedWords
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Ignore, Instruct, Publish, Send
+from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
@@ -87,20 +87,20 @@ class DeliveryGate(AgentBase):
         super().__init__(agent, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._software = software
         self._beat_key = Keys(plant.id).station_heartbeat(agent)
-        self._heartbeat_timer = HeartbeatTimer(agent, self._timers)
+        self._heartbeat_timer = HeartbeatTimer(agent, self._life)
         self._since = incarnation
         self._goals = Admissions(kept)
         self._orders = OrderHolders(self._goals)
         self._obeyed: BoundedMap[str, int] = BoundedMap(kept)
         """By goal, how many the body has said to admit since this life began."""
-        self._counts = Retransmitter(COUNT, self._timers, self._out)
-        self._holders = Retransmitter(HOLDER, self._timers, self._out)
+        self._counts = Retransmitter(COUNT, self._life)
+        self._holders = Retransmitter(HOLDER, self._life)
         self._places_m = tuple(plant.position_of(each) for each in plant.delivery_warehouses)
         self._people = False
         granted = GrantedCommands[MachineCommand](
-            CommandAuthorisation(agent, plant, trusts), _refuse, _detail, self._out
+            CommandAuthorisation(agent, plant, trusts), _refuse, _detail, self._life
         )
-        self._granted, self._words = granted, PassedWords(granted, self._out)
+        self._granted, self._words = granted, PassedWords(granted, self._life)
         self._committers += [self._goals.commits, self._orders.commits]
         self._message_handlers = {
             GateAsked: self._on_gate_asked,
@@ -126,7 +126,7 @@ class DeliveryGate(AgentBase):
         if isinstance(note, GateMemory):
             self._since = note.since
         else:
-            self._commit()
+            self._life.commit()
         self._goals.restore(memory)
         self._orders.restore(memory)
         for goal in self._goals:
@@ -165,7 +165,7 @@ class DeliveryGate(AgentBase):
             draining=self._shutdown.begun,
             people=PeopleAsBody(goals=self._to_come()) if self._people else UNSET,
         )
-        self._out.append(Publish(self._beat_key, said))
+        self._life.publish(self._beat_key, said)
 
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
@@ -190,7 +190,7 @@ class DeliveryGate(AgentBase):
         """Something is in, or the body has heard how much may get in."""
         goal = self._goals.get(report.goal)
         if goal is None:
-            self._out.append(Ignore("goods of a goal that nobody has asked for"))
+            self._life.ignore("goods of a goal that nobody has asked for")
             return
         self._obeyed[goal.goal] = report.admitted
         if report.arrived > goal.arrived:
@@ -219,12 +219,12 @@ class DeliveryGate(AgentBase):
         if goal.arrived > goal.heard:
             self._counts.say(goal.goal, Send(goal.asker, counted), now_s)
         else:
-            self._out.append(Send(goal.asker, counted))
+            self._life.send(goal.asker, counted)
 
     def _on_count_heard(self, sender: str, message: CountHeard, _now_s: float) -> None:
         goal = self._goals.get(message.goal)
         if goal is None or goal.asker != sender or message.arrived <= goal.heard:
-            self._out.append(Ignore("a count that was heard before, or by another one"))
+            self._life.ignore("a count that was heard before, or by another one")
             return
         goal = replace(goal, heard=min(message.arrived, goal.arrived))
         self._goals.put(goal)
@@ -239,13 +239,13 @@ class DeliveryGate(AgentBase):
         if of is not None:
             refusal = self._orders.refusal(sender, of.order, asked.held)
             if refusal is not None:
-                self._out.append(Send(sender, HolderTold(refusal)))
+                self._life.send(sender, HolderTold(refusal))
                 return
         word = (asked.incarnation, asked.number)
         if goal is None:
             goal = GateGoal(asked.goal, sender, asked.quantity, *word, of=of)
         elif goal.asker == sender and word < (goal.incarnation, goal.number):
-            self._out.append(Ignore("an old word about a goal"))
+            self._life.ignore("an old word about a goal")
             return
         else:
             heard = goal.heard if goal.asker == sender else 0
@@ -266,9 +266,7 @@ class DeliveryGate(AgentBase):
 
     def _admit(self, goal: GateGoal) -> None:
         """Tell the body how much may get in."""
-        self._out.append(
-            Instruct(Admit(goal.goal, goal.admitted, arrived=goal.arrived if self._people else 0))
-        )
+        self._life.instruct(Admit(goal.goal, goal.admitted, arrived=goal.arrived if self._people else 0))
 
     # --- who holds what ---
 
@@ -278,7 +276,7 @@ class DeliveryGate(AgentBase):
             self._hand_over(claimed.order, sender)
             if loser := self._orders.loser(claimed.order):
                 self._say_lost(claimed.order, loser, now_s)
-        self._out.append(Send(sender, HolderTold(told)))
+        self._life.send(sender, HolderTold(told))
 
     def _hand_over(self, order: str, holder: str) -> None:
         """What is known of an order is told to its new holder, and to the old one no more."""
@@ -299,10 +297,10 @@ class DeliveryGate(AgentBase):
 
     def _on_gate_asked(self, sender: str, asked: GateAsked, _now_s: float) -> None:
         if asked.forgotten and not self._is_shut_for(sender):
-            self._out.append(Ignore("a question that is answered when the gate is shut"))
+            self._life.ignore("a question that is answered when the gate is shut")
             return
         held, more = self._orders.held_by(sender, asked.after)
-        self._out.append(Send(sender, GateTold(asked.after, held, more, self._since)))
+        self._life.send(sender, GateTold(asked.after, held, more, self._since))
 
     def _is_shut_for(self, strategist: str) -> bool:
         """Shut the gate for all goals of a strategist's earlier lives; returns whether it is."""

@@ -13,7 +13,8 @@ from collections.abc import Callable
 from dray.messages import AtvHeartbeat, AtvStatus, Reason
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S, ArrivalStatistics, bound_s, silence_bound_s
-from dray.protocol.runtime.events import NEVER_S, Effect, Subscribe, Unsubscribe
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 
 UNNAMED_S = 5.0
 """Somebody who is contracted and does not say so for this long has lost the contract: many times the
@@ -117,18 +118,18 @@ class HeartbeatSubscriptions:
 
     Args:
         key_of: the bus key of an agent's heartbeats.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         hearing: how heartbeats have arrived so far, over all that were followed.
     """
 
-    __slots__ = ("_count", "_key_of", "_out", "arrivals")
+    __slots__ = ("_count", "_key_of", "_life", "arrivals")
 
-    def __init__(self, key_of: Callable[[str], str], out: list[Effect]) -> None:
+    def __init__(self, key_of: Callable[[str], str], life: Life) -> None:
         self.arrivals = ArrivalStatistics()
         self._key_of = key_of
-        self._out = out
+        self._life = life
         self._count: dict[str, int] = {}
 
     def follow(self, agent: str) -> None:
@@ -136,7 +137,7 @@ class HeartbeatSubscriptions:
         count = self._count.get(agent, 0)
         self._count[agent] = count + 1
         if not count:
-            self._out.append(Subscribe(self._key_of(agent)))
+            self._life.subscribe(self._key_of(agent))
 
     def unfollow(self, agent: str) -> None:
         """Drop one reason; unsubscribe when it was the last."""
@@ -144,4 +145,4 @@ class HeartbeatSubscriptions:
         if count > 1:
             self._count[agent] = count - 1
         else:
-            self._out.append(Unsubscribe(self._key_of(agent)))
+            self._life.unsubscribe(self._key_of(agent))

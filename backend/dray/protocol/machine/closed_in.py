@@ -8,8 +8,8 @@ from dray.plant import Routes
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.closure_rules import restrictions_of
 from dray.protocol.closures.known_floor import KnownFloor
-from dray.protocol.runtime.events import NEVER_S, Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 
 SHUT = "what is closed leaves no way to it"
 
@@ -28,15 +28,8 @@ class ClosedIn(ClosureListener):
             `NEVER_S` where none of them does that; -`NEVER_S` while there is a way.
     """
 
-    def __init__(
-        self,
-        machine: str,
-        floor: KnownFloor,
-        changed: Callable[[float], None],
-        timers: Timers,
-        out: list[Effect],
-    ) -> None:
-        super().__init__(floor, None, timers, out)
+    def __init__(self, machine: str, floor: KnownFloor, changed: Callable[[float], None], life: Life) -> None:
+        super().__init__(floor, None, life)
         self._machine, self._changed = machine, changed
         self.until_s = -NEVER_S
 

@@ -13,8 +13,7 @@ from dray.messages.fact import PieceMade, PieceScrapped, SparePieceMade
 from dray.protocol.machine.documents import GoalDocuments
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
-from dray.protocol.runtime.events import Effect, Instruct, Record
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 
 WORKING_TIME = "working time"
 """Alarm: the machine begins to work, or to rest."""
@@ -27,9 +26,7 @@ class Cycle:
         goals: what is to be made.
         supply: what is at hand.
         documents: what is known of what is to be made.
-        timers: of the machine.
-        out: where effects go.
-        commit: called when a goal has got a piece.
+        life: its agent's.
 
     Attributes:
         product: what is being made; empty for nothing.
@@ -37,21 +34,11 @@ class Cycle:
         blocked: whether a piece could be made now, had it room.
     """
 
-    def __init__(
-        self,
-        goals: GoalBook,
-        supply: Supply,
-        documents: GoalDocuments,
-        timers: Timers,
-        out: list[Effect],
-        commit: Callable[[], None],
-    ) -> None:
+    def __init__(self, goals: GoalBook, supply: Supply, documents: GoalDocuments, life: Life) -> None:
         self._goals = goals
         self._supply = supply
         self._documents = documents
-        self._timers = timers
-        self._out = out
-        self._commit = commit
+        self._life = life
         self.goal: Goal | None = None
         """What the piece is for; None for a cycle that an earlier life of this machine has begun."""
         self.product = ""
@@ -63,7 +50,7 @@ class Cycle:
         working_time = self._goals.working_time
         if not working_time.is_always:
             self.rests = not working_time.is_on(now_s)
-            self._timers.set(WORKING_TIME, working_time.next_change_s(now_s))
+            self._life.alarm(WORKING_TIME, working_time.next_change_s(now_s))
 
     def start(self, has_room: Callable[[Production], bool]) -> None:
         """Begin the next one, unless one runs, the machine rests or nothing can be made.
@@ -84,7 +71,7 @@ class Cycle:
         for line in bill:
             self._supply.use(line.material, line.quantity)
         cycle_s = self._goals.products.cycle_s(goal.work)
-        self._out.append(Instruct(StartCycle(product=self.product, bill=bill, cycle_s=cycle_s)))
+        self._life.instruct(StartCycle(product=self.product, bill=bill, cycle_s=cycle_s))
 
     def done(self, product: str, seq: int, *, bad: bool = False) -> None:
         """A piece has come out; it is spare when its goal has ended meanwhile, or if it is for whoever fetches it."""
@@ -93,15 +80,15 @@ class Cycle:
         if self.product and product != self.product:
             # People have made something else meanwhile: what is being made goes on.
             if bad:
-                self._out.append(Record(PieceScrapped(product)))
+                self._life.record(PieceScrapped(product))
             else:
                 self._goals.add_spare(product, 1)
-                self._out.append(Record(SparePieceMade(product)))
+                self._life.record(SparePieceMade(product))
             return
         goal, self.goal, self.product = self.goal, None, ""
         lives = goal is not None and self._goals.get(goal.id) is goal
         if bad:
-            self._out.append(Record(PieceScrapped(product, goal.id if goal is not None and lives else "")))
+            self._life.record(PieceScrapped(product, goal.id if goal is not None and lives else ""))
             return
         if goal is None or not lives or goal.is_of_parts:
             self._goals.add_spare(product, 1)
@@ -109,7 +96,7 @@ class Cycle:
             goal.note_made(1)
             self._note_made(goal)
         else:
-            self._out.append(Record(SparePieceMade(product)))
+            self._life.record(SparePieceMade(product))
 
     def failed(self) -> None:
         """It has ended without a piece; the senses tell what has become of its material."""
@@ -122,6 +109,6 @@ class Cycle:
                 self._note_made(goal, from_stock=True)
 
     def _note_made(self, goal: Goal, *, from_stock: bool = False) -> None:
-        self._commit()
+        self._life.commit()
         made = PieceMade(goal.id, goal.work.product, goal.told_made, from_stock)
-        self._out.append(Record(made))
+        self._life.record(made)

@@ -14,8 +14,7 @@ from dray.body import DocumentRead, ReadDocument, Report
 from dray.messages import Document, DocumentBrief, DocumentState, Production
 from dray.messages.product import DOCUMENTS_TOLD
 from dray.protocol.machine.production import GoalBook
-from dray.protocol.runtime.events import Effect, Ignore, Instruct
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.states import States, Transitions
 
 AGAIN_S = 60.0
@@ -45,18 +44,15 @@ class GoalDocuments:
 
     Args:
         goals: what it makes.
-        timers: its alarms; this class uses the name `READ_AGAIN`.
-        out: where effects go.
+        life: its agent's; its alarms are named the name `READ_AGAIN`.
         changed: called with the time when a document has been read.
 
     Attributes:
         reports, alarms: what to call with a report, or an alarm.
     """
 
-    def __init__(
-        self, goals: GoalBook, timers: Timers, out: list[Effect], changed: Callable[[float], None]
-    ) -> None:
-        self._goals, self._timers, self._out, self._changed = goals, timers, out, changed
+    def __init__(self, goals: GoalBook, life: Life, changed: Callable[[float], None]) -> None:
+        self._goals, self._life, self._changed = goals, life, changed
         self._states: dict[Document, States[DocumentState]] = {}
         """Of every document that a goal needs."""
         self._found: dict[Document, str] = {}
@@ -70,7 +66,7 @@ class GoalDocuments:
         """Have read what goals need, and forget what none needs any more."""
         needed = {document for _, document in self._needed()}
         for document in [each for each in self._states if each not in needed]:
-            self._timers.clear((READ_AGAIN, document))
+            self._life.cancel((READ_AGAIN, document))
             del self._states[document]
             self._found.pop(document, None)
         for _, document in self._needed():
@@ -111,8 +107,8 @@ class GoalDocuments:
 
     def _read(self, document: Document, now_s: float) -> None:
         self._states[document].enter(DocumentState.READING)
-        self._out.append(Instruct(ReadDocument(document)))
-        self._timers.set((READ_AGAIN, document), now_s + AGAIN_S)
+        self._life.instruct(ReadDocument(document))
+        self._life.alarm((READ_AGAIN, document), now_s + AGAIN_S)
 
     def _again(self, document: Document, now_s: float) -> None:
         if document in self._states and not self._is(document, DocumentState.VERIFIED):
@@ -120,7 +116,7 @@ class GoalDocuments:
 
     def _on_read(self, report: DocumentRead, now_s: float) -> None:
         if not self._is(report.document, DocumentState.READING):
-            self._out.append(Ignore("a document that nobody waits for"))
+            self._life.ignore("a document that nobody waits for")
             return
         self._states[report.document].enter(report.state)
         self._found[report.document] = report.detail

@@ -28,9 +28,9 @@ from dray.protocol.contract_net.trust.probation import ON_PROBATION, Probation
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Record, Send
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.retransmission import Retransmitter
-from dray.protocol.runtime.timers import Timers
 
 CONFIRM = "confirm"
 
@@ -51,33 +51,22 @@ class GoalBidder:
         goals: what it has taken.
         supply: what is at hand.
         probation: of the machine. A goal of one container is short: more is not spoilt by a bad one.
-        timers: the machine's alarms; this class uses names ``(CONFIRM, goal)``.
-        out: where effects go.
-        commit: called when the machine is bound to something else than before.
+        life: its agent's; its alarms are named ``(CONFIRM, goal)``.
 
     Attributes:
         alarms: what to call when an alarm of this class has come, with (goal, now_s).
         message_handlers: for the machine's table.
     """
 
-    def __init__(
-        self,
-        goals: GoalBook,
-        supply: Supply,
-        probation: Probation,
-        timers: Timers,
-        out: list[Effect],
-        commit: Callable[[], None],
-    ) -> None:
+    def __init__(self, goals: GoalBook, supply: Supply, probation: Probation, life: Life) -> None:
         self._goals = goals
         self._supply = supply
         self._probation = probation
-        self._out = out
-        self._refusals = Refusals(out)
-        self._commit = commit
+        self._life = life
+        self._refusals = Refusals(life)
         self._quoted_s: BoundedMap[str, float] = BoundedMap(QUOTES_KEPT)
         """By goal: when it was promised to be done."""
-        self._unconfirmed = Retransmitter(CONFIRM, timers, out)
+        self._unconfirmed = Retransmitter(CONFIRM, life)
         """Acceptances, said until their strategist has confirmed the goal. A Release would end it too."""
         self.alarms = {CONFIRM: self._unconfirmed.wake}
         self.message_handlers: dict[type[Message], Callable[..., None]] = {
@@ -113,33 +102,33 @@ class GoalBidder:
         cost = self._quote(work, message.deadline_s, now_s)
         finish_s = now_s + cost.takes_s
         self._quoted_s[message.task] = finish_s
-        self._out += offer(message, cost, finish_s, now_s)
+        self._life.effects += offer(message, cost, finish_s, now_s)
 
     def on_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
         """Take a goal or decline it; True when it was taken just now."""
         work = award.work
         if not isinstance(work, Production) or not self._is_able(work):
-            self._out.append(decline(sender, award, Refusal.ABILITY))
+            self._life.effects.append(decline(sender, award, Refusal.ABILITY))
             return False
         known = self._goals.get(award.task)
         if known is not None:
             # Its first answer was lost, or the strategist has lost it with an earlier life.
             if award.epoch >= known.epoch:
                 known.epoch, known.number = award.epoch, award.number
-                self._commit()
+                self._life.commit()
             self.ask(known, now_s)
             return False
         reason = self._why_not(sender, award.task, work, award.deadline_s, unfit, now_s)
         if reason is not None:
-            self._out.append(decline(sender, award, reason))
+            self._life.effects.append(decline(sender, award, reason))
             return False
         goal = Goal(award.task, work, award.deadline_s, sender, award.epoch, award.number)
         goal.held = max((each.held for each in self._of_order(work.order)), default=1)
         self._goals.add(goal)
-        self._commit()
+        self._life.commit()
         self.ask(goal, now_s)
         taken = ContractTaken(task=award.task, epoch=award.epoch, role=award.role, coordinator=sender)
-        self._out.append(Record(taken))
+        self._life.record(taken)
         return True
 
     def ask(self, goal: Goal, now_s: float) -> None:
@@ -166,7 +155,7 @@ class GoalBidder:
         self._goals.add_spare(goal.work.product, goal.note_arrived(message.arrived))
         if before == (goal.confirmed, goal.delivered, goal.lost_in_transit):
             return False
-        self._commit()
+        self._life.commit()
         return True
 
     def on_revised(self, sender: str, message: GoalRevised, running: Goal | None) -> bool:
@@ -185,10 +174,8 @@ class GoalBidder:
         kept = min(max(begun, message.quantity), goal.work.quantity)
         is_news = self._goals.revise(goal, kept, message.deadline_s)
         if is_news:
-            self._commit()
-        self._out.append(
-            Send(sender, GoalRevisionTaken(goal.id, goal.epoch, message.quantity, goal.work.quantity))
-        )
+            self._life.commit()
+        self._life.send(sender, GoalRevisionTaken(goal.id, goal.epoch, message.quantity, goal.work.quantity))
         return is_news
 
     def on_over(self, message: Release | Withdrawn) -> Goal | None:
@@ -215,7 +202,7 @@ class GoalBidder:
             if goal.id in self._unconfirmed:
                 self.ask(goal, now_s)
         if taken:
-            self._commit()
+            self._life.commit()
 
     def on_closed(self, message: GoalClosed) -> Goal | None:
         """All of a goal is delivered: the gate has counted it. Returns the goal, if it was known."""
@@ -225,9 +212,9 @@ class GoalBidder:
     def _end(self, goal: Goal, reason: Reason) -> Goal:
         self._goals.remove(goal.id)
         self._unconfirmed.settle(goal.id)
-        self._commit()
+        self._life.commit()
         ended = ContractEnded(task=goal.id, epoch=goal.epoch, role=Role.PRIMARY, reason=reason)
-        self._out.append(Record(ended))
+        self._life.record(ended)
         return goal
 
     def _is_able(self, work: Production) -> bool:

@@ -58,7 +58,7 @@ from dray.protocol.machine.status_report import StatusReport, introduction
 from dray.protocol.machine.supply import Supply
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Ignore, Leave, Subscribe
+from dray.protocol.runtime.events import Leave, Subscribe
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.running import ALONE, Running
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
@@ -101,15 +101,14 @@ class Machine(AgentBase):
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant = KnownFloor(plant)
-        self._closures = ClosedIn(machine, plant, self.pursue, self._timers, self._out)
+        self._closures = ClosedIn(machine, plant, self.pursue, self._life)
         self._spec = plant.machines[machine]
-        self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
+        self._heartbeat_timer = HeartbeatTimer(self.id, self._life)
         self._keys = Keys(plant.id)
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
         self._probation = Probation(probation)
-        made = (self._goals, self._supply, self._probation)
-        self._bidder = GoalBidder(*made, self._timers, self._out, self._commit)
+        self._bidder = GoalBidder(self._goals, self._supply, self._probation, self._life)
         self._flow = MaterialFlow(
             machine,
             plant,
@@ -117,19 +116,18 @@ class Machine(AgentBase):
             self._goals,
             self._supply,
             rules or AuctionRules(),
-            self._timers,
-            self._out,
+            self._life,
             self,
             incarnation=incarnation,
             tells_node=joining,
         )
-        self._documents = GoalDocuments(self._goals, self._timers, self._out, self.pursue)
-        self._cycle = Cycle(self._goals, self._supply, self._documents, self._timers, self._out, self._commit)
-        self._breakdown = Breakdown(machine, incarnation, plant, self._goals, self._timers, self._out)
+        self._documents = GoalDocuments(self._goals, self._life, self.pursue)
+        self._cycle = Cycle(self._goals, self._supply, self._documents, self._life)
+        self._breakdown = Breakdown(machine, incarnation, plant, self._goals, self._life)
         authority, goods = CommandAuthorisation(machine, plant, trusts), self._flow.goods_recovery
         held = self._flow.held
         self._commands = MachineCommandHandling(
-            authority, self._breakdown, self, goods, held, running, self._out
+            authority, self._breakdown, self, goods, held, running, self._life
         )
         parts = (self._goals, self._supply, self._flow, self._breakdown)
         self._sharing = GoalSharing(*parts, self._commands.service, self._closures)
@@ -149,14 +147,14 @@ class Machine(AgentBase):
             MachineCommand: self._on_command,
             **self._breakdown.message_handlers,
             **self._closures.message_handlers,
-            Disbelieved: Reproach(self._out).on_disbelieved,
+            Disbelieved: Reproach(self._life).on_disbelieved,
         }
         self._docks = (
             () if traffic is None else docks_heard(machine, plant.materials_of(machine), plant, self._keys)
         )
         heard = self._flow.subscriptions
         gone = self._flow.on_carried_away
-        self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out, gone)
+        self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._life, gone)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
         self._report = StatusReport(
@@ -174,7 +172,7 @@ class Machine(AgentBase):
             self._commands,
             self._probation,
             self._bookkeeping,
-            self._out,
+            self._life,
         )
         self._report_handlers = {
             CycleDone: self._cycle_done,
@@ -215,8 +213,10 @@ class Machine(AgentBase):
         self._flow.dismiss(body.gone)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
         self._flow.goods.count()
-        self._out += [Subscribe(self._keys.goals(each)) for each in (*self._goals.products.own, self.id)]
-        self._out += (Subscribe(self._keys.all_free), *self._docks)
+        self._life.effects += [
+            Subscribe(self._keys.goals(each)) for each in (*self._goals.products.own, self.id)
+        ]
+        self._life.effects += (Subscribe(self._keys.all_free), *self._docks)
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)
@@ -233,7 +233,7 @@ class Machine(AgentBase):
         self._flow.restore(memory, notes, now_s)
         self._commands.restore(memory)
         # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
-        self._commit()
+        self._life.commit()
 
     def _memory(self) -> Note:
         return MachineMemory(
@@ -297,7 +297,7 @@ class Machine(AgentBase):
             self._flow.on_material(report, word, now_s)
         else:
             self._flow.on_goods(report, is_news, now_s)
-            self._commit()
+            self._life.commit()
         self.pursue(now_s)
 
     def _broken(self, report: Broken, now_s: float) -> None:
@@ -314,7 +314,7 @@ class Machine(AgentBase):
 
     def _changed(self, now_s: float) -> None:
         """Something is known now, or decided, that the next life must know and others should."""
-        self._commit()
+        self._life.commit()
         self.pursue(now_s)
         self._heartbeat_timer.at_once(now_s)
 
@@ -371,11 +371,7 @@ class Machine(AgentBase):
             # They may have arrived all the same: the gate has the last word.
             self._bidder.ask(goal, now_s)
         self._goals_changed(now_s)
-        self._commit()
-
-    def commit(self) -> None:
-        """The next life must know of something else."""
-        self._commit()
+        self._life.commit()
 
     def beat_soon(self, now_s: float) -> None:
         """The heartbeat tells something new."""
@@ -404,7 +400,7 @@ class Machine(AgentBase):
         if self._bidder.on_confirmed(message, now_s):
             self._goals_changed(now_s)
         else:
-            self._out.append(Ignore("confirmed twice"))
+            self._life.ignore("confirmed twice")
         self._flow.on_goal_counted(message.task, now_s)
 
     def _on_revised(self, sender: str, message: GoalRevised, now_s: float) -> None:
@@ -413,7 +409,7 @@ class Machine(AgentBase):
 
     def _end_goal(self, goal: Goal | None, now_s: float) -> None:
         if goal is None:
-            self._out.append(Ignore("the end of a goal that has ended"))
+            self._life.ignore("the end of a goal that has ended")
             return
         self._flow.goods.keep_unwanted()
         self._goals_changed(now_s)

@@ -23,9 +23,8 @@ from dray.protocol.machine.finished_goods import FinishedGoods
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.put_away import PutAway
 from dray.protocol.machine.supply import Supply
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.running import life_mark
-from dray.protocol.runtime.timers import Timers
 from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.receiving import GateCount
 from dray.protocol.transports.reservations import Reservations
@@ -60,8 +59,7 @@ class MaterialFlow(TransportFlow):
         goals: what it makes.
         supply: its buffers and goods.
         rules: patience and reach of its auctions.
-        timers: its alarms, as for `TransportFlow`, and those of its `Issuing`.
-        out: where effects go.
+        life: its agent's.
         owner: the machine.
         incarnation: how often it has been started.
         tells_node: others' plant files do not know where it stands: every transport says so.
@@ -81,8 +79,7 @@ class MaterialFlow(TransportFlow):
         goals: GoalBook,
         supply: Supply,
         rules: AuctionRules,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         owner: Owner,
         *,
         incarnation: int,
@@ -92,33 +89,21 @@ class MaterialFlow(TransportFlow):
         self._supply = supply
         self._machine = owner
         self._node = plant.node_of(machine) if tells_node else ""
-        self.task_count, self._life = 0, life_mark(incarnation)
+        self.task_count, self._mark = 0, life_mark(incarnation)
         super().__init__(
-            machine,
-            plant,
-            keys,
-            supply.materials,
-            supply,
-            rules,
-            timers,
-            out,
-            owner,
-            incarnation=incarnation,
+            machine, plant, keys, supply.materials, supply, rules, life, owner, incarnation=incarnation
         )
         self.goods = FinishedGoods(
             machine, plant, goals, supply, self.tasks, send=self._send_goods, lose=owner.miss_goods
         )
         self.cycling = ""
-        self.put_away = PutAway(
-            machine, plant, timers, out, owner.commit, self._put_away, incarnation=incarnation
-        )
+        self.put_away = PutAway(machine, plant, life, self._put_away, incarnation=incarnation)
         self._book = Reservations({item: plant.materials[item].buffer for item in supply.materials})
         goals.promised = self._book.promised
         self._issuing = Issuing(
             machine,
             self._book,
-            timers,
-            out,
+            life,
             self.door,
             self.departures,
             self.booking_out,
@@ -243,7 +228,7 @@ class MaterialFlow(TransportFlow):
 
     def _next_task(self) -> str:
         self.task_count += 1
-        return f"{self._place}{self._life}-{self.task_count}"
+        return f"{self._place}{self._mark}-{self.task_count}"
 
     def _on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         if message.station == self._place and message.item and not self.knows(message.task):

@@ -19,9 +19,8 @@ from dray.messages import (
     TransportState,
 )
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect, Ignore, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.running import life_mark
-from dray.protocol.runtime.timers import Timers
 
 PUT_AWAY = "put away"
 
@@ -39,9 +38,7 @@ class PutAway:
     Args:
         machine: whose parts.
         plant: the storages, and their sizes of containers.
-        timers: the machine's alarms; this class uses names ``(PUT_AWAY, transport)``.
-        out: where effects go.
-        commit: called when the next life must know of something else.
+        life: its agent's; its alarms are named ``(PUT_AWAY, transport)``.
         look: called with now_s a while after a storage has fetched something, or has not: there may be more of it.
         incarnation: how often the machine was started.
 
@@ -50,19 +47,11 @@ class PutAway:
     """
 
     def __init__(
-        self,
-        machine: str,
-        plant: Plant,
-        timers: Timers,
-        out: list[Effect],
-        commit: Callable[[], None],
-        look: Callable[[float], None],
-        *,
-        incarnation: int,
+        self, machine: str, plant: Plant, life: Life, look: Callable[[float], None], *, incarnation: int
     ) -> None:
-        self._machine, self._plant, self._timers, self._out = machine, plant, timers, out
-        self._commit, self._look = commit, look
-        self._life = life_mark(incarnation)
+        self._machine, self._plant = machine, plant
+        self._look = look
+        self._life, self._mark = life, life_mark(incarnation)
         self._asked: dict[str, PutAwayMemory] = {}
         """By part."""
         self._since_s: dict[str, float] = {}
@@ -93,20 +82,20 @@ class PutAway:
         turn = self._turn.get(part, 0)
         self.count += 1
         asked = self._asked[part] = PutAwayMemory(
-            transport=f"{self._machine}{self._life}-away-{self.count}",
+            transport=f"{self._machine}{self._mark}-away-{self.count}",
             storage=near[turn % len(near)],
             part=part,
             quantity=min(pieces, self._plant.materials[part].lot),
             due_s=now_s + GIVEN_UP_S,
         )
-        self._commit()
+        self._life.commit()
         self._begin(asked, now_s)
 
     def on_answered(self, sender: str, answer: TransportAnswered, now_s: float) -> None:
         """A station tells how far it is."""
         asked = next((each for each in self._asked.values() if each.transport == answer.transport), None)
         if asked is None or asked.storage != sender:
-            self._out.append(Ignore("an answer about a transport that was not asked for"))
+            self._life.ignore("an answer about a transport that was not asked for")
             return
         self._state[asked.transport] = answer.state
         if answer.state in TRANSPORT_ENDED:
@@ -114,8 +103,8 @@ class PutAway:
             if answer.state is TransportState.CANCELLED:
                 self._turn[asked.part] = self._turn.get(asked.part, 0) + 1
             # More of it may lie there, or still the same.
-            self._timers.set((PUT_AWAY, asked.transport), now_s + AGAIN_S)
-            self._commit()
+            self._life.alarm((PUT_AWAY, asked.transport), now_s + AGAIN_S)
+            self._life.commit()
 
     def _begin(self, asked: PutAwayMemory, now_s: float) -> None:
         self._since_s[asked.transport] = now_s
@@ -132,8 +121,8 @@ class PutAway:
     def _say(self, asked: PutAwayMemory, now_s: float) -> None:
         waits = self._state[asked.transport] is TransportState.WAITING
         if waits and now_s >= self._since_s[asked.transport] + GIVEN_UP_S:
-            self._out.append(Send(asked.storage, TransportCancelled(asked.transport)))
+            self._life.send(asked.storage, TransportCancelled(asked.transport))
         else:
             order = TransportOrdered(asked.transport, self._machine, asked.part, asked.quantity, asked.due_s)
-            self._out.append(Send(asked.storage, order))
-        self._timers.set((PUT_AWAY, asked.transport), now_s + AGAIN_S)
+            self._life.send(asked.storage, order)
+        self._life.alarm((PUT_AWAY, asked.transport), now_s + AGAIN_S)

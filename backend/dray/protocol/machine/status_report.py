@@ -28,8 +28,8 @@ from dray.protocol.machine.people.breakdown import Breakdown
 from dray.protocol.machine.people.command_handling import MachineCommandHandling
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.machine.supply import Supply
-from dray.protocol.runtime.events import Effect, Publish, Record
 from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 
 Stock = tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...], tuple[DocumentBrief, ...]]
@@ -59,7 +59,7 @@ class StatusReport:
         keys: of its plant.
         timer: numbers heartbeats.
         goals, supply, flow, cycle, documents, breakdown, commands, probation, bookkeeping: the machine's parts.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         status: as it was told last.
@@ -81,7 +81,7 @@ class StatusReport:
         commands: MachineCommandHandling,
         probation: Probation,
         bookkeeping: Bookkeeping,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._owner = owner
         self._software = software
@@ -97,7 +97,7 @@ class StatusReport:
         self._commands = commands
         self._probation = probation
         self._bookkeeping = bookkeeping
-        self._out = out
+        self._life = life
         self.status = MachineStatus.IDLE
         self._told: Stock | None = None
         self._told_s = 0.0
@@ -136,7 +136,7 @@ class StatusReport:
             awaits=self._bookkeeping.awaited(now_s),
             dock_wait=self._flow.door.wait(now_s),
         )
-        self._out.append(Publish(self._key, heartbeat))
+        self._life.publish(self._key, heartbeat)
         return heartbeat
 
     def _stock(self, now_s: float) -> tuple[_Levels, _Levels, tuple[DocumentBrief, ...] | UnsetType]:
@@ -157,7 +157,7 @@ class StatusReport:
             return
         self.status = status
         fact = MachineStatusChanged(status=status, product=self._cycle.product, reason=reason)
-        self._out.append(Record(fact))
+        self._life.record(fact)
         self._timer.at_once(now_s)
 
     def _present(self) -> tuple[MachineStatus, str]:

@@ -23,7 +23,6 @@ from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.operator.commitment import Commitment
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Ignore, Instruct, Publish, Send, Subscribe
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 
 LINGER_S = 30.0
@@ -61,7 +60,7 @@ class Operator(AgentBase):
     def __init__(self, operator: str, plant: str, *, incarnation: int = 1) -> None:
         super().__init__(operator, incarnation, leaves_within_s=LEAVES_WITHIN_S)
         self._keys = Keys(plant)
-        self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
+        self._heartbeat_timer = HeartbeatTimer(self.id, self._life)
         self._duty = DutyState()
         self._lingers_until_s = 0.0
         """Of a tablet that is gone."""
@@ -83,7 +82,7 @@ class Operator(AgentBase):
     # --- the beginning, time passing, and the end ------------------------------------------------------
 
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
-        self._out.append(Subscribe(self._keys.all_calls))
+        self._life.subscribe(self._keys.all_calls)
         self._sense(body, now_s)
         self._heartbeat_timer.at_once(now_s)
 
@@ -94,10 +93,10 @@ class Operator(AgentBase):
             return
         was_there, self._duty = self._duty.there, body
         if body.there:
-            self._timers.clear(GONE)
+            self._life.cancel(GONE)
         elif was_there:
             self._lingers_until_s = now_s + LINGER_S
-            self._timers.set(GONE, self._lingers_until_s)
+            self._life.alarm(GONE, self._lingers_until_s)
         self._heartbeat_timer.at_once(now_s)
 
     def _duty_changed(self, report: DutyChanged, now_s: float) -> None:
@@ -106,7 +105,7 @@ class Operator(AgentBase):
     def _tablet_gone(self, _about: None, now_s: float) -> None:
         taken = self._commitment
         if taken.confirmed and taken.until_s is not None and now_s < taken.until_s:
-            self._timers.set(GONE, taken.until_s)
+            self._life.alarm(GONE, taken.until_s)
         else:
             self._on_leaving(now_s)
 
@@ -132,7 +131,7 @@ class Operator(AgentBase):
             label=duty.label,
             draining=self._shutdown.begun,
         )
-        self._out.append(Publish(self._keys.operator_heartbeat(self.id), heartbeat))
+        self._life.publish(self._keys.operator_heartbeat(self.id), heartbeat)
 
     def _prepare_to_leave(self, now_s: float) -> None:
         if self._commitment.call:
@@ -147,7 +146,7 @@ class Operator(AgentBase):
     def _on_call(self, _sender: str, call: HelpCall, now_s: float) -> None:
         before = self._calls.get(call.subject)
         if before is not None and _order(call) <= _order(before[0]):
-            self._out.append(Ignore(OVERTAKEN))
+            self._life.ignore(OVERTAKEN)
             return
         self._calls.pop(call.subject, None)
         self._calls[call.subject] = call, now_s
@@ -210,9 +209,9 @@ class Operator(AgentBase):
         ]
         due_s = [*silent_s, *((taken.again_s,) if taken.waits else ())]
         if due_s:
-            self._timers.set(LOOK, min(due_s))
+            self._life.alarm(LOOK, min(due_s))
         else:
-            self._timers.clear(LOOK)
+            self._life.cancel(LOOK)
 
     def _shown_as(self, call: HelpCall) -> ShownCall | None:
         taken = self._commitment
@@ -227,7 +226,7 @@ class Operator(AgentBase):
     def _show(self, shown: tuple[ShownCall, ...]) -> None:
         if shown != self._shown:
             self._shown = shown
-            self._out.append(Instruct(ShowCalls(shown)))
+            self._life.instruct(ShowCalls(shown))
 
     # --- what the person answers -----------------------------------------------------------------------
 
@@ -235,12 +234,12 @@ class Operator(AgentBase):
         call = next((call for call, _ in self._calls.values() if call.call == report.call), None)
         taken = self._commitment
         if call is None or call.state is CallState.ENDED or self._shutdown.begun:
-            self._out.append(Ignore(OVER))
+            self._life.ignore(OVER)
         elif report.answer is CallAnswer.TAKE:
             if taken.call not in ("", call.call):
-                self._out.append(Ignore(BUSY_ELSEWHERE))
+                self._life.ignore(BUSY_ELSEWHERE)
             elif call.taken_by not in ("", self.id):
-                self._out.append(Ignore(OVER))
+                self._life.ignore(OVER)
             else:
                 self._declined.pop(call.call, None)
                 self._take(call, report.wait_s or 0.0, now_s)
@@ -272,12 +271,12 @@ class Operator(AgentBase):
     def _let_go(self, now_s: float) -> None:
         self._commitment.clear()
         if not self._duty.there:
-            self._timers.set(GONE, max(now_s, self._lingers_until_s))
+            self._life.alarm(GONE, max(now_s, self._lingers_until_s))
         self._heartbeat_timer.at_once(now_s)
 
     def _answer(self, call: str, caller: str, answer: CallAnswer, wait_s: float | None = None) -> None:
         said = CallAnswered(call=call, operator=self.id, answer=answer, wait_s=wait_s)
-        self._out.append(Send(caller, said))
+        self._life.send(caller, said)
 
 
 def _order(call: HelpCall) -> tuple[int, int]:

@@ -14,7 +14,8 @@ from dray.messages import CommandAnswered, CommandRefusal, Grant, MachineCommand
 from dray.messages.fact import CommandObeyed
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Ignore, Record, Send
+from dray.protocol.runtime.events import Record, Send
+from dray.protocol.runtime.life import Life
 
 COMMANDS_KEPT = 32
 """Whoever gives a command repeats it until it is answered, and people give few: a command that comes
@@ -30,7 +31,7 @@ class GrantedCommands(Generic[C]):
         authority: whom it obeys.
         attempt: carries a command out, or says why not; called with (command, grant, now_s).
         detail: what stands beside a refusal.
-        out: where effects go.
+        life: its agent's.
     """
 
     def __init__(
@@ -38,12 +39,12 @@ class GrantedCommands(Generic[C]):
         authority: CommandAuthorisation,
         attempt: Callable[[C, Grant, float], CommandRefusal | None],
         detail: Callable[[C, CommandRefusal], str],
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._authority = authority
         self._attempt: Callable[[C, Grant, float], CommandRefusal | None] = attempt
         self._detail: Callable[[C, CommandRefusal], str] = detail
-        self._out = out
+        self._life = life
         self._answered: BoundedMap[tuple[str, str], CommandMemory] = BoundedMap(COMMANDS_KEPT)
         """What became of the last commands, by who gave them and their names; the oldest first. Only of
         those with a grant, so that no stranger can make the agent forget one."""
@@ -67,7 +68,7 @@ class GrantedCommands(Generic[C]):
             return False
         before = self._answered.get((grant.person, command.command))
         if before is not None:
-            self._out.append(Send(sender, _answer(command, before.refused, before.detail)))
+            self._life.send(sender, _answer(command, before.refused, before.detail))
             return False
         if now_s > grant.valid_until_s:
             self._refuse(sender, command, CommandRefusal.EXPIRED)
@@ -105,7 +106,7 @@ class GrantedCommands(Generic[C]):
     ) -> None:
         """Say what became of a command that `permits` has let through; one that comes again is only answered."""
         if again:
-            self._out.append(Send(sender, _answer(command, refused, detail)))
+            self._life.send(sender, _answer(command, refused, detail))
         else:
             self._tell(sender, command, refused, detail)
 
@@ -136,7 +137,7 @@ class GrantedCommands(Generic[C]):
     def _refuse(self, sender: str, command: C, why: CommandRefusal) -> None:
         """Refuse a command that nobody who may has granted; it is told and counted as any refusal."""
         self._tell(sender, command, why)
-        self._out.append(Ignore(f"a command that may not be given: {why}"))
+        self._life.ignore(f"a command that may not be given: {why}")
 
     def _tell(self, sender: str, command: C, refused: CommandRefusal | None, detail: str = "") -> None:
         """Say what became of a command; `refused` tells why not."""
@@ -148,7 +149,7 @@ class GrantedCommands(Generic[C]):
             detail=detail,
             issued_by=command.issued_by,
         )
-        self._out += (Send(sender, _answer(command, refused, detail)), Record(fact))
+        self._life.effects += (Send(sender, _answer(command, refused, detail)), Record(fact))
 
 
 def _answer(

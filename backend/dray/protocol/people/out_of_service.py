@@ -10,7 +10,7 @@ class ServiceState:
     """Of one agent.
 
     Attributes:
-        out: set until somebody puts it into service again.
+        life: its agent's.
     """
 
     def __init__(self) -> None:

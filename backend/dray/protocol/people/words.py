@@ -8,7 +8,7 @@ from dray.body import Word, WordTaken
 from dray.messages import MachineCommand
 from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.life import Life
 
 WORDS_ASKED = 100
 """Words whose answers a body owes at once: it answers each in the same moment."""
@@ -19,11 +19,11 @@ class PassedWords:
 
     Args:
         granted: whose words may be passed on.
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, granted: GrantedCommands[MachineCommand], out: list[Effect]) -> None:
-        self._granted, self._out = granted, out
+    def __init__(self, granted: GrantedCommands[MachineCommand], life: Life) -> None:
+        self._granted, self._life = granted, life
         self._asked: BoundedMap[str, tuple[str, MachineCommand]] = BoundedMap(WORDS_ASKED)
         """Words that the body was told, by their keys, with who has said them."""
 
@@ -51,7 +51,7 @@ class PassedWords:
             vehicle=command.vehicle,
             sure=command.sure,
         )
-        self._out.append(Instruct(word))
+        self._life.instruct(word)
 
     def on_taken(self, report: WordTaken) -> None:
         """The body has taken a word, or says why not."""

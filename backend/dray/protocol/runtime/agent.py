@@ -16,15 +16,13 @@ from dray.protocol.runtime.events import (
     Effect,
     Event,
     Heard,
-    Ignore,
     Leave,
     Leaving,
-    Record,
     Reported,
     Woke,
 )
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
-from dray.protocol.runtime.timers import Timers
 
 Handler = Callable[[str, Any, float], None]
 """Called with (sender, message, now_s)."""
@@ -54,9 +52,7 @@ class AgentBase:
     def __init__(self, agent: str, incarnation: int, *, leaves_within_s: float) -> None:
         self.id = agent
         self.incarnation = incarnation
-        self._out: list[Effect] = []
-        self._unwritten = False
-        self._timers = Timers()
+        self._life = Life()
         self._shutdown = GracefulShutdown(leaves_within_s)
         self._last_word = Leave()
         self._message_handlers: dict[type[Message], Handler] = {}
@@ -67,7 +63,7 @@ class AgentBase:
 
     @property
     def wake_at_s(self) -> float:
-        alarm_s, leave_s = self._timers.next_s, self._shutdown.latest_s
+        alarm_s, leave_s = self._life.timers.next_s, self._shutdown.latest_s
         return alarm_s if alarm_s < leave_s else leave_s  # noqa: FURB136 (a call of min costs more than the rest)
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
@@ -87,28 +83,21 @@ class AgentBase:
             self._on_leaving(now_s)
         else:
             if event.lost:
-                self._out.append(Record(MemoryLost(reason=event.lost)))
+                self._life.record(MemoryLost(reason=event.lost))
             self._start(event.body, event.memory, now_s)
         if self._shutdown.lasts:
             self._leave_if_free(now_s)
         effects: list[Effect] = []
         for commits in self._committers:
             effects += commits()
-        effects += self._out
-        self._out.clear()
+        effects += self._life.effects
+        self._life.effects.clear()
         return effects
 
-    def _commit(self) -> None:
-        """What the agent is bound by has changed: write it down before this step's other effects.
-
-        Called as often as anything changes; what is written is how things stand when the step ends.
-        """
-        self._unwritten = True
-
     def _own_commit(self) -> Sequence[Commit]:
-        if not self._unwritten:
+        if not self._life.unwritten:
             return ()
-        self._unwritten = False
+        self._life.unwritten = False
         return (Commit(self._memory()),)
 
     def _memory(self) -> Note:
@@ -138,9 +127,9 @@ class AgentBase:
     def _on_message(self, heard: Heard, now_s: float) -> None:
         handle = self._message_handlers.get(type(heard.message))
         if handle is None:
-            self._out.append(Ignore(NOT_FOR_US))
+            self._life.ignore(NOT_FOR_US)
         elif objection := self._objection(heard.sender, heard.message):
-            self._out.append(Ignore(objection))
+            self._life.ignore(objection)
         else:
             handle(heard.sender, heard.message, now_s)
 
@@ -164,9 +153,9 @@ class AgentBase:
             return
         self._shutdown.complete()
         self._take_leave(now_s)
-        self._out.append(self._last_word)
+        self._life.effects.append(self._last_word)
 
     def _sound_alarms(self, now_s: float) -> None:
-        for name in self._timers.due(now_s):
+        for name in self._life.timers.due(now_s):
             kind, about = name if isinstance(name, tuple) else (name, None)
             self._alarm_handlers[kind](about, now_s)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.timers import spread_frac
 
 BEAT = "beat"
 
@@ -12,20 +13,20 @@ class HeartbeatTimer:
 
     Args:
         agent: whose.
-        timers: its alarms; this class uses `BEAT`.
+        life: its agent's; its alarms are named `BEAT`.
     """
 
-    __slots__ = ("_agent", "_timers", "seq")
+    __slots__ = ("_agent", "_life", "seq")
 
-    def __init__(self, agent: str, timers: Timers) -> None:
+    def __init__(self, agent: str, life: Life) -> None:
         self._agent = agent
-        self._timers = timers
+        self._life = life
         self.seq = 0
         """The number of the newest heartbeat of this life."""
 
     def at_once(self, now_s: float) -> None:
         """Send a heartbeat at the end of this step, because the status has changed."""
-        self._timers.set(BEAT, now_s)
+        self._life.alarm(BEAT, now_s)
 
     def count(self) -> int:
         """Count one more heartbeat. Returns its number."""
@@ -36,4 +37,4 @@ class HeartbeatTimer:
         """It has beaten: do it again after an interval; the first time earlier, by a part that its name gives."""
         if self.seq == 1:
             interval_s *= 0.5 + spread_frac(self._agent) / 2
-        self._timers.set(BEAT, now_s + interval_s)
+        self._life.alarm(BEAT, now_s + interval_s)

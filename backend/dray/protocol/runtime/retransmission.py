@@ -7,8 +7,8 @@ from typing import Final
 from msgspec.structs import replace
 
 from dray.messages import Accepted, TakenOver
-from dray.protocol.runtime.events import Effect, Publish, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Publish, Send
+from dray.protocol.runtime.life import Life
 
 ASK_AGAIN_S = 3.0
 """Many times the latency of a good link."""
@@ -40,26 +40,16 @@ class Retransmitter:
 
     Args:
         alarm: names the alarms, ``(alarm, about)``. Whoever owns them calls `wake` when one has come.
-        timers: the agent's alarms.
-        out: where effects go.
+        life: its agent's.
         every_s: how long an answer is waited for.
         most: how often a message is said without an answer; `FOR_EVER` for no bound.
     """
 
-    __slots__ = ("_alarm", "_every_s", "_most", "_out", "_said", "_timers")
+    __slots__ = ("_alarm", "_every_s", "_life", "_life", "_most", "_said")
 
-    def __init__(
-        self,
-        alarm: str,
-        timers: Timers,
-        out: list[Effect],
-        *,
-        every_s: float = ASK_AGAIN_S,
-        most: int = FOR_EVER,
-    ) -> None:
+    def __init__(self, alarm: str, life: Life, *, every_s: float = ASK_AGAIN_S, most: int = FOR_EVER) -> None:
         self._alarm = alarm
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._every_s = every_s
         self._most = most
         self._said: dict[str, Said] = {}
@@ -96,12 +86,12 @@ class Retransmitter:
         """The other side lives, and cannot answer yet: say it again at `again_s`."""
         if about in self._said:
             self.count_anew(about)
-            self._timers.set((self._alarm, about), again_s)
+            self._life.alarm((self._alarm, about), again_s)
 
     def settle(self, about: str) -> None:
         """Stop repeating: it was answered, or no answer is needed any more. Harmless when nothing was being repeated."""
         self._said.pop(about, None)
-        self._timers.clear((self._alarm, about))
+        self._life.cancel((self._alarm, about))
 
     def _repeat(self, about: str, now_s: float) -> None:
         said = self._said[about]
@@ -109,5 +99,5 @@ class Retransmitter:
         effect, message = said.effect, said.effect.message
         if isinstance(message, Accepted | TakenOver):
             effect = replace(effect, message=replace(message, at_s=now_s))
-        self._out.append(effect)
-        self._timers.set((self._alarm, about), now_s + self._every_s)
+        self._life.effects.append(effect)
+        self._life.alarm((self._alarm, about), now_s + self._every_s)

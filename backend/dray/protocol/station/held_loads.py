@@ -17,8 +17,7 @@ from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.words import PassedWords
-from dray.protocol.runtime.events import Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray.protocol.transports.held import HeldTransports
 
@@ -49,8 +48,7 @@ class HeldLoads:
         held: its transports that are held.
         aboard: things for it that failed vehicles have on board.
         authority: whom it obeys.
-        timers: its alarms, as for `HelpCalls`.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         message_handlers, alarms: for the agent's tables.
@@ -66,15 +64,14 @@ class HeldLoads:
         held: HeldTransports,
         aboard: GoodsRecovery,
         authority: CommandAuthorisation,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._held, self._aboard = held, aboard
         self._place_m = plant.position_of(station)
-        self._granted = GrantedCommands[MachineCommand](authority, self._try, _detail, out)
-        self.words = PassedWords(self._granted, out)
+        self._granted = GrantedCommands[MachineCommand](authority, self._try, _detail, life)
+        self.words = PassedWords(self._granted, life)
         self.people: PeopleAsBody | None = None
-        self._calls = HelpCalls(_Caller(station, incarnation, plant), plant, timers, out)
+        self._calls = HelpCalls(_Caller(station, incarnation, plant), plant, life)
         self._listens = False
         self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
             **self._calls.message_handlers

@@ -26,7 +26,7 @@ from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Ignore, Instruct, Publish, Subscribe
+from dray.protocol.runtime.events import Instruct, Subscribe
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
@@ -67,9 +67,9 @@ class Station(AgentBase):
         super().__init__(storage, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._software = software
         self._beat_key = Keys(plant.id).station_heartbeat(storage)
-        self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
+        self._heartbeat_timer = HeartbeatTimer(self.id, self._life)
         plant = KnownFloor(plant)
-        self._closures = ClosureListener(plant, None, self._timers, self._out)
+        self._closures = ClosureListener(plant, None, self._life)
         self._keys = Keys(plant.id)
         spec = plant.stores[storage]
         items = tuple(kept.material for kept in spec.stocks)
@@ -85,16 +85,14 @@ class Station(AgentBase):
             items,
             self._book,
             rules or AuctionRules(),
-            self._timers,
-            self._out,
+            self._life,
             self,
             incarnation=incarnation,
         )
         self._issuing = Issuing(
             storage,
             self._book,
-            self._timers,
-            self._out,
+            self._life,
             self._flow.door,
             self._flow.departures,
             self._flow.booking_out,
@@ -103,14 +101,7 @@ class Station(AgentBase):
         )
         authority = CommandAuthorisation(storage, plant, trusts)
         self._held_loads = HeldLoads(
-            storage,
-            incarnation,
-            plant,
-            self._flow.held,
-            self._flow.goods_recovery,
-            authority,
-            self._timers,
-            self._out,
+            storage, incarnation, plant, self._flow.held, self._flow.goods_recovery, authority, self._life
         )
         self._fills_itself = spec.refill == "itself"
         self._refilling = Refilling(spec, plant, self._book, self._flow, incarnation)
@@ -131,7 +122,7 @@ class Station(AgentBase):
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         heard = self._flow.subscriptions
         gone = self._flow.on_carried_away
-        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._timers, self._out, gone)
+        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._life, gone)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
         self._alarm_handlers = {
@@ -162,13 +153,13 @@ class Station(AgentBase):
             self._flow.bookings.restore(note.booked)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
-            self._commit()
+            self._life.commit()
         else:
             self._flow.restore_tasks((), memory, now_s)
         bringing = {task.primary for task in self._flow.tasks}
         self._issuing.shut_unknown(vehicle for vehicle in state.opened if vehicle not in bringing)
         self._flow.dismiss(state.gone)
-        self._out += (Subscribe(self._keys.all_free), *self._docks)
+        self._life.effects += (Subscribe(self._keys.all_free), *self._docks)
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(not memory, now_s)
@@ -223,7 +214,7 @@ class Station(AgentBase):
             dock_wait=self._flow.door.wait(now_s),
             people=self._held_loads.people or UNSET,
         )
-        self._out.append(Publish(self._beat_key, heartbeat))
+        self._life.publish(self._beat_key, heartbeat)
         return heartbeat
 
     def _prepare_to_leave(self, now_s: float) -> None:
@@ -242,10 +233,6 @@ class Station(AgentBase):
         """Do whatever the present state asks for."""
         self._go_on(now_s)
 
-    def commit(self) -> None:
-        """The next life must know of something else."""
-        self._commit()
-
     def beat_soon(self, now_s: float) -> None:
         """The heartbeat tells something new."""
         self._heartbeat_timer.at_once(now_s)
@@ -256,7 +243,7 @@ class Station(AgentBase):
             is_kept = self._book.holds(docked.item, docked.quantity)
             self._flow.take_back(sender, docked, now_s, is_kept=is_kept)
         elif docked.station != self.id and not self._flow.knows(docked.task):
-            self._out.append(Ignore("asked for the dock of another storage"))
+            self._life.ignore("asked for the dock of another storage")
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
             self._issuing.on_docked(sender, docked, now_s)
             self._flow.note_let_in(self._issuing.opened_for(docked.task), now_s)
@@ -265,7 +252,7 @@ class Station(AgentBase):
 
     def _on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
         self._held_loads.on_command(sender, command, now_s)
-        self._commit()
+        self._life.commit()
         self._go_on(now_s)
         self._heartbeat_timer.at_once(now_s)
 
@@ -291,7 +278,7 @@ class Station(AgentBase):
                 self._refilling.pursue(now_s, self._uncounted)
         self._flow.called.review(now_s)
         if self._fills_itself:
-            self._out.extend(Instruct(Refill(item=item)) for item in self._book.short_items)
+            self._life.effects.extend(Instruct(Refill(item=item)) for item in self._book.short_items)
         levels = tuple(
             replace(
                 level,
@@ -305,4 +292,4 @@ class Station(AgentBase):
             self._heartbeat_timer.at_once(now_s)
         if (reserved := self._book.memories()) != self._written:
             self._written = reserved
-            self._commit()
+            self._life.commit()

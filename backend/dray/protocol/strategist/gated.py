@@ -42,7 +42,6 @@ from dray.protocol.runtime.events import (
     Reported,
     Send,
     Started,
-    Subscribe,
 )
 from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.strategist.order_book import ORDERS_MAX
@@ -83,7 +82,7 @@ class GatedStrategist(Strategist):
         self._early: BoundedMap[str, Heard] = BoundedMap(ORDERS_MAX)
         """By order, what was released before: whoever else has taken it, this one has to know of it."""
         self._gate_life = self._gate_since = 0
-        self._words = Retransmitter(WORD, self._timers, self._out)
+        self._words = Retransmitter(WORD, self._life)
         self._alarm_handlers = {**self._alarm_handlers, WORD: self._words.wake}
         self._number = 0
         self._asked: dict[str, AdmissionAsked] = {}
@@ -102,7 +101,7 @@ class GatedStrategist(Strategist):
         """See `dray.protocol.runtime.events.Agent`."""
         if isinstance(event, Started):
             self._started = event
-            self._out.append(Subscribe(self._gate_key))
+            self._life.subscribe(self._gate_key)
             self._ask(now_s)
             return self._taken_out()
         if isinstance(event, Heard):
@@ -138,8 +137,8 @@ class GatedStrategist(Strategist):
 
     def _taken_out(self) -> list[Effect]:
         """What was said beside a step."""
-        effects = list(self._out)
-        self._out.clear()
+        effects = list(self._life.effects)
+        self._life.effects.clear()
         return effects
 
     # --- the beginning ---

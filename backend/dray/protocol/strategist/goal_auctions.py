@@ -29,9 +29,8 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
-from dray.protocol.runtime.events import Effect, Record, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
-from dray.protocol.runtime.timers import Timers
 from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook
 
@@ -57,8 +56,7 @@ class GoalAuctions(Coordinator):
         keys: the plant's bus keys.
         book: all goals.
         watch: which machines can work.
-        timers: the strategist's alarms; this class uses names ``(TAKERS, product)`` beside those of its base.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(TAKERS, product)`` beside those of its base.
         assessor: what it asks of bids beside their price.
         shutdown: of the strategist: one that was asked to leave puts nothing up.
         taken: called when a machine has taken a goal.
@@ -71,8 +69,7 @@ class GoalAuctions(Coordinator):
         keys: Keys,
         book: OrderBook,
         watch: MachineMonitor,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         assessor: Assessor,
         shutdown: GracefulShutdown,
         taken: Callable[[OpenGoal, float], None],
@@ -84,8 +81,7 @@ class GoalAuctions(Coordinator):
             NOWHERE,
             self._audience,
             GOAL_RULES,
-            timers,
-            out,
+            life,
             self._on_contracted,
             assessor,
             watch.arrivals,
@@ -107,11 +103,11 @@ class GoalAuctions(Coordinator):
             return
         goal = next(self._book.unclaimed(product), None)
         if goal is None:
-            self._timers.clear((TAKERS, product))
+            self._life.cancel((TAKERS, product))
             return
         self._asking[product] = goal.id
         self.open(goal.id, goal.work, goal.deadline_s, now_s, epoch=goal.epoch)
-        if not self._timers.is_set((TAKERS, product)):
+        if not self._life.awaits((TAKERS, product)):
             self._check_takers(product, now_s)
 
     def close_goal(self, goal: OpenGoal, outcome: Outcome) -> None:
@@ -126,7 +122,7 @@ class GoalAuctions(Coordinator):
             if outcome == "withdrawn":
                 self.withdraw(goal.machine, goal.id, goal.epoch)
             ended = TaskClosed(task=goal.id, epoch=goal.epoch, outcome=outcome, carrier=goal.machine)
-            self._out.append(Record(ended))
+            self._life.record(ended)
 
     def give_up(self, goal: OpenGoal) -> None:
         """Another strategist holds the order of a goal: what is put up is withdrawn, and a contract stands."""
@@ -154,11 +150,11 @@ class GoalAuctions(Coordinator):
         confirmed = Confirmed(
             task=goal.id, epoch=goal.epoch, arrived=goal.arrived, brought=brought, by_people=goal.by_people
         )
-        self._out.append(Send(goal.machine, confirmed))
+        self._life.send(goal.machine, confirmed)
 
     def withdraw(self, machine: str, goal: str, epoch: int) -> None:
         """Tell a machine that a goal is not its own any more."""
-        self._out.append(Send(machine, Withdrawn(task=goal, epoch=epoch, reason=Reason.NOT_NEEDED)))
+        self._life.send(machine, Withdrawn(task=goal, epoch=epoch, reason=Reason.NOT_NEEDED))
 
     def say_over(self, machine: str, brief: GoalBrief) -> None:
         """Tell a machine that names a goal which has ended how it did."""
@@ -166,7 +162,7 @@ class GoalAuctions(Coordinator):
         # What an earlier life has closed is not known here; the machine's own word will do for its end.
         delivered = brief.delivered >= brief.quantity if closed is None else closed.outcome == "delivered"
         if delivered:
-            self._out.append(Send(machine, GoalClosed(goal=brief.goal)))
+            self._life.send(machine, GoalClosed(goal=brief.goal))
         else:
             self.withdraw(machine, brief.goal, 1 if closed is None else closed.epoch)
 
@@ -178,7 +174,7 @@ class GoalAuctions(Coordinator):
             return
         goal.waits = True
         machines = self._watch.failures(goal.work, now_s, goal.machine if goal.offered else "")
-        self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, machines=machines)))
+        self._life.record(GoalWaits(goal=goal.id, order=goal.work.order, machines=machines))
 
     def _check_takers(self, product: str, now_s: float) -> None:
         """Say so when nobody lives who could take the goals of a product, and look again."""
@@ -190,7 +186,7 @@ class GoalAuctions(Coordinator):
                 goal.waits = False
             else:
                 self.say_waits(goal, now_s)
-        self._timers.set((TAKERS, product), now_s + GOAL_SILENCE_S)
+        self._life.alarm((TAKERS, product), now_s + GOAL_SILENCE_S)
 
     # --- how it is done ---
 
@@ -216,7 +212,7 @@ class GoalAuctions(Coordinator):
             part_of=work.part_of,
             held=self._book.held_with(work.order),
         )
-        self._out.append(Record(contracted))
+        self._life.record(contracted)
         # The auction is over; from now on the goal is followed, not its task.
         self._taken(goal, now_s)
         del self._asking[work.product]

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from dray.body import Admit
 from dray.messages import GoalBrief, GoalRevised, GoalRevisionTaken, OrderItem, OrderReleased, OrderTaken
 from dray.messages.fact import GoalReduced, OrderChanged, Outcome
-from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.order_book import DELIVERY_S, OpenGoal, OrderBook, OrderInWork
 
 
@@ -24,7 +24,7 @@ class OrderChanges:
 
     Args:
         book: all orders and goals.
-        out: where effects go.
+        life: its agent's.
         end: follows a goal no longer, whatever has become of it.
         deliver: called with a goal of which all that is wanted has arrived.
         done: called with a goal of which nothing is wanted any more, and that is followed no longer.
@@ -34,13 +34,13 @@ class OrderChanges:
     def __init__(
         self,
         book: OrderBook,
-        out: list[Effect],
+        life: Life,
         end: Callable[[OpenGoal, Outcome], None],
         deliver: Callable[[OpenGoal], None],
         done: Callable[[OpenGoal], None],
         ask: Callable[[str, float], None],
     ) -> None:
-        self._book, self._out = book, out
+        self._book, self._life = book, life
         self._end, self._deliver, self._done, self._ask = end, deliver, done, ask
         self._askers: dict[str, str] = {}
         """Who waits for the end of a change, by order; one that is not known asks again."""
@@ -91,13 +91,13 @@ class OrderChanges:
             order.wanted = []
             self._book.touch(order)
             changed = OrderChanged(order.id, order.release, order.change, order.quantities)
-            self._out.append(Record(changed))
+            self._life.record(changed)
 
     def on_taken(self, sender: str, message: GoalRevisionTaken, now_s: float) -> None:
         """A machine has said what it keeps."""
         goal = self._book.goal(message.task)
         if goal is None or goal.machine != sender or goal.epoch != message.epoch:
-            self._out.append(Ignore("what is kept of a goal that has ended or moved on"))
+            self._life.ignore("what is kept of a goal that has ended or moved on")
             return
         self._note(goal, message.quantity, message.asked, now_s)
 
@@ -139,10 +139,10 @@ class OrderChanges:
     def _reduce(self, goal: OpenGoal, kept: int) -> None:
         work = goal.work
         self._book.reduce(goal, kept)
-        self._out.append(Instruct(Admit(goal=goal.id, quantity=kept)))
+        self._life.instruct(Admit(goal=goal.id, quantity=kept))
         held = self._book.held_with(work.order)
         reduced = GoalReduced(goal.id, work.order, work.item, work.product, goal.machine, kept, held)
-        self._out.append(Record(reduced))
+        self._life.record(reduced)
 
     def _add(self, order: OrderInWork, index: int, item: OrderItem) -> None:
         """Have made what is wanted more of an item."""
@@ -184,12 +184,12 @@ class OrderChanges:
 
     def _say(self, goal: OpenGoal) -> None:
         quantity = goal.work.quantity if goal.asked is None else goal.asked
-        self._out.append(Send(goal.machine, GoalRevised(goal.id, goal.epoch, quantity, goal.deadline_s)))
+        self._life.send(goal.machine, GoalRevised(goal.id, goal.epoch, quantity, goal.deadline_s))
 
     def _answer(self, order: OrderInWork) -> None:
         asker = self._askers.pop(order.id, "")
         if asker:
-            self._out.append(Send(asker, self.taken(order.id, order.release, order.change)))
+            self._life.send(asker, self.taken(order.id, order.release, order.change))
 
     def taken(self, order: str, release: int, change: int) -> OrderTaken:
         """The answer to an order that is in work, or has ended; with its quantities where it was changed."""

@@ -29,8 +29,8 @@ from dray.messages import Event, GoalBrief, HolderChanged, OrderCancelled, Order
 from dray.messages.fact import MemoryLost, OrderDropped, OrderFulfilled, OrderReturned
 from dray.messages.gate import OrderHeld
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Commit, Effect, Ignore, Instruct, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Commit
+from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.order_book import ENDED_KEPT, ORDERS_MAX
 from dray.protocol.strategist.peers import Peers
 
@@ -58,8 +58,7 @@ class OrderHolding:
     Args:
         agent: which.
         peers: the others.
-        timers: its alarms; this class uses names ``(CLAIM, order)``.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(CLAIM, order)``.
         is_over: whether what was said is of an order that has ended here, and can be answered.
         can_take: whether an order can be made, and there is room for it.
         granted: called with what the gate tells of an order that is held from now on, how it was said last (None where that is not
@@ -72,15 +71,14 @@ class OrderHolding:
         self,
         agent: str,
         peers: Peers,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         is_over: Callable[[Said], bool],
         can_take: Callable[[OrderReleased], bool],
         granted: Callable[[OrderHeld, OrderReleased | None, float], None],
         lost: Callable[[str, float], None],
         heard: Callable[[str, Said, float], None],
     ) -> None:
-        self._agent, self._peers, self._timers, self._out = agent, peers, timers, out
+        self._agent, self._peers, self._life = agent, peers, life
         self._is_over, self._can_take = is_over, can_take
         self._granted, self._lost, self._heard = granted, lost, heard
         self._held: BoundedMap[str, int] = BoundedMap(ENDED_KEPT)
@@ -98,7 +96,7 @@ class OrderHolding:
             if order in self._held:
                 continue
             if order in held:
-                self._out.append(Instruct(HoldOrder(order, held[order])))
+                self._life.instruct(HoldOrder(order, held[order]))
             elif noted.holder in ("", self._agent):
                 self._note(order, replace(noted, holder="", epoch=0))
                 self._take_turn(order, now_s)
@@ -127,7 +125,7 @@ class OrderHolding:
         """Nothing is to be done any more for an order, up to this release; whoever takes it over hears so from the gate."""
         self._forget(order, release)
         if order in self._held:
-            self._out.append(Instruct(HoldOrder(order, self._held[order], release)))
+            self._life.instruct(HoldOrder(order, self._held[order], release))
 
     # --- what is heard ---
 
@@ -148,7 +146,7 @@ class OrderHolding:
         if noted is None or not noted.holder or self._peers.is_silent(noted.holder, now_s):
             self._take_turn(order, now_s)
         else:
-            self._out.append(Ignore("what is said of an order that another strategist holds"))
+            self._life.ignore("what is said of an order that another strategist holds")
         return False
 
     def on_event(self, sender: str, event: Event, now_s: float) -> None:
@@ -162,13 +160,13 @@ class OrderHolding:
         elif isinstance(fact, OrderFulfilled | OrderDropped | OrderReturned) and fact.order not in self._held:
             self._forget(fact.order, fact.release if isinstance(fact, OrderReturned) else EVERY_RELEASE)
             self._waiting.pop(fact.order, None)
-            self._timers.clear((CLAIM, fact.order))
+            self._life.cancel((CLAIM, fact.order))
 
     def on_brief(self, machine: str, brief: GoalBrief) -> None:
         """A machine tells of a goal: one that obeys another strategist hears who holds the order."""
         order = GOAL_NAME.sub("", brief.goal)
         if self._held.get(order, 1) > (1 if brief.held is UNSET else brief.held):
-            self._out.append(Send(machine, HolderChanged(order, self._held[order])))
+            self._life.send(machine, HolderChanged(order, self._held[order]))
 
     def look(self, now_s: float) -> None:
         """Take one's turn for the orders of those who are silent."""
@@ -184,9 +182,9 @@ class OrderHolding:
             return
         if noted is not None and noted.holder:
             if self._peers.is_silent(noted.holder, now_s):
-                self._out.append(Instruct(HoldOrder(order, noted.epoch + 1)))
+                self._life.instruct(HoldOrder(order, noted.epoch + 1))
         elif noted is not None or order in self._waiting:
-            self._out.append(Instruct(HoldOrder(order, 1 if noted is None else noted.epoch + 1)))
+            self._life.instruct(HoldOrder(order, 1 if noted is None else noted.epoch + 1))
 
     def on_held(self, report: OrderHeld, now_s: float) -> None:
         """The gate tells who holds an order."""
@@ -221,6 +219,6 @@ class OrderHolding:
 
     def _take_turn(self, order: str, now_s: float) -> None:
         """Claim an order after all who bid less."""
-        if not self._timers.is_set((CLAIM, order)):
+        if not self._life.awaits((CLAIM, order)):
             before = self._peers.before(order, now_s)
-            self._timers.set((CLAIM, order), now_s + before * TURN_S)
+            self._life.alarm((CLAIM, order), now_s + before * TURN_S)

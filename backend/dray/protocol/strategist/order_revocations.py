@@ -11,7 +11,7 @@ from dray.body import Admit
 from dray.gate import EVERY_RELEASE
 from dray.messages import CancellationTaken, OrderCancelled, OrderRevoked, Reason, RevocationTaken
 from dray.messages.fact import GoalWithdrawn, OrderDropped, Outcome
-from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
 from dray.protocol.strategist.part_goals import PartGoals
 
@@ -22,7 +22,7 @@ class OrderRevocations:
     Args:
         book: all orders and goals.
         parts: goals of parts.
-        out: where effects go.
+        life: its agent's.
         end: follows a goal no longer, whatever has become of it.
         end_if_done: ends an order of which no goal is open any more.
         has_ended: called with an order that was dropped, or will not be begun, and the last release of which that holds.
@@ -33,14 +33,14 @@ class OrderRevocations:
         self,
         book: OrderBook,
         parts: PartGoals,
-        out: list[Effect],
+        life: Life,
         *,
         end: Callable[[OpenGoal, Outcome], None],
         end_if_done: Callable[[OrderInWork], None],
         has_ended: Callable[[str, int], None],
         ask: Callable[[str, float], None],
     ) -> None:
-        self._book, self._parts, self._out = book, parts, out
+        self._book, self._parts, self._life = book, parts, life
         self._end, self._end_if_done, self._has_ended, self._ask = end, end_if_done, has_ended, ask
 
     def on_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
@@ -49,17 +49,17 @@ class OrderRevocations:
         if order is not None:
             self._drop(order, now_s)
         self._has_ended(message.order, EVERY_RELEASE)
-        self._out.append(Send(sender, CancellationTaken(order=message.order)))
+        self._life.send(sender, CancellationTaken(order=message.order))
 
     def _drop(self, order: OrderInWork, now_s: float) -> None:
         for goal in order.goals.values():
             if goal.machine and not goal.work.part_of:
                 # From now on the gate is shut for it, as for any goal that nobody is to make.
-                self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
+                self._life.instruct(Admit(goal=goal.id, quantity=0))
             self._end(goal, "withdrawn")
         for goal in order.goals.values():
             self._ask(goal.work.product, now_s)
-        self._out.append(Record(OrderDropped(order=order.id)))
+        self._life.record(OrderDropped(order=order.id))
 
     def on_revoked(self, sender: str, message: OrderRevoked, now_s: float) -> None:
         """Take an order back, and answer when the gate is shut for all of it, as often as it is asked for."""
@@ -67,7 +67,7 @@ class OrderRevocations:
         if order is None:
             self._answer(sender, message)
         elif message.release != order.release:
-            self._out.append(Ignore("another release of an order was taken back"))
+            self._life.ignore("another release of an order was taken back")
         elif not order.revoked_by:
             self._book.revoke(order, sender)
             self.shut(order)
@@ -80,7 +80,7 @@ class OrderRevocations:
         for goal in list(order.goals.values()):
             if goal.machine:
                 goal.failure = goal.failure or Reason.WITHDRAWN
-                self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
+                self._life.instruct(Admit(goal=goal.id, quantity=0))
             else:
                 self._end(goal, "withdrawn")
                 self._book.withdraw(goal)
@@ -91,7 +91,7 @@ class OrderRevocations:
         self._end(goal, "withdrawn")
         order = self._book.withdraw(goal)
         held = self._book.held_with(order.id)
-        self._out.append(Record(GoalWithdrawn(goal.id, goal.machine, goal.arrived, held)))
+        self._life.record(GoalWithdrawn(goal.id, goal.machine, goal.arrived, held))
         self._end_if_done(order)
 
     def _answer(self, asker: str, message: OrderRevoked) -> None:
@@ -103,4 +103,4 @@ class OrderRevocations:
             self._has_ended(message.order, message.release)
         elif returned is not None and returned.release == message.release:
             outstanding = returned.outstanding
-        self._out.append(Send(asker, RevocationTaken(message.order, message.release, outstanding)))
+        self._life.send(asker, RevocationTaken(message.order, message.release, outstanding))

@@ -11,9 +11,9 @@ from dray.messages import AtvHeartbeat, GoalBrief, MachineHeartbeat, Message, St
 from dray.messages.fact import GoalWithdrawn, Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect, Record, Subscribe
+from dray.protocol.runtime.events import Subscribe
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
-from dray.protocol.runtime.timers import Timers
 from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
 from dray.protocol.strategist.part_leads import PartLeads
@@ -32,8 +32,7 @@ class PartGoals:
         keys: the plant's bus keys.
         book: all goals.
         machines: who makes what.
-        timers: the strategist's alarms; this class uses `PLAN`.
-        out: where effects go.
+        life: its agent's; its alarms are named `PLAN`.
         shutdown: of the strategist: one that was asked to leave gives nothing out.
         ask_next: called with a product of which there are goals to be put up, and now_s.
         end: called with a goal that is followed no longer, and how it has ended.
@@ -48,15 +47,14 @@ class PartGoals:
         keys: Keys,
         book: OrderBook,
         machines: MachineMonitor,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         shutdown: GracefulShutdown,
         *,
         ask_next: Callable[[str, float], None],
         end: Callable[[OpenGoal, Outcome], None],
     ) -> None:
         self._plant, self._keys, self._book = plant, keys, book
-        self._timers, self._out, self._shutdown = timers, out, shutdown
+        self._life, self._shutdown = life, shutdown
         self._ask_next, self._end = ask_next, end
         self._leads = PartLeads(machines, plant.working_time)
         self._stock = PartStock(plant)
@@ -71,8 +69,8 @@ class PartGoals:
         """Hear what lies where, and plan from now on."""
         if self._plant.parts:
             keys = self._keys
-            self._out += (Subscribe(keys.all_station_heartbeats), Subscribe(keys.all_atv_heartbeats))
-            self._timers.set(PLAN, now_s + PLAN_EVERY_S)
+            self._life.effects += (Subscribe(keys.all_station_heartbeats), Subscribe(keys.all_atv_heartbeats))
+            self._life.alarm(PLAN, now_s + PLAN_EVERY_S)
 
     def excuse(self, span_s: float) -> None:
         """The strategist was deaf for so long."""
@@ -99,9 +97,7 @@ class PartGoals:
         self._end(goal, "withdrawn")
         self._book.close(goal)
         if goal.machine:
-            self._out.append(
-                Record(GoalWithdrawn(goal.id, goal.machine, 0, self._book.held_with(goal.work.order)))
-            )
+            self._life.record(GoalWithdrawn(goal.id, goal.machine, 0, self._book.held_with(goal.work.order)))
 
     def withdraw(self, order: OrderInWork) -> None:
         """Nobody waits for an order's parts any more."""
@@ -109,7 +105,7 @@ class PartGoals:
             self.lose(goal)
 
     def _plan(self, _about: None, now_s: float) -> None:
-        self._timers.set(PLAN, now_s + PLAN_EVERY_S)
+        self._life.alarm(PLAN, now_s + PLAN_EVERY_S)
         if not self._shutdown.begun:
             for part in dict.fromkeys(goal.work.product for goal in self._planner.plan(now_s)):
                 self._ask_next(part, now_s)

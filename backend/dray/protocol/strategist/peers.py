@@ -7,9 +7,10 @@ from collections.abc import Callable
 from dray.messages import StrategistHeartbeat
 from dray.messages.keys import Keys
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, WORKING_INTERVAL_S
-from dray.protocol.runtime.events import Effect, Publish, Subscribe
+from dray.protocol.runtime.events import Subscribe
 from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
-from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.timers import spread_frac
 
 PEER_SILENCE_S = GOAL_SILENCE_S
 """How long a strategist may be silent before its orders are taken over: its software starts again in less."""
@@ -23,8 +24,7 @@ class Peers:
         incarnation: how often that one was started.
         others: all other strategists of the plant.
         keys: the plant's bus keys.
-        timers: the strategist's alarms; this class uses that of a heartbeat timer.
-        out: where effects go.
+        life: its agent's; its alarms are named that of a heartbeat timer.
         orders: how many orders the strategist has in work.
     """
 
@@ -34,13 +34,12 @@ class Peers:
         incarnation: int,
         others: tuple[str, ...],
         keys: Keys,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         orders: Callable[[], int],
     ) -> None:
-        self._agent, self._incarnation, self._keys, self._out = agent, incarnation, keys, out
+        self._agent, self._incarnation, self._keys, self._life = agent, incarnation, keys, life
         self._orders = orders
-        self._rhythm = HeartbeatTimer(agent, timers)
+        self._rhythm = HeartbeatTimer(agent, life)
         self._heard_s = dict.fromkeys(others, 0.0)
         self._newest = dict.fromkeys(others, (0, 0))
         """Incarnation and number of the newest heartbeat."""
@@ -49,8 +48,8 @@ class Peers:
     def start(self, now_s: float) -> None:
         """Speak and listen; until they have had time to speak all are believed to be there."""
         self._heard_s = dict.fromkeys(self._heard_s, now_s)
-        self._out.append(Subscribe(self._keys.all_strategist_heartbeats))
-        self._out += [Subscribe(self._keys.events(other)) for other in self._heard_s]
+        self._life.subscribe(self._keys.all_strategist_heartbeats)
+        self._life.effects += [Subscribe(self._keys.events(other)) for other in self._heard_s]
         self._rhythm.at_once(now_s)
 
     def beat(self, now_s: float) -> None:
@@ -58,7 +57,7 @@ class Peers:
         said = StrategistHeartbeat(
             self._agent, self._incarnation, self._rhythm.count(), now_s, self._orders()
         )
-        self._out.append(Publish(self._keys.strategist_heartbeat(self._agent), said))
+        self._life.publish(self._keys.strategist_heartbeat(self._agent), said)
         self._rhythm.go_on(WORKING_INTERVAL_S, now_s)
 
     def on_heartbeat(self, sender: str, heartbeat: StrategistHeartbeat, now_s: float) -> None:

@@ -19,10 +19,10 @@ from dray.messages import (
 from dray.messages.fact import GoodsDelivered, OrderTakenOver
 from dray.messages.gate import GoalHeld, OrderHeld
 from dray.messages.keys import Keys
-from dray.protocol.runtime.events import Commit, Effect, Record
+from dray.protocol.runtime.events import Commit
 from dray.protocol.runtime.heartbeat_timer import BEAT
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
-from dray.protocol.runtime.timers import Timers
 from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
 from dray.protocol.strategist.order_holding import CLAIM, OrderHolding, Said
@@ -38,8 +38,7 @@ class SharedOrders:
         keys: the plant's bus keys.
         book: the orders that it holds.
         auctions: of their goals.
-        timers: its alarms.
-        out: where effects go.
+        life: its agent's.
         shutdown: of the strategist: one that was asked to leave says no more that it is there, and claims nothing.
         agent, incarnation, others: who it is, how often it was started, and who the others are.
         handlers: what it does with what is said of orders that it holds.
@@ -58,8 +57,7 @@ class SharedOrders:
         keys: Keys,
         book: OrderBook,
         auctions: GoalAuctions,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         shutdown: GracefulShutdown,
         *,
         agent: str,
@@ -72,19 +70,18 @@ class SharedOrders:
         end_if_done: Callable[[OrderInWork], None],
         take_back: Callable[[OrderInWork], None],
     ) -> None:
-        self._book, self._auctions, self._out, self._shutdown = book, auctions, out, shutdown
+        self._book, self._auctions, self._life, self._shutdown = book, auctions, life, shutdown
         self._follow, self._unfollow = follow, unfollow
         self._settle, self._end_if_done, self._take_back = settle, end_if_done, take_back
         said: dict[type[Message], Handler] = {
             kind: handlers[kind] for kind in (OrderReleased, OrderCancelled, OrderRevoked)
         }
         self._answer = said
-        self._peers = Peers(agent, incarnation, others, keys, timers, out, lambda: len(book.orders()))
+        self._peers = Peers(agent, incarnation, others, keys, life, lambda: len(book.orders()))
         self._holding = OrderHolding(
             agent,
             self._peers,
-            timers,
-            out,
+            life,
             is_over=self._is_over,
             can_take=lambda release: not book.is_full and all(map(book.can_be_made, release.items)),
             granted=self._on_granted,
@@ -154,7 +151,7 @@ class SharedOrders:
         if is_fresh or release is None or self._book.knows(release.order, release.release):
             return
         order = self._book.take_over(release, held.arrived, held.goals)
-        self._out.append(Record(OrderTakenOver(order.id, held.epoch, tuple(order.goals))))
+        self._life.record(OrderTakenOver(order.id, held.epoch, tuple(order.goals)))
         for goal in order.goals.values():
             if goal.machine:
                 self._follow(goal, now_s)
@@ -173,7 +170,7 @@ class SharedOrders:
     def _tell_arrived(self, goal: GoalHeld, product: str) -> None:
         of, pieces = goal.of, goal.arrived
         told = GoodsDelivered(goal.goal, of.order, of.item, product, quantity=pieces, delivered=pieces)
-        self._out.append(Record(told))
+        self._life.record(told)
 
     def _on_lost(self, order: str, now_s: float) -> None:
         """Another strategist goes on with an order: nothing more is said of it here."""

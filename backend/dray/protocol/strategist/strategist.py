@@ -59,7 +59,7 @@ from dray.plant import Plant
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Ignore, Instruct, Record, Send, Subscribe
+from dray.protocol.runtime.events import Instruct
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.machine_monitor import MachineMonitor
@@ -103,23 +103,21 @@ class Strategist(AgentBase):
             self._keys,
             self._book,
             self._monitor,
-            self._timers,
-            self._out,
-            Assessor(plant, self._out),
+            self._life,
+            Assessor(plant, self._life),
             self._shutdown,
             self._follow,
             incarnation=incarnation,
         )
         self._changes = OrderChanges(
-            self._book, self._out, self._end, self._deliver, self._close, self._auctions.ask_next
+            self._book, self._life, self._end, self._deliver, self._close, self._auctions.ask_next
         )
         self._parts = PartGoals(
             plant,
             self._keys,
             self._book,
             self._monitor,
-            self._timers,
-            self._out,
+            self._life,
             self._shutdown,
             ask_next=self._auctions.ask_next,
             end=self._end,
@@ -127,7 +125,7 @@ class Strategist(AgentBase):
         self._revocations = OrderRevocations(
             self._book,
             self._parts,
-            self._out,
+            self._life,
             end=self._end,
             end_if_done=self._end_if_done,
             has_ended=self._has_ended,
@@ -162,15 +160,14 @@ class Strategist(AgentBase):
             self._keys,
             self._book,
             self._auctions,
-            self._timers,
-            self._out,
+            self._life,
             self._shutdown,
             agent=self.id,
             incarnation=self.incarnation,
             others=others,
             handlers=self._message_handlers,
             follow=lambda goal, now_s: self._follow(goal, now_s, admit=False),
-            unfollow=lambda goal: self._timers.clear((GOAL_CHECK, goal.id)),
+            unfollow=lambda goal: self._life.cancel((GOAL_CHECK, goal.id)),
             settle=self._changes.settle,
             end_if_done=self._end_if_done,
             take_back=self._revocations.shut,
@@ -184,7 +181,7 @@ class Strategist(AgentBase):
         if not isinstance(body, GateState):
             raise ProtocolViolation(f"{self.id}: a strategist needs a gate, not {body!r}")
         self._monitor.start(now_s)
-        self._out.append(Subscribe(self._keys.all_machine_heartbeats))
+        self._life.subscribe(self._keys.all_machine_heartbeats)
         self._restore(memory, body, now_s)
         if self._shared is not None:
             self._shared.start(body, now_s)
@@ -197,7 +194,7 @@ class Strategist(AgentBase):
             self._shared.restore(memory, gate)
         elif not memory:
             # What the gate still lets in was given out by a life that is forgotten, and its orders come again.
-            self._out.extend(Instruct(Admit(goal=goal, quantity=0)) for goal in gate.arrived)
+            self._life.effects.extend(Instruct(Admit(goal=goal, quantity=0)) for goal in gate.arrived)
         for goal in list(self._book):
             if not goal.machine:
                 # An award may be under way that nobody remembers: an answer to it comes too late.
@@ -225,33 +222,33 @@ class Strategist(AgentBase):
     def _on_released(self, sender: str, message: OrderReleased, now_s: float) -> None:
         if self._shutdown.begun:
             # Unanswered, it is sent again, to the next life.
-            self._out.append(Ignore("an order that came while the strategist was draining"))
+            self._life.ignore("an order that came while the strategist was draining")
             return
         if len(message.order) > ORDER_ID_MAX:
-            self._out.append(Ignore("an order whose id leaves no room for those of its goals"))
+            self._life.ignore("an order whose id leaves no room for those of its goals")
             return
         if not all(self._book.can_be_made(item) for item in message.items):
-            self._out.append(Ignore("an order for a product that nobody here makes"))
+            self._life.ignore("an order for a product that nobody here makes")
             return
         in_work = self._book.order(message.order)
         if in_work is not None and in_work.release < message.release:
             # It was never answered as taken back; what is outstanding of it nobody can know yet.
-            self._out.append(Ignore("a release of an order that is in work"))
+            self._life.ignore("a release of an order that is in work")
             return
         if in_work is not None and (message.change > in_work.change or in_work.wanted):
             self._changes.on_changed(sender, message, in_work, now_s)
             return
         if not self._book.knows(message.order, message.release):
             if self._book.is_full:
-                self._out.append(Ignore("an order that came while the strategist had as many as it takes"))
+                self._life.ignore("an order that came while the strategist had as many as it takes")
                 return
             order = self._book.take(message)
             held = self._book.held_with(order.id)
-            self._out.append(Record(OrderAccepted(order.id, tuple(order.goals), held)))
+            self._life.record(OrderAccepted(order.id, tuple(order.goals), held))
             for item in message.items:
                 self._auctions.ask_next(item.product, now_s)
             self._end_if_done(order)
-        self._out.append(Send(sender, self._changes.taken(message.order, message.release, message.change)))
+        self._life.send(sender, self._changes.taken(message.order, message.release, message.change))
 
     def _end_if_done(self, order: OrderInWork) -> None:
         if not order.is_delivered:
@@ -260,14 +257,14 @@ class Strategist(AgentBase):
         self._parts.withdraw(order)
         if any(order.withdrawn):
             returned = self._book.give_back(order.id, order.release)
-            self._out.append(Record(OrderReturned(order.id, order.release, returned.outstanding)))
+            self._life.record(OrderReturned(order.id, order.release, returned.outstanding))
         else:
             self._book.close_order(order.id, fulfilled=True)
-            self._out.append(Record(OrderFulfilled(order=order.id)))
+            self._life.record(OrderFulfilled(order=order.id))
         self._has_ended(order.id, order.release if any(order.withdrawn) else EVERY_RELEASE)
         if order.revoked_by:
             taken = RevocationTaken(order.id, order.release, tuple(order.withdrawn))
-            self._out.append(Send(order.revoked_by, taken))
+            self._life.send(order.revoked_by, taken)
 
     def _has_ended(self, order: str, release: int) -> None:
         if self._shared is not None:
@@ -287,13 +284,13 @@ class Strategist(AgentBase):
             of = None
             if self._shared is not None:
                 of = GoalOf(goal.work.order, goal.work.item, goal.machine, goal.epoch)
-            self._out.append(Instruct(Admit(goal.id, goal.work.quantity, of)))
-        self._timers.set((GOAL_CHECK, goal.id), now_s + GOAL_SILENCE_S)
+            self._life.instruct(Admit(goal.id, goal.work.quantity, of))
+        self._life.alarm((GOAL_CHECK, goal.id), now_s + GOAL_SILENCE_S)
 
     def _on_machine(self, _sender: str, heartbeat: MachineHeartbeat, now_s: float) -> None:
         machine = heartbeat.machine
         if not self._monitor.on_heartbeat(heartbeat, now_s):
-            self._out.append(Ignore("an old heartbeat"))
+            self._life.ignore("an old heartbeat")
             return
         self._parts.on_machine(heartbeat, now_s)
         for brief in heartbeat.goals:
@@ -321,7 +318,7 @@ class Strategist(AgentBase):
     def _on_arrived(self, report: GoodsArrived, now_s: float) -> None:
         goal = self._book.goal(report.goal)
         if goal is None:
-            self._out.append(Ignore("goods of a goal that is closed"))
+            self._life.ignore("goods of a goal that is closed")
             return
         order = self._book.order_of(goal)
         goal.by_people = report.by_people
@@ -348,11 +345,11 @@ class Strategist(AgentBase):
             return 0
         self._book.count(goal, arrived)
         told = GoodsDelivered(goal.id, work.order, work.item, work.product, quantity=news, delivered=arrived)
-        self._out.append(Record(told))
+        self._life.record(told)
         return news
 
     def _deliver(self, goal: OpenGoal) -> None:
-        self._out.append(Send(goal.machine, GoalClosed(goal=goal.id)))
+        self._life.send(goal.machine, GoalClosed(goal=goal.id))
         self._end(goal, "delivered")
         self._close(goal)
 
@@ -361,7 +358,7 @@ class Strategist(AgentBase):
 
     def _end(self, goal: OpenGoal, outcome: Outcome) -> None:
         """Follow a goal no longer."""
-        self._timers.clear((GOAL_CHECK, goal.id))
+        self._life.cancel((GOAL_CHECK, goal.id))
         self._auctions.close_goal(goal, outcome)
 
     def _check_goal(self, goal_id: str, now_s: float) -> None:
@@ -381,10 +378,10 @@ class Strategist(AgentBase):
             return
         elif goal.failure or fit:
             goal.failure = failure
-            self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
+            self._life.instruct(Admit(goal=goal.id, quantity=0))
         else:
             self._auctions.say_waits(goal, now_s)
-        self._timers.set((GOAL_CHECK, goal.id), (now_s if failure else goal.named_s) + GOAL_SILENCE_S)
+        self._life.alarm((GOAL_CHECK, goal.id), (now_s if failure else goal.named_s) + GOAL_SILENCE_S)
 
     def _failure(self, goal: OpenGoal, now_s: float) -> Reason | None:
         """Why a goal is not made any more; None while it is."""
@@ -399,5 +396,5 @@ class Strategist(AgentBase):
         self._end(goal, "withdrawn")
         successor = self._book.succeed(goal)
         held = self._book.held_with(goal.work.order)
-        self._out.append(Record(GoalLost(goal.id, goal.machine, goal.arrived, successor.id, held)))
+        self._life.record(GoalLost(goal.id, goal.machine, goal.arrived, successor.id, held))
         self._auctions.ask_next(goal.work.product, now_s)

@@ -36,8 +36,8 @@ from dray.protocol.liveness.failure_detector import (
     FailureDetector,
     HeartbeatSubscriptions,
 )
-from dray.protocol.runtime.events import NEVER_S, Effect, Record
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.left_aboard import LeftAboard
 from dray.protocol.takeover.secondaries import Secondaries
 
@@ -79,13 +79,11 @@ class Failover:
         tasks: the coordinator's open tasks, by id.
         secondaries: who watches them too.
         subscriptions: which heartbeats the coordinator hears.
-        timers: its alarms; this class uses names ``(PRIMARY_SILENCE, task)``.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(PRIMARY_SILENCE, task)``.
         remedies: the coordinator.
         assessor: what it expects of its carriers, and has learned of them.
         is_missing: whether the load of a task lies at the coordinator no more, by its own senses.
         source_answers: whether the station where the load of a task is fetched lives, at a time (s).
-        commit: called when the next life must know of something else.
 
     Attributes:
         aboard: goods that were left on board.
@@ -97,25 +95,21 @@ class Failover:
         tasks: Mapping[str, OpenTask],
         secondaries: Secondaries,
         subscriptions: HeartbeatSubscriptions,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         remedies: Remedies,
         assessor: Assessor,
         is_missing: Callable[[OpenTask], bool],
         source_answers: Callable[[OpenTask, float], bool],
-        commit: Callable[[], None],
     ) -> None:
         self._tasks = tasks
         self._secondaries = secondaries
         self._subscriptions = subscriptions
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._remedies = remedies
         self._assessor = assessor
         self._is_missing = is_missing
         self._source_answers = source_answers
-        self._commit = commit
-        self.aboard = LeftAboard(tasks, timers, remedies, commit)
+        self.aboard = LeftAboard(tasks, life, remedies)
         self.alarms = {PRIMARY_SILENCE: self._check, **self.aboard.alarms}
 
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
@@ -125,7 +119,7 @@ class Failover:
         task.contract.detector = FailureDetector(
             task.primary, interval_s, now_s, self._subscriptions.arrivals
         )
-        self._timers.set((PRIMARY_SILENCE, task.id), task.contract.detector.fails_at_s)
+        self._life.alarm((PRIMARY_SILENCE, task.id), task.contract.detector.fails_at_s)
         # Of a contract of an earlier life nobody knows how far it should be.
         promised_s = task.contract.promised_s if task.witnessed else self._assessor.latest_s(task.work, now_s)
         task.contract.progress = self._assessor.progress(promised_s, now_s)
@@ -134,7 +128,7 @@ class Failover:
         """A task has ended, or its primary is one no more."""
         if task.contract.detector is not None:
             self._subscriptions.unfollow(task.contract.detector.subject)
-        self._timers.clear((PRIMARY_SILENCE, task.id))
+        self._life.cancel((PRIMARY_SILENCE, task.id))
         task.clear_trouble()
 
     def note_loaded(self, task: OpenTask) -> None:
@@ -143,7 +137,7 @@ class Failover:
             task.states.enter(TaskState.IN_TRANSIT)
             self.aboard.forget(task)
             self._secondaries.seek_no_more(task)
-            self._commit()
+            self._life.commit()
 
     def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """The primary lives; it may have lost its contract."""
@@ -153,7 +147,7 @@ class Failover:
         self._trust(task)
         task.trouble = Reason.PROBLEM if heartbeat.problem else None
         task.detail = heartbeat.problem
-        self._timers.set((PRIMARY_SILENCE, task.id), detector.fails_at_s)
+        self._life.alarm((PRIMARY_SILENCE, task.id), detector.fails_at_s)
         brief = heartbeat.task
         if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
             task.contract.unnamed_s = NEVER_S
@@ -222,7 +216,7 @@ class Failover:
             reason=reason,
             silent_s=silent_s,
         )
-        self._out.append(Record(changed))
+        self._life.record(changed)
 
     def silent_s(self, task: OpenTask, now_s: float) -> float:
         """How long nothing has been heard of the primary."""
@@ -238,7 +232,7 @@ class Failover:
         failure = detector.failure(now_s)
         if not failure:
             self._trust(task)
-            self._timers.set((PRIMARY_SILENCE, task.id), detector.fails_at_s)
+            self._life.alarm((PRIMARY_SILENCE, task.id), detector.fails_at_s)
             return
         self._note_suspicion(task, now_s)
         standby = task.standby.detector
@@ -250,7 +244,7 @@ class Failover:
             self._remedies.pass_on(task, failure, now_s)
         else:
             task.states.enter(TaskState.SUSPECTED)
-            self._timers.set((PRIMARY_SILENCE, task.id), now_s + TAKEOVER_TIMEOUT_S + detector.delay_s)
+            self._life.alarm((PRIMARY_SILENCE, task.id), now_s + TAKEOVER_TIMEOUT_S + detector.delay_s)
 
     def _trust(self, task: OpenTask) -> None:
         """The primary is heard again: it keeps its task."""
@@ -293,7 +287,7 @@ class Failover:
         suspected = PrimarySuspected(
             task=task.id, epoch=task.epoch, primary=task.primary, silent_s=self.silent_s(task, now_s)
         )
-        self._out.append(Record(suspected))
+        self._life.record(suspected)
 
     def _wait_for_goods(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         detector = cast(FailureDetector, task.contract.detector)

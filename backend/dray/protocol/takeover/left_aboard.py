@@ -14,7 +14,7 @@ Until another vehicle has them on board that time runs on: who has promised to h
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Protocol, cast
 
 from msgspec.structs import replace
@@ -22,7 +22,7 @@ from msgspec.structs import replace
 from dray.messages import CommandRefusal, Reason, StrandedGoods, Transport
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 
 WRITTEN_OFF_AFTER_S = 900.0
 """How long goods wait for a word: as long as a person who has promised to come is waited for."""
@@ -45,25 +45,17 @@ class LeftAboard:
 
     Args:
         tasks: its open tasks, by id.
-        timers: its alarms; this class uses names ``(GOODS_WAIT, task)``.
+        life: its agent's; its alarms are named ``(GOODS_WAIT, task)``.
         remedies: the coordinator.
-        commit: called when the next life must know of something else.
 
     Attributes:
         alarms: what to call when an alarm of this class has come, with (task, now_s).
     """
 
-    def __init__(
-        self,
-        tasks: Mapping[str, OpenTask],
-        timers: Timers,
-        remedies: Remedies,
-        commit: Callable[[], None],
-    ) -> None:
+    def __init__(self, tasks: Mapping[str, OpenTask], life: Life, remedies: Remedies) -> None:
         self._tasks = tasks
-        self._timers = timers
+        self._life = life
         self._remedies = remedies
-        self._commit = commit
         self.alarms = {GOODS_WAIT: self._end_wait}
 
     def restore(self, task: OpenTask, goods: StrandedGoods | None) -> None:
@@ -73,7 +65,7 @@ class LeftAboard:
             return
         if task.is_loaded:
             task.states.enter(TaskState.STRANDED)
-        self._timers.set((GOODS_WAIT, task.id), goods.until_s)
+        self._life.alarm((GOODS_WAIT, task.id), goods.until_s)
 
     # --- how it comes to that ---
 
@@ -85,8 +77,8 @@ class LeftAboard:
         last = task.contract.detector.last if task.contract.detector is not None else None
         node = last.node if last is not None else ""
         task.stranded = StrandedGoods(atv=task.primary, node=node, until_s=now_s + WRITTEN_OFF_AFTER_S)
-        self._timers.set((GOODS_WAIT, task.id), task.stranded.until_s)
-        self._commit()
+        self._life.alarm((GOODS_WAIT, task.id), task.stranded.until_s)
+        self._life.commit()
 
     def goes_on(self, task: OpenTask) -> None:
         """Their carrier is well again; harmless when it was."""
@@ -97,9 +89,9 @@ class LeftAboard:
     def forget(self, task: OpenTask) -> None:
         """They wait no more: somebody has them on board who can go on, or they are back."""
         was_waiting, task.stranded = task.stranded is not None, None
-        self._timers.clear((GOODS_WAIT, task.id))
+        self._life.cancel((GOODS_WAIT, task.id))
         if was_waiting:
-            self._commit()
+            self._life.commit()
 
     # --- what people say ---
 
@@ -137,5 +129,5 @@ class LeftAboard:
             self._give_up(task, now_s)
 
     def _give_up(self, task: OpenTask, now_s: float) -> None:
-        self._timers.clear((GOODS_WAIT, task.id))
+        self._life.cancel((GOODS_WAIT, task.id))
         self._remedies.give_up(task, now_s)

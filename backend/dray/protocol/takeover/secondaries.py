@@ -18,8 +18,8 @@ from dray.protocol.contract_net.task import OpenTask, StandbyContract
 from dray.protocol.contract_net.terms import Terms
 from dray.protocol.liveness.failure_detector import UNNAMED_S, FailureDetector, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
-from dray.protocol.runtime.events import NEVER_S, Effect, Record, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 
 WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0, rest_aged_max_s=60.0)
 """A missing watch is less urgent than a missing primary, so it asks wider and rests longer; and ever longer where all are
@@ -36,8 +36,7 @@ class Secondaries:
         tasks: the coordinator's open tasks, by id.
         auctions: how its auctions are set up.
         subscriptions: which heartbeats it hears.
-        timers: its alarms; this class uses names ``(WATCH_AUCTION, task)`` and ``(SECONDARY_SILENCE, task)``.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(WATCH_AUCTION, task)`` and ``(SECONDARY_SILENCE, task)``.
 
     Attributes:
         alarms: what to call when an alarm of this class has come, with (task, now_s).
@@ -48,14 +47,12 @@ class Secondaries:
         tasks: Mapping[str, OpenTask],
         auctions: Auctions,
         subscriptions: HeartbeatSubscriptions,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._tasks = tasks
         self._auctions = auctions
         self._subscriptions = subscriptions
-        self._timers = timers
-        self._out = out
+        self._life = life
         self.alarms = {WATCH_AUCTION: self._wake_auction, SECONDARY_SILENCE: self._check}
 
     def restore(self, task: OpenTask, atv: str, number: int, now_s: float) -> None:
@@ -93,12 +90,12 @@ class Secondaries:
         if task.watch is not None:
             task.watch.cancel()
             task.watch = None
-            self._timers.clear((WATCH_AUCTION, task.id))
+            self._life.cancel((WATCH_AUCTION, task.id))
 
     def lose(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """A secondary has resigned or failed: elect another."""
         fact = WatchLost(task=task.id, epoch=task.epoch, secondary=task.secondary, reason=reason)
-        self._out.append(Record(fact))
+        self._life.record(fact)
         self.unfollow(task)
         self.seek(task, (), now_s)
 
@@ -110,7 +107,7 @@ class Secondaries:
     def unfollow(self, task: OpenTask) -> None:
         """Unsubscribe from a task's secondary, without a message: the secondary knows that its watch is over."""
         self._subscriptions.unfollow(task.secondary)
-        self._timers.clear((SECONDARY_SILENCE, task.id))
+        self._life.cancel((SECONDARY_SILENCE, task.id))
         task.standby = StandbyContract()
 
     # --- what is heard ---
@@ -138,7 +135,7 @@ class Secondaries:
         detector = task.standby.detector
         if detector is None or not detector.on_heartbeat(heartbeat, now_s):
             return
-        self._timers.set((SECONDARY_SILENCE, task.id), detector.fails_at_s)
+        self._life.alarm((SECONDARY_SILENCE, task.id), detector.fails_at_s)
         if any(brief.task == task.id and brief.epoch == task.epoch for brief in heartbeat.watches):
             task.standby.unnamed_s = NEVER_S
         elif task.standby.unnamed_s == NEVER_S:
@@ -172,21 +169,21 @@ class Secondaries:
             self._release(task, task.secondary, task.standby.number, failure)
             self.lose(task, failure, now_s)
         else:
-            self._timers.set((SECONDARY_SILENCE, task.id), task.standby.detector.fails_at_s)
+            self._life.alarm((SECONDARY_SILENCE, task.id), task.standby.detector.fails_at_s)
 
     # --- how it is done ---
 
     def _bind(self, task: OpenTask, watch: Auction, now_s: float) -> None:
         task.watch = None
-        self._timers.clear((WATCH_AUCTION, task.id))
+        self._life.cancel((WATCH_AUCTION, task.id))
         self._follow(task, watch.winner, watch.number, watch.winning_bid, now_s)
 
     def _follow(self, task: OpenTask, atv: str, number: int, bid: Bid | None, now_s: float) -> None:
         self._subscriptions.follow(atv)
         detector = FailureDetector(atv, IDLE_INTERVAL_S, now_s, self._subscriptions.arrivals)
         task.standby = StandbyContract(atv, number, bid, detector)
-        self._timers.set((SECONDARY_SILENCE, task.id), detector.fails_at_s)
+        self._life.alarm((SECONDARY_SILENCE, task.id), detector.fails_at_s)
 
     def _release(self, task: OpenTask, atv: str, number: int, reason: Reason) -> None:
         release = Release(task=task.id, epoch=task.epoch, role=Role.SECONDARY, reason=reason, number=number)
-        self._out.append(Send(atv, release))
+        self._life.send(atv, release)

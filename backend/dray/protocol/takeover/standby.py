@@ -13,8 +13,7 @@ from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.liveness.failure_detector import FailureDetector, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
-from dray.protocol.runtime.events import Effect, Record, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 
 WATCHED_SILENCE = "watched silence"
 
@@ -64,14 +63,12 @@ class Standby:
 
     Args:
         subscriptions: which heartbeats the vehicle hears.
-        timers: the vehicle's alarms; this class uses names ``(WATCHED_SILENCE, task)``.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(WATCHED_SILENCE, task)``.
     """
 
-    def __init__(self, subscriptions: HeartbeatSubscriptions, timers: Timers, out: list[Effect]) -> None:
+    def __init__(self, subscriptions: HeartbeatSubscriptions, life: Life) -> None:
         self._subscriptions = subscriptions
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._watches: dict[str, Watch] = {}
 
     def __len__(self) -> int:
@@ -105,11 +102,11 @@ class Standby:
         detector = FailureDetector(award.primary, WORKING_INTERVAL_S, now_s, self._subscriptions.arrivals)
         self._watches[award.task] = Watch(award, coordinator, detector, now_s)
         self._subscriptions.follow(award.primary)
-        self._timers.set((WATCHED_SILENCE, award.task), detector.fails_at_s)
+        self._life.alarm((WATCHED_SILENCE, award.task), detector.fails_at_s)
         taken = ContractTaken(
             task=award.task, epoch=award.epoch, role=Role.SECONDARY, coordinator=coordinator
         )
-        self._out.append(Record(taken))
+        self._life.record(taken)
 
     def renew(self, award: Award) -> None:
         """A watch that is kept was asked for once more; a release of the earlier award does not end it."""
@@ -130,9 +127,9 @@ class Standby:
         if watch is None:
             return
         self._subscriptions.unfollow(watch.award.primary)
-        self._timers.clear((WATCHED_SILENCE, task))
+        self._life.cancel((WATCHED_SILENCE, task))
         ended = ContractEnded(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
-        self._out.append(Record(ended))
+        self._life.record(ended)
 
     def resign(self, reason: Reason) -> None:
         """Give every watch back to its coordinator, who elects another."""
@@ -145,7 +142,7 @@ class Standby:
         resigned = Resigned(
             task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason, detail=detail
         )
-        self._out.append(Send(watch.coordinator, resigned))
+        self._life.send(watch.coordinator, resigned)
         self.unwatch(task, Reason.RESIGNED)
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
@@ -155,7 +152,7 @@ class Standby:
                 continue
             watch.reported = False
             # A heartbeat may bring the failure nearer: the time for help is over, or was cut short.
-            self._timers.set((WATCHED_SILENCE, task), watch.detector.fails_at_s)
+            self._life.alarm((WATCHED_SILENCE, task), watch.detector.fails_at_s)
             if heartbeat.task is not None and heartbeat.task.task == task:
                 watch.named_s = now_s
             elif now_s - watch.named_s > OVER_AFTER_S:
@@ -173,7 +170,7 @@ class Standby:
         detector = watch.detector
         reason = detector.failure(now_s)
         if not reason:
-            self._timers.set((WATCHED_SILENCE, task), detector.fails_at_s)
+            self._life.alarm((WATCHED_SILENCE, task), detector.fails_at_s)
             return None
         if not watch.reported:
             watch.reported = True
@@ -183,9 +180,9 @@ class Standby:
                 primary=watch.award.primary,
                 silent_s=now_s - detector.heard_s,
             )
-            self._out.append(Record(suspected))
+            self._life.record(suspected)
         if watch.can_be_taken_over:
             return watch
         # Its coordinator waits for it too. It may speak up again, and that sets the alarm anew.
-        self._timers.clear((WATCHED_SILENCE, task))
+        self._life.cancel((WATCHED_SILENCE, task))
         return None

@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterable
 import msgspec
 
 from dray.messages.floor.traffic import FloorTold, OnFloor
-from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
+from dray.protocol.runtime.events import Unsubscribe
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.places import Places
 
 COUNTS_S = 10.0
@@ -36,14 +37,14 @@ class Surroundings:
         me: the vehicle: what is said of itself is no traffic.
         places: which districts there are, which lie side by side, and who keeps their books.
         key_of: the bus key on which a district is told.
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, me: str, places: Places, key_of: Callable[[str], str], out: list[Effect]) -> None:
+    def __init__(self, me: str, places: Places, key_of: Callable[[str], str], life: Life) -> None:
         self._me = me
         self._places = places
         self._key_of = key_of
-        self._out = out
+        self._life = life
         self._words: dict[str, _Word] = {}
         self._inside: frozenset[str] = frozenset()
         self._heard: tuple[str, ...] = ()
@@ -57,11 +58,11 @@ class Surroundings:
         self._inside = inside
         heard = tuple(dict.fromkeys(near for one in sorted(inside) for near in self._places.around(one)))
         before, self._heard = self._heard, heard
-        self._out += [Unsubscribe(self._key_of(one)) for one in before if one not in heard]
+        self._life.effects += [Unsubscribe(self._key_of(one)) for one in before if one not in heard]
         for district in heard:
             if district in before:
                 continue
-            self._out.append(Subscribe(self._key_of(district)))
+            self._life.subscribe(self._key_of(district))
             if district in self._words:
                 word = self._words[district]
                 self._words[district] = msgspec.structs.replace(

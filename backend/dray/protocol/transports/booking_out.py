@@ -6,7 +6,7 @@ A vehicle that was let in to load is listened to.
     it names the task no more, and was heard at it until then       it has left without, unless it has such a load on board
     it names the task no more, after a time in which it was not     its coordinator is asked, as long as it takes: it says whether the
     heard (this agent was down, or deaf)                            load was fetched, or that it cannot know. In doubt it is booked
-                                                                    out: nothing is promised that may not lie there
+                                                                    life: its agent's.
 
 The question is `StockReserved`, which a coordinator that counts on the pieces no more answers with `StockFreed`.
 """
@@ -21,7 +21,7 @@ from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.departures import UNHEARD_S
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.life import Life
 
 AGAIN_S = 10.0
 """A coordinator that has not answered is asked again after this."""
@@ -33,8 +33,7 @@ class BookingOut:
     Args:
         subscriptions: whose heartbeats are heard.
         bookings: what its body is told.
-        out: where effects go.
-        commit: called when the next life must know of something else.
+        life: its agent's.
         left: called with a vehicle that has left without its load.
     """
 
@@ -42,12 +41,11 @@ class BookingOut:
         self,
         subscriptions: HeartbeatSubscriptions,
         bookings: Bookings,
-        out: list[Effect],
-        commit: Callable[[], None],
+        life: Life,
         left: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._subscriptions, self._bookings = subscriptions, bookings
-        self._out, self._commit, self._left = out, commit, left
+        self._life, self._left = life, left
         self._let_in: dict[str, ReservationMemory] = {}
         """By vehicle, what it may take."""
         self._heard_s: dict[str, float] = {}
@@ -60,7 +58,7 @@ class BookingOut:
         self._follow(load)
         self._heard_s[load.vehicle] = now_s
         self._asked_s.pop(load.vehicle, None)
-        self._commit()
+        self._life.commit()
 
     def on_carrier_heard(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A vehicle may have left with a load."""
@@ -137,7 +135,7 @@ class BookingOut:
         elif now_s - self._asked_s.get(load.vehicle, -AGAIN_S) >= AGAIN_S:
             self._asked_s[load.vehicle] = now_s
             asked = StockReserved(load.task, load.opened, load.item, load.quantity)
-            self._out.append(Send(load.coordinator, asked))
+            self._life.send(load.coordinator, asked)
 
     def _book(self, load: ReservationMemory) -> None:
         self._bookings.say(DepartureMemory(load.vehicle, load.task, load.opened, load.item, -load.quantity))
@@ -153,4 +151,4 @@ class BookingOut:
         self._heard_s.pop(vehicle, None)
         self._asked_s.pop(vehicle, None)
         self._subscriptions.unfollow(vehicle)
-        self._commit()
+        self._life.commit()

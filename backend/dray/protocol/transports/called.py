@@ -30,9 +30,9 @@ from dray.messages import (
 from dray.messages.fact import TransportProgressed
 from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.runtime.events import Commit, Effect, Ignore, Record, Send
+from dray.protocol.runtime.events import Commit
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.running import life_mark
-from dray.protocol.runtime.timers import Timers
 from dray.protocol.transports.dock import Stock
 from dray.protocol.transports.sourcing import Sourcing
 from dray.protocol.transports.transports import Transports
@@ -131,8 +131,7 @@ class CalledTransports:
         plant: who keeps what.
         stock: what lies here.
         flow: has loads set aside and fetched.
-        timers: its agent's alarms; this class uses names ``(WISH_ENDS, transport)``.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(WISH_ENDS, transport)``.
         incarnation: how often its agent was started: no two lives give the same names to tasks.
 
     Attributes:
@@ -140,17 +139,10 @@ class CalledTransports:
     """
 
     def __init__(
-        self,
-        place: str,
-        plant: Plant,
-        stock: Stock,
-        flow: Flow,
-        timers: Timers,
-        out: list[Effect],
-        incarnation: int,
+        self, place: str, plant: Plant, stock: Stock, flow: Flow, life: Life, incarnation: int
     ) -> None:
         self._place, self._plant, self._stock, self._flow = place, plant, stock, flow
-        self._timers, self._out, self._life = timers, out, life_mark(incarnation)
+        self._life, self._mark = life, life_mark(incarnation)
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {WISH_ENDS: self._end_wish}
         self._open: dict[str, CalledTransport] = {}
         self._ended: dict[str, TransportState] = {}
@@ -172,7 +164,7 @@ class CalledTransports:
     def on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
         """Somebody asks for a transport, for the first time or again."""
         if not self._may_ask(sender, order.transport, order.source):
-            self._out.append(Ignore("a machine asked for what does not lie there"))
+            self._life.ignore("a machine asked for what does not lie there")
             return
         state = self._state_of(order.transport)
         if state is not None:
@@ -181,7 +173,7 @@ class CalledTransports:
             self._refuse(order, refused)
             self._answer(sender, order.transport, TransportState.CANCELLED, refused)
         elif len(self._open) >= OPEN_MAX:
-            self._out.append(Ignore("has as many transports to see to as it can"))
+            self._life.ignore("has as many transports to see to as it can")
         else:
             called = self._open[order.transport] = CalledTransport(order)
             self._take_up(called)
@@ -193,7 +185,7 @@ class CalledTransports:
     def on_cancelled(self, sender: str, message: TransportCancelled, now_s: float) -> None:
         """Somebody does not need a transport any more."""
         if not self._may_ask(sender, message.transport, sender):
-            self._out.append(Ignore("a machine called off what it has not asked for"))
+            self._life.ignore("a machine called off what it has not asked for")
             return
         called = self._open.get(message.transport)
         if called is not None and not self._is_on_board(called):
@@ -218,7 +210,7 @@ class CalledTransports:
             if called.task or self._stock.room(called.item) - self._flow.inbound(called.item) < missing:
                 continue
             called.attempt += 1
-            called.task = f"{called.id}{self._life}-{called.attempt}"
+            called.task = f"{called.id}{self._mark}-{called.attempt}"
             self._write(called)
             work = Transport(
                 item=called.item,
@@ -241,7 +233,7 @@ class CalledTransports:
             return
         task = self._flow.tasks.get(called.task)
         if task is not None and (task.primary or task.is_held or not task.lies_at_source):
-            self._timers.set((WISH_ENDS, transport), now_s + LOOK_AGAIN_S)
+            self._life.alarm((WISH_ENDS, transport), now_s + LOOK_AGAIN_S)
             return
         if task is not None:
             self._flow.cancel(task)
@@ -323,7 +315,7 @@ class CalledTransports:
     def _take_up(self, called: CalledTransport) -> None:
         """Its load may be on its way for an earlier life."""
         if called.vehicle and called.vehicle_until_s is not None:
-            self._timers.set((WISH_ENDS, called.id), called.vehicle_until_s)
+            self._life.alarm((WISH_ENDS, called.id), called.vehicle_until_s)
         for task in self._flow.tasks:
             if _transport_of(task.id) == called.id:
                 called.task = task.id
@@ -407,11 +399,11 @@ class CalledTransports:
         )
         if fact != called.told:
             called.told = fact
-            self._out.append(Record(fact))
+            self._life.record(fact)
 
     def _end(self, called: CalledTransport, state: TransportState) -> None:
         del self._open[called.id]
-        self._timers.clear((WISH_ENDS, called.id))
+        self._life.cancel((WISH_ENDS, called.id))
         called.state, called.task = state, ""
         self._record(called, None, None)
         self._note_ended(called.id, state, called)
@@ -432,7 +424,7 @@ class CalledTransports:
     def _answer(
         self, to: str, transport: str, state: TransportState, refused: TransportRefusal | None = None
     ) -> None:
-        self._out.append(Send(to, TransportAnswered(transport, state, refused)))
+        self._life.send(to, TransportAnswered(transport, state, refused))
 
 
 def _transport_of(task: str) -> str:

@@ -14,7 +14,8 @@ from dray.messages import Docked, Handover, HandoverAccepted, Transport
 from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.runtime.events import NEVER_S, Effect, Send
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.transports import Transports
 
 
@@ -37,25 +38,19 @@ class Dock:
         stock: what lies there.
         door: its door.
         departures: those who are not wanted at it any more.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         counts: whether the coordinator's body counts what vehicles bring and take.
     """
 
     def __init__(
-        self,
-        place: str,
-        tasks: Transports,
-        stock: Stock,
-        door: Door,
-        departures: Departures,
-        out: list[Effect],
+        self, place: str, tasks: Transports, stock: Stock, door: Door, departures: Departures, life: Life
     ) -> None:
         self._place = place
         self._tasks = tasks
         self._stock = stock
-        self._out = out
+        self._life = life
         self._door, self._departures = door, departures
         self.counts = True
 
@@ -63,7 +58,7 @@ class Dock:
         """A vehicle asks to load or to unload."""
         task = self._tasks.get(message.task)
         if task is None or message.epoch != task.epoch or sender != task.primary:
-            self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))
+            self._life.send(sender, self._tasks.superseded(message.task, message.epoch))
             return
         work = cast(Transport, task.work)
         here = message.station == self._place
@@ -118,7 +113,7 @@ class Dock:
         if closed is not None and closed.carrier == sender and closed.outcome == "delivered":
             self._accept(sender, message.task, message.epoch)
         else:
-            self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))
+            self._life.send(sender, self._tasks.superseded(message.task, message.epoch))
         return None
 
     def _why_held(self, work: Transport) -> str:
@@ -132,4 +127,4 @@ class Dock:
         self._tasks.close(task, "delivered")
 
     def _accept(self, carrier: str, task: str, epoch: int) -> None:
-        self._out.append(Send(carrier, HandoverAccepted(task=task, epoch=epoch)))
+        self._life.send(carrier, HandoverAccepted(task=task, epoch=epoch))

@@ -13,7 +13,8 @@ from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
-from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.receiving import GateCount, Verdict, verdict_on
 from dray.protocol.transports.transports import Transports
@@ -31,7 +32,7 @@ class Handovers:
         goal_of: what the gate has counted of a goal, by its name; None for what no goal wants.
         dock: where loads come and go.
         bookings: what a body that does not count is told.
-        out: where effects go.
+        life: its agent's.
         ask: called with a goal of which the gate may have counted more than is known, and now_s.
         settled: called when a transport has ended well, with its task, its carrier, the pieces that were counted, and now_s.
 
@@ -46,7 +47,7 @@ class Handovers:
         goal_of: Callable[[str], GateCount | None],
         dock: Dock,
         bookings: Bookings,
-        out: list[Effect],
+        life: Life,
         *,
         ask: Callable[[str, float], None],
         settled: Callable[[OpenTask, str, int, float], None],
@@ -55,7 +56,7 @@ class Handovers:
         self._tasks = tasks
         self._goal_of = goal_of
         self._dock, self._bookings = dock, bookings
-        self._out = out
+        self._life = life
         self._ask = ask
         self._settled = settled
         self.counts = True
@@ -115,7 +116,7 @@ class Handovers:
         goal = self._goal_of(name)
         verdict, counted = verdict_on(task, goal, self._place, now_s)
         if verdict is Verdict.WAITS:
-            self._out.append(Ignore("a handover of a load that was not counted yet"))
+            self._life.ignore("a handover of a load that was not counted yet")
             if goal is not None and goal.heard_s < receipt.said_s:
                 self._ask(name, now_s)
             return
@@ -157,7 +158,7 @@ class Handovers:
             counted=counted,
             where=work.destination,
         )
-        self._out.append(Record(disputed))
+        self._life.record(disputed)
 
     def _comes(self, task: OpenTask) -> bool:
         return cast(Transport, task.work).destination == self._place

@@ -13,8 +13,7 @@ from dray.memory import ReservationMemory
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
 from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door
-from dray.protocol.runtime.events import Effect, Ignore, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.reservations import Ask, Reservations
 
@@ -33,8 +32,7 @@ class Issuing:
     Args:
         place: whose.
         book: what lies there, and what of it is promised.
-        timers: the alarms of its agent; this class uses `LAPSE`.
-        out: where effects go.
+        life: its agent's; its alarms are named `LAPSE`.
         door: of its dock.
         departures: those who are not wanted at it any more.
         booking_out: those who were let in to load, where the body does not count.
@@ -49,8 +47,7 @@ class Issuing:
         self,
         place: str,
         book: Reservations,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         door: Door,
         departures: Departures,
         booking_out: BookingOut,
@@ -60,8 +57,7 @@ class Issuing:
     ) -> None:
         self._place = place
         self._book = book
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._drains = drains
         self._changed = changed
         self._door, self._departures, self._booking_out = door, departures, booking_out
@@ -76,7 +72,7 @@ class Issuing:
     def _on_asked(self, sender: str, asked: StockAsked, now_s: float) -> None:
         known = self._book.get(asked.task)
         if reason := self._refusal(sender, asked, known):
-            self._out.append(Ignore(reason))
+            self._life.ignore(reason)
             return
         ask = self._book.ask(asked, sender, now_s)
         if ask.reserved:
@@ -103,7 +99,7 @@ class Issuing:
             return  # The body says that it is gone.
         ask = self._book.get(freed.task)
         if ask is None or ask.coordinator != sender:
-            self._out.append(Ignore("gave back what it does not have"))
+            self._life.ignore("gave back what it does not have")
             return
         self._release(ask)
         self._changed(now_s)
@@ -184,15 +180,15 @@ class Issuing:
             self._say_short(ask)
         for ask in self._book.promise(now_s):
             self._say_reserved(ask)
-        self._timers.set(LAPSE, self._book.next_lapse_s)
+        self._life.alarm(LAPSE, self._book.next_lapse_s)
 
     def _say_reserved(self, ask: Ask) -> None:
         if ask.coordinator:
             reserved = StockReserved(task=ask.task, epoch=ask.epoch, item=ask.item, quantity=ask.quantity)
-            self._out.append(Send(ask.coordinator, reserved))
+            self._life.send(ask.coordinator, reserved)
 
     def _say_short(self, ask: Ask) -> None:
         if ask.coordinator:
             free = max(0, self._book.free(ask.item))
             short = StockShort(task=ask.task, epoch=ask.epoch, item=ask.item, free=free)
-            self._out.append(Send(ask.coordinator, short))
+            self._life.send(ask.coordinator, short)

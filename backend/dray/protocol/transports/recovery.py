@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.plant import Plant
 from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.transports import RECOVERY_WAIT_S, Transports
 
 RECOVERY_WAIT = "recovery wait"
@@ -30,7 +30,7 @@ class Recovery:
         tasks: its transports.
         items: what is brought to it.
         ordered: called with the work of a transport that was taken up on its carrier's word.
-        timers: its alarms; this class uses `RECOVERY_WAIT`.
+        life: its agent's; its alarms are named `RECOVERY_WAIT`.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class Recovery:
         plant: Plant,
         subscriptions: HeartbeatSubscriptions,
         tasks: Transports,
-        timers: Timers,
+        life: Life,
         *,
         items: Collection[str],
         ordered: Callable[[Transport], None],
@@ -49,7 +49,7 @@ class Recovery:
         self._subscriptions = subscriptions
         self._tasks = tasks
         self._items, self._ordered = items, ordered
-        self._timers = timers
+        self._life = life
         self._forgetful = False
         """It has no notes of the life before."""
 
@@ -57,7 +57,7 @@ class Recovery:
         """Listen to all vehicles for a while."""
         self._forgetful = forgetful
         self._subscriptions.follow(EVERYBODY)
-        self._timers.set(RECOVERY_WAIT, now_s + RECOVERY_WAIT_S)
+        self._life.alarm(RECOVERY_WAIT, now_s + RECOVERY_WAIT_S)
 
     def stop_listening(self) -> None:
         """The alarm has come: listen to all vehicles no longer."""
@@ -66,7 +66,7 @@ class Recovery:
     @property
     def is_listening_for_all(self) -> bool:
         """Whether it has no notes, and carriers may still tell of their tasks."""
-        return self._forgetful and self._timers.is_set(RECOVERY_WAIT)
+        return self._forgetful and self._life.awaits(RECOVERY_WAIT)
 
     def waits_for_word_on(self, task: str) -> bool:
         """Whether a task that is not known may be one of an earlier life, of which its carrier's heartbeat tells."""
@@ -77,7 +77,7 @@ class Recovery:
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A vehicle may name this coordinator as the one that it carries for."""
         brief = heartbeat.task
-        if brief is None or brief.coordinator != self._place or not self._timers.is_set(RECOVERY_WAIT):
+        if brief is None or brief.coordinator != self._place or not self._life.awaits(RECOVERY_WAIT):
             return
         known = self._tasks.get(brief.task)
         if known is not None:

@@ -25,8 +25,8 @@ from msgspec.structs import replace
 from dray.messages import MaterialWait, Phase, StockAsked, StockFreed, StockReserved, StockShort, Transport
 from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.runtime.events import Effect, Ignore, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 
 SOURCE = "source"
 RENEW = "renew"
@@ -103,8 +103,7 @@ class Sourcing:
     Args:
         place: whose.
         plant: its storages.
-        timers: its alarms; this class uses names ``(SOURCE, task)`` and ``(RENEW, task)``.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(SOURCE, task)`` and ``(RENEW, task)``.
         announce: called with a need for which material is set aside in all of its sources, and now_s.
         task_of: an open task by its name.
         may_be_fetched: whether the load of a task that is not open was fetched in an epoch, or may have been, for nothing is known of it.
@@ -120,8 +119,7 @@ class Sourcing:
         self,
         place: str,
         plant: Plant,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         *,
         announce: Callable[[Need, float], None],
         task_of: Callable[[str], OpenTask | None],
@@ -132,8 +130,7 @@ class Sourcing:
     ) -> None:
         self._place = place
         self._plant = plant
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._announce = announce
         self._task_of, self._may_be_fetched = task_of, may_be_fetched
         self._starve = starve
@@ -186,12 +183,12 @@ class Sourcing:
         work = replace(work, sources=tuple(each for each in work.sources if each in near))
         need = self._needs[task] = Need(task, work, deadline_s, now_s)
         self._ask(need.task, 1, need.work, need.work.sources)
-        self._timers.set((SOURCE, task), now_s + ANSWER_S)
+        self._life.alarm((SOURCE, task), now_s + ANSWER_S)
 
     def drop(self, need: Need) -> None:
         """It is not needed any more."""
         del self._needs[need.task]
-        self._timers.clear((SOURCE, need.task))
+        self._life.cancel((SOURCE, need.task))
         self._free(need.task, need.work.sources)
 
     def on_reserved(self, sender: str, message: StockReserved, now_s: float) -> None:
@@ -207,7 +204,7 @@ class Sourcing:
             self._hold(task, sender)
         else:
             fetched = self._may_be_fetched(message.task, message.epoch)
-            self._out.append(Send(sender, StockFreed(message.task, fetched=fetched)))
+            self._life.send(sender, StockFreed(message.task, fetched=fetched))
 
     def on_short(self, sender: str, message: StockShort, now_s: float) -> None:
         self._note_heard(sender, now_s)
@@ -219,7 +216,7 @@ class Sourcing:
             return
         task = self._task_of(message.task)
         if task is None or sender not in _sources(task):
-            self._out.append(Ignore("short of what was not asked for"))
+            self._life.ignore("short of what was not asked for")
             return
         held = self._held.get(task.id, {})
         held.pop(sender, None)
@@ -245,12 +242,12 @@ class Sourcing:
         if not self._held.get(task.id):
             # Nothing is set aside for this epoch yet, as far as is known.
             self._ask(task.id, task.epoch, _work(task), _sources(task))
-        self._timers.set((RENEW, task.id), now_s + RENEW_S)
+        self._life.alarm((RENEW, task.id), now_s + RENEW_S)
 
     def on_task_closed(self, task: OpenTask, *, fetched: bool) -> None:
         """A task has ended; what was set aside for it and not fetched is given back."""
         held = self._held.pop(task.id, None)
-        self._timers.clear((RENEW, task.id))
+        self._life.cancel((RENEW, task.id))
         if _is_material(task, self._place) and not fetched:
             # A carrier may have it, or may have had it in an earlier epoch: a station that has asked hears that.
             carried = bool(task.primary) or task.epoch > 1
@@ -269,17 +266,17 @@ class Sourcing:
         if not need.reserved:
             if not need.waits:
                 need.waits = True
-                self._timers.set((SOURCE, need.task), now_s + AGAIN_S)
+                self._life.alarm((SOURCE, need.task), now_s + AGAIN_S)
                 self._changed(now_s)
             return
         del self._needs[need.task]
-        self._timers.clear((SOURCE, need.task))
+        self._life.cancel((SOURCE, need.task))
         # Whoever has none keeps nobody in its queue who has found another.
         self._free(need.task, (*need.short, *need.silent))
         there = tuple(each for each in need.work.sources if each in need.reserved)
         need.work = replace(need.work, sources=there)
         self._held[need.task] = dict.fromkeys(there)
-        self._timers.set((RENEW, need.task), now_s + RENEW_S)
+        self._life.alarm((RENEW, need.task), now_s + RENEW_S)
         self._announce(need, now_s)
 
     def _ask_again(self, task_id: str, now_s: float) -> None:
@@ -296,7 +293,7 @@ class Sourcing:
             need.answered.clear()
             self._take_less(need, now_s)
             self._ask(need.task, 1, need.work, need.work.sources)
-            self._timers.set((SOURCE, task_id), now_s + AGAIN_S)
+            self._life.alarm((SOURCE, task_id), now_s + AGAIN_S)
 
     def _take_less(self, need: Need, now_s: float) -> None:
         """Of parts that nobody has enough of, as many are asked for as lie somewhere."""
@@ -321,7 +318,7 @@ class Sourcing:
         if task is None or _was_fetched(task) or not _is_material(task, self._place):
             return
         self._ask(task_id, task.epoch, _work(task), tuple(self._held.get(task_id) or _sources(task)))
-        self._timers.set((RENEW, task_id), now_s + RENEW_S)
+        self._life.alarm((RENEW, task_id), now_s + RENEW_S)
 
     def _hold(self, task: OpenTask, station: str) -> None:
         if task.primary and task.contract.source not in ("", station):
@@ -331,10 +328,10 @@ class Sourcing:
 
     def _ask(self, task: str, epoch: int, work: Transport, stations: tuple[str, ...]) -> None:
         asked = StockAsked(task=task, epoch=epoch, item=work.item, quantity=work.quantity)
-        self._out.extend(Send(station, asked) for station in stations)
+        self._life.effects.extend(Send(station, asked) for station in stations)
 
     def _free(self, task: str, stations: tuple[str, ...] | list[str], *, fetched: bool = False) -> None:
-        self._out.extend(Send(station, StockFreed(task, fetched=fetched)) for station in stations)
+        self._life.effects.extend(Send(station, StockFreed(task, fetched=fetched)) for station in stations)
 
 
 def _is_material(task: OpenTask, place: str) -> bool:

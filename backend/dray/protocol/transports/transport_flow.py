@@ -42,8 +42,7 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Ignore
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock, Stock
@@ -70,9 +69,6 @@ class FlowOwner(Protocol):
     def pursue(self, now_s: float) -> None:
         """Something has come or gone: go on with what can be done now."""
 
-    def commit(self) -> None:
-        """The next life must know of something else."""
-
     def beat_soon(self, now_s: float) -> None:
         """The heartbeat tells something new."""
 
@@ -87,8 +83,7 @@ class TransportFlow:
         items: what may be brought to it.
         stock: what lies there.
         rules: patience and reach of its auctions.
-        timers: its alarms; this class and what it consists of use names ``(kind, task)``, and `RECOVERY_WAIT`.
-        out: where effects go.
+        life: its agent's.
         owner: its agent.
         incarnation: how often that was started.
 
@@ -115,40 +110,36 @@ class TransportFlow:
         items: Collection[str],
         stock: Stock,
         rules: AuctionRules,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         owner: FlowOwner,
         *,
         incarnation: int,
     ) -> None:
         self._place, self._plant, self._keys = place, plant, keys
-        self._out, self._owner = out, owner
+        self._life, self._owner = life, owner
         x_m, y_m = plant.position_of(place)
-        self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, out)
+        self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.tasks = Transports(
             place,
             Place(x_m=x_m, y_m=y_m, reach_m=plant.diameter_m),
             self._audience,
             rules,
-            timers,
+            life,
             self.subscriptions,
-            Assessor(plant, out),
-            out,
+            Assessor(plant, life),
             contracted=self._on_carrier_changed,
             lost=self._on_task_lost,
             is_missing=self._lacks,
             source_answers=lambda task, now_s: self.sourcing.answers(task, now_s),  # noqa: PLW0108 - made below
             left=lambda task: self._dock.leave(task),  # noqa: PLW0108 - made below
             unloaded=self._settle,
-            commit=owner.commit,
             ended=self._on_task_ended,
             incarnation=incarnation,
         )
         self.sourcing = Sourcing(
             place,
             plant,
-            timers,
-            out,
+            life,
             announce=self._announce_sourced,
             task_of=self.tasks.get,
             may_be_fetched=self._may_be_fetched,
@@ -158,38 +149,36 @@ class TransportFlow:
         )
         self.held = HeldTransports(plant, self.tasks)
         self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held)
-        self.bookings = Bookings(out, owner.commit)
+        self.bookings = Bookings(life)
         self.booking_out = BookingOut(
             self.subscriptions,
             self.bookings,
-            out,
-            owner.commit,
+            life,
             left=lambda vehicle: self.door.note_left(vehicle),  # noqa: PLW0108 - made below
         )
         self.departures = Departures(
             plant.node_of(place),
             self.subscriptions,
             self.bookings,
-            out,
-            owner.commit,
+            life,
             left=lambda vehicle, task: self.door.on_departed(vehicle, task),  # noqa: PLW0108 - made below
         )
-        self.door = Door(out, ready_within_s(plant, place), self.departures, self.booking_out.waits_for)
-        self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
+        self.door = Door(life, ready_within_s(plant, place), self.departures, self.booking_out.waits_for)
+        self._dock = Dock(place, self.tasks, stock, self.door, self.departures, life)
         self._handovers = Handovers(
             place,
             self.tasks,
             self._counted_of,
             self._dock,
             self.bookings,
-            out,
+            life,
             ask=self._ask_for_count,
             settled=self._settle_counted,
         )
         self._recovery = Recovery(
-            place, plant, self.subscriptions, self.tasks, timers, items=items, ordered=self._note_ordered
+            place, plant, self.subscriptions, self.tasks, life, items=items, ordered=self._note_ordered
         )
-        self.called = CalledTransports(place, plant, stock, self, timers, out, incarnation)
+        self.called = CalledTransports(place, plant, stock, self, life, incarnation)
         self.message_handlers: dict[type[Message], Callable[..., None]] = {
             AtvHeartbeat: self._on_vehicle,
             Bid: self.tasks.on_bid,
@@ -237,7 +226,7 @@ class TransportFlow:
             self.door.agree(vehicle, docked)
             return
         if not is_kept and not counts:
-            self._out.append(Ignore(NOT_KEPT))
+            self._life.ignore(NOT_KEPT)
         quantity = docked.quantity if is_kept and not counts else 0
         load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
         # It may have taken it here, and its next heartbeat would say so: with its forks inside, and the dock shut behind it.
@@ -311,7 +300,7 @@ class TransportFlow:
     def offer(self, sender: str, message: WorkSought, now_s: float) -> None:
         """Offer what waits to a vehicle that asks for work."""
         if not self.tasks.offer(sender, message.abilities, now_s):
-            self._out.append(Ignore("asked for work, and none waits"))
+            self._life.ignore("asked for work, and none waits")
 
     def on_dock_ready(self, report: DockReady, now_s: float) -> None:
         """The body has opened the dock for a vehicle."""
@@ -347,7 +336,7 @@ class TransportFlow:
 
     def _announce(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         self.tasks.open(task, work, deadline_s, now_s)
-        self._owner.commit()
+        self._life.commit()
         self._owner.beat_soon(now_s)
 
     def _drop(self, need: Need) -> None:
@@ -366,7 +355,7 @@ class TransportFlow:
 
     def _on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
         if self.hears_out:
-            self._out.append(Ignore(NOT_REMEMBERED))
+            self._life.ignore(NOT_REMEMBERED)
         else:
             self.called.on_ordered(sender, order, now_s)
 
@@ -416,14 +405,14 @@ class TransportFlow:
     def _is_remembered(self, task: str) -> bool:
         """Whether a word about a task can be answered yet; else it is said again."""
         if self._recovery.waits_for_word_on(task):
-            self._out.append(Ignore(NOT_REMEMBERED))
+            self._life.ignore(NOT_REMEMBERED)
             return False
         return True
 
     # --- what becomes of a transport ---
 
     def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
-        self._owner.commit()
+        self._life.commit()
         self._owner.beat_soon(now_s)
         if task.is_held:
             # What was set aside for it others may need meanwhile.
@@ -439,7 +428,7 @@ class TransportFlow:
         """A task was withdrawn; what is needed in its place is given out anew."""
         self._note_lost(task, now_s)
         self.called.on_lost(task)
-        self._owner.commit()
+        self._life.commit()
         self._owner.beat_soon(now_s)
         self._owner.pursue(now_s)
 
@@ -447,7 +436,7 @@ class TransportFlow:
         """End a transport that is not needed any more."""
         self.tasks.close(task, "withdrawn")
         self._note_settled(cast(Transport, task.work), None)
-        self._owner.commit()
+        self._life.commit()
 
     def withdraw(self, task: OpenTask, now_s: float) -> None:
         """End a transport that keeps a vehicle from whatever would help: it finds no room, or nothing to fetch."""
@@ -460,7 +449,7 @@ class TransportFlow:
 
     def _settle_counted(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
         """A transport was delivered, so many pieces of it."""
-        self._owner.commit()
+        self._life.commit()
         self._note_delivered(task, carrier, counted, now_s)
         self.called.on_settled(task, counted)
         self._owner.beat_soon(now_s)

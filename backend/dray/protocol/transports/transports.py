@@ -44,8 +44,7 @@ from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.runtime.events import Effect, Ignore, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.failover import Failover
 from dray.protocol.takeover.secondaries import Secondaries
 from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
@@ -93,17 +92,15 @@ class Transports(Coordinator):
         place: where it stands.
         audience: for a task's work and a radius (m), the bus keys of those to ask.
         rules: the auction's patience and reach.
-        timers: its alarms; this class and what it consists of use names ``(kind, task)``.
+        life: its agent's.
         subscriptions: which heartbeats it hears.
         assessor: what it asks of bids beside their price, and what it has learned of its carriers.
-        out: where effects go.
         contracted: called when a task has got its primary, another one, or is without one again.
         lost: called when a task is given up with the vehicle that has carried it.
         is_missing: whether the load of a task lies at its place no more, by its own senses.
         source_answers: whether the station where the load of a task is fetched lives, at a time (s).
         left: called with a task whose primary does not carry it any more, before that is forgotten.
         unloaded: called when a task has ended because its load is down, though nobody has said so.
-        commit: called when the next life must know of something else.
         ended: called with a task that has ended, before that is forgotten, and how.
         incarnation: how often it was started.
 
@@ -119,10 +116,9 @@ class Transports(Coordinator):
         place: Place,
         audience: Callable[[Work, float], tuple[str, ...]],
         rules: AuctionRules,
-        timers: Timers,
+        life: Life,
         subscriptions: HeartbeatSubscriptions,
         assessor: Assessor,
-        out: list[Effect],
         *,
         contracted: Callable[[OpenTask, float], None],
         lost: Callable[[OpenTask, float], None],
@@ -130,23 +126,30 @@ class Transports(Coordinator):
         source_answers: Callable[[OpenTask, float], bool],
         left: Callable[[OpenTask], None],
         unloaded: Callable[[OpenTask, float], None],
-        commit: Callable[[], None],
         ended: Callable[[OpenTask, Outcome], None],
         incarnation: int = 1,
     ) -> None:
         heard = subscriptions.arrivals
         super().__init__(
-            machine, place, audience, rules, timers, out, contracted, assessor, heard, incarnation=incarnation
+            machine, place, audience, rules, life, contracted, assessor, heard, incarnation=incarnation
         )
         self.reliability = assessor.reliability
-        self._commit, self._ended = commit, ended
+        self._ended = ended
         self._lost, self._left = lost, left
         self._unloaded = unloaded
         self.waits = CarrierWaits(machine, assessor.handling_max_s, self._open)
         self._auctions.waits = self.told_waits
-        self._secondaries = Secondaries(self._open, self._auctions, subscriptions, timers, out)
-        watched = (self._open, self._secondaries, subscriptions)
-        self.failover = Failover(*watched, timers, out, self, assessor, is_missing, source_answers, commit)
+        self._secondaries = Secondaries(self._open, self._auctions, subscriptions, life)
+        self.failover = Failover(
+            self._open,
+            self._secondaries,
+            subscriptions,
+            life,
+            self,
+            assessor,
+            is_missing,
+            source_answers,
+        )
         self.alarms |= self._secondaries.alarms | self.failover.alarms
 
     def superseded(self, task_id: str, epoch: int) -> Superseded:
@@ -187,7 +190,7 @@ class Transports(Coordinator):
         task.left = left
         task.auction = self._auction(task.id, task.epoch, task.work, task.deadline_s)
         task.auction.cancel()
-        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._life.cancel((PRIMARY_AUCTION, task.id))
         task.trouble = Reason.DISPUTED
         self.failover.note_change(task, replaced, Reason.DISPUTED, silent_s)
         self._contracted(task, now_s)
@@ -270,9 +273,9 @@ class Transports(Coordinator):
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
         if any(other.primary == sender for other in self):
-            self._out.append(Ignore("a bid by one that carries for this coordinator"))
+            self._life.ignore("a bid by one that carries for this coordinator")
         elif task is not None and cast(Transport, task.work).vehicle not in ("", sender):
-            self._out.append(Ignore("a bid for another vehicle's transport"))
+            self._life.ignore("a bid for another vehicle's transport")
         elif task is not None and bid.role is Role.SECONDARY:
             self._secondaries.on_bid(task, sender, bid, now_s)
         else:
@@ -289,7 +292,7 @@ class Transports(Coordinator):
             before = task.secondary
             self._secondaries.on_accepted(task, sender, answer, now_s)
             if task.secondary != before:
-                self._commit()
+                self._life.commit()
         else:
             super().on_accepted(sender, answer, now_s)
 
@@ -307,15 +310,15 @@ class Transports(Coordinator):
         """
         task = self._open.get(message.task)
         if task is None or message.epoch != task.epoch:
-            self._out.append(Ignore("resigned from a contract that has ended"))
+            self._life.ignore("resigned from a contract that has ended")
             if message.role is Role.PRIMARY:
-                self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
+                self._life.send(sender, self.superseded(message.task, message.epoch))
         elif message.role is Role.SECONDARY and sender == task.secondary:
             self._secondaries.lose(task, message.reason, now_s)
         elif message.role is Role.PRIMARY and sender == task.primary:
             self.failover.give_back(task, message.reason, now_s)
         else:
-            self._out.append(Ignore("resigned from a contract that it does not have"))
+            self._life.ignore("resigned from a contract that it does not have")
 
     def on_taken_over(self, sender: str, message: TakenOver, now_s: float) -> None:
         """A secondary carries a task from now on, because its primary has failed."""
@@ -330,7 +333,7 @@ class Transports(Coordinator):
             if task.primary == sender:
                 self._confirm(task)
         elif task is None or message.epoch <= task.epoch:
-            self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
+            self._life.send(sender, self.superseded(message.task, message.epoch))
         elif objection := self.failover.objection(task, sender, message, now_s):
             self._release(sender, message, objection)
         elif self._assessor.refuses_clock(sender, message, now_s):
@@ -369,7 +372,7 @@ class Transports(Coordinator):
         else:
             super()._wake_auction(task_id, now_s)
         if not was_offered:
-            self._commit()  # Somebody may accept from now on: another life must use a higher epoch.
+            self._life.commit()  # Somebody may accept from now on: another life must use a higher epoch.
 
     def _announce(self, task: OpenTask, now_s: float) -> None:
         asked = sum(other.auction.awaits_answers for other in self) if self.waits.docks else 0
@@ -395,7 +398,7 @@ class Transports(Coordinator):
     def _bind_carrier(self, task: OpenTask, atv: str, epoch: int, promised_s: float, now_s: float) -> None:
         task.auction.cancel()
         task.epoch = epoch
-        self._timers.clear((PRIMARY_AUCTION, task.id))
+        self._life.cancel((PRIMARY_AUCTION, task.id))
         self._bind(task, atv, "", promised_s, now_s)
         self._contracted(task, now_s)
 
@@ -457,8 +460,8 @@ class Transports(Coordinator):
         replaced, silent_s = task.primary, self.failover.silent_s(task, now_s)
         self._let_go(task, reason)
         task.epoch = task.least_epoch = epoch
-        self._out.append(Send(replaced, Superseded(task=task.id, epoch=epoch)))
+        self._life.send(replaced, Superseded(task=task.id, epoch=epoch))
         return replaced, silent_s
 
     def _confirm(self, task: OpenTask) -> None:
-        self._out.append(Send(task.primary, Confirmed(task=task.id, epoch=task.epoch)))
+        self._life.send(task.primary, Confirmed(task=task.id, epoch=task.epoch))

@@ -49,8 +49,8 @@ from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Effect, Publish, Record, Subscribe, Unsubscribe
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
@@ -75,15 +75,15 @@ class CellSubscription:
     Args:
         plant: its cells.
         keys: the plant's bus keys.
-        out: where effects go.
+        life: its agent's.
     """
 
-    __slots__ = ("_cell", "_keys", "_out", "_plant")
+    __slots__ = ("_cell", "_keys", "_life", "_plant")
 
-    def __init__(self, plant: Plant, keys: Keys, out: list[Effect]) -> None:
+    def __init__(self, plant: Plant, keys: Keys, life: Life) -> None:
         self._plant = plant
         self._keys = keys
-        self._out = out
+        self._life = life
         self._cell = ""
         """Empty before the vehicle knows where it is."""
 
@@ -93,8 +93,8 @@ class CellSubscription:
         if cell == self._cell:
             return
         if self._cell:
-            self._out.append(Unsubscribe(self._keys.transports(self._cell)))
-        self._out.append(Subscribe(self._keys.transports(cell)))
+            self._life.unsubscribe(self._keys.transports(self._cell))
+        self._life.subscribe(self._keys.transports(cell))
         self._cell = cell
 
 
@@ -130,29 +130,29 @@ class Atv(AgentBase):
         self.sign_wish = sign_wish
         self.floor = plant = KnownFloor(plant)
         self._type = vehicle_type or plant.fleet[atv].type
-        self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
+        self._heartbeat_timer = HeartbeatTimer(self.id, self._life)
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.atv_heartbeat(atv)
-        self._driver = driver_of(self, plant, self._type, traffic, self._timers, self._out)
-        self._cells = CellSubscription(plant, self._keys, self._out)
+        self._driver = driver_of(self, plant, self._type, traffic, self._life)
+        self._cells = CellSubscription(plant, self._keys, self._life)
         self._charging = Charging(plant, self._type)
         self._contracts = Contracts(
-            atv, plant, self._type, probation, self._driver, self._charging, self._timers, self._out, self
+            atv, plant, self._type, probation, self._driver, self._charging, self._life, self
         )
         self._idle = IdlePositioning(
-            atv, plant, self._type, self._keys, self._charging, self._driver, self._timers, self._out
+            atv, plant, self._type, self._keys, self._charging, self._driver, self._life
         )
-        authority, assistance = CommandAuthorisation(atv, plant, trusts), Assistance(self._out)
-        self._commands = CommandHandling(authority, assistance, self._driver, self._charging, self._out)
+        authority, assistance = CommandAuthorisation(atv, plant, trusts), Assistance(self._life)
+        self._commands = CommandHandling(authority, assistance, self._driver, self._charging, self._life)
         self._status_report = StatusReport(
             self, software, self._heartbeat_timer, self._driver, self._contracts, self._idle, self._commands
         )
-        self._closures = ClosureHandling(plant, trusts, self._contracts, self._idle, self._timers, self._out)
+        self._closures = ClosureHandling(plant, trusts, self._contracts, self._idle, self._life)
         self.problems = ProblemHandling(
-            self, plant, self._driver, self._contracts, self._commands, self._timers, self._out
+            self, plant, self._driver, self._contracts, self._commands, self._life
         )
         self.obstacles = ObstacleHandling(
-            self, plant, self._driver, self._contracts, self._idle, self.problems, self._timers, self._out
+            self, plant, self._driver, self._contracts, self._idle, self.problems, self._life
         )
         self.link = Link.WLAN
         self._status = AtvStatus.IDLE
@@ -166,7 +166,7 @@ class Atv(AgentBase):
             **self.obstacles.messages,
             VehicleCommand: self._on_command,
             DwellPointClaimed: self._on_claim,
-            Disbelieved: Reproach(self._out).on_disbelieved,
+            Disbelieved: Reproach(self._life).on_disbelieved,
         }
         self._report_handlers = {
             NodePassed: self._node_passed,
@@ -187,7 +187,7 @@ class Atv(AgentBase):
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
         tables = self._message_handlers, self._alarm_handlers
-        handle_traffic(self, self._driver, plant, self._out, *tables)
+        handle_traffic(self, self._driver, plant, self._life, *tables)
 
     # --- the beginning, and time passing ---
 
@@ -244,7 +244,7 @@ class Atv(AgentBase):
 
     def _say_status(self, now_s: float) -> AtvHeartbeat:
         heartbeat = self._status_report.heartbeat(self._status, self.link, now_s)
-        self._out.append(Publish(self._beat_key, heartbeat))
+        self._life.publish(self._beat_key, heartbeat)
         return heartbeat
 
     def _was_deaf(self, span_s: float) -> None:
@@ -318,7 +318,7 @@ class Atv(AgentBase):
         if report.link is self.link:
             return
         self.link, self._status_report.access_point = report.link, report.access_point
-        self._out.append(Record(LinkChanged(link=report.link)))
+        self._life.record(LinkChanged(link=report.link))
         self.obstacles.tell(now_s)
         if report.link is Link.MESH:
             self._contracts.standby.resign(Reason.ON_MESH)
@@ -375,11 +375,8 @@ class Atv(AgentBase):
         """A person has said that it was carried away, and it drives: it stops until a person has seen to it."""
         self._commands.stop()
         self._contracts.standby.resign(Reason.STOPPED)
-        self._commit()
+        self._life.commit()
         self.update_status(now_s, "said to have been carried away")
-
-    def commit(self) -> None:
-        self._commit()
 
     def beat_soon(self, now_s: float) -> None:
         self._heartbeat_timer.at_once(now_s)
@@ -411,7 +408,7 @@ class Atv(AgentBase):
     def _on_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:
         done = self._commands.on_command(sender, command, self._driver.position_m, now_s)
         # A refusal is kept too: what was refused must not be obeyed when it comes again in the next life.
-        self._commit()
+        self._life.commit()
         if done:
             if command.kind is CommandKind.STOP:
                 if self._contracts.job is not None:
@@ -435,5 +432,5 @@ class Atv(AgentBase):
         status = self._status_report.status
         if status is not self._status:
             self._status = status
-            self._out.append(Record(AtvStatusChanged(status=status, reason=reason)))
+            self._life.record(AtvStatusChanged(status=status, reason=reason))
             self._heartbeat_timer.at_once(now_s)

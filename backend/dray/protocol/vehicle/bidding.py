@@ -11,7 +11,7 @@ from dray.protocol.contract_net.replies import Refusals, offer
 from dray.protocol.contract_net.trust.probation import ON_PROBATION, SHORT_S, Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.pricing import Pricer, Quote, Unable
 
@@ -59,7 +59,7 @@ class Bidder:
         probation: of the vehicle.
         charging: of the vehicle: whether its battery lets it work.
         waits: what the vehicle has learned of places; announcements tell of them, too.
-        out: where effects go.
+        life: its agent's.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Bidder:
         probation: Probation,
         charging: Charging,
         waits: Waits,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._atv = atv
         self._plant = plant
@@ -80,8 +80,8 @@ class Bidder:
         self._expected: BoundedMap[str, tuple[DockTime, ...]] = BoundedMap(DOCKS_MAX)
         """Place -> who is expected there, as announcements have told last."""
         self._charging = charging
-        self._refusals = Refusals(out)
-        self._out = out
+        self._refusals = Refusals(life)
+        self._life = life
 
     def on_announced(self, message: TaskAnnounced, standing: Standing, now_s: float) -> Refusal | None:
         """Answer an announcement with a bid, or note the refusal and its reason.
@@ -117,7 +117,7 @@ class Bidder:
             self._refusals.note(message, answer.reason, answer.detail)
             return answer.reason
         reckoned = standing.battery_reckoned
-        self._out += offer(
+        self._life.effects += offer(
             message, answer.cost, answer.finish_s, now_s, answer.source, battery_reckoned=reckoned
         )
         return None

@@ -11,8 +11,8 @@ from dray.messages import Closures
 from dray.messages.fact import ClosuresKnown
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
-from dray.protocol.runtime.events import Commit, Effect, Record
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Commit, Record
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
@@ -26,20 +26,13 @@ class ClosureHandling(ClosureListener):
         trusts: whose signatures count.
         contracts: of the vehicle.
         idle: where it goes without work.
-        timers: the vehicle's alarms.
-        out: where effects go.
+        life: its agent's.
     """
 
     def __init__(
-        self,
-        floor: KnownFloor,
-        trusts: Trusts,
-        contracts: Contracts,
-        idle: IdlePositioning,
-        timers: Timers,
-        out: list[Effect],
+        self, floor: KnownFloor, trusts: Trusts, contracts: Contracts, idle: IdlePositioning, life: Life
     ) -> None:
-        super().__init__(floor, trusts, timers, out)
+        super().__init__(floor, trusts, life)
         self._contracts, self._idle = contracts, idle
 
     def start(self, memory: Memory, now_s: float) -> None:
@@ -52,7 +45,10 @@ class ClosureHandling(ClosureListener):
 
     def _note(self, said: Closures) -> None:
         # Written down first: what it has told to know, its next life knows.
-        self._out += (Commit(ClosuresMemory(said), CLOSURES), Record(ClosuresKnown(number=said.number)))
+        self._life.effects += (
+            Commit(ClosuresMemory(said), CLOSURES),
+            Record(ClosuresKnown(number=said.number)),
+        )
 
     def _follow(self, now_s: float) -> None:
         if self._contracts.job is None:

@@ -39,8 +39,8 @@ from dray.protocol.contract_net.replies import accept, decline
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Ignore, Record
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Effect, Record
+from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.standby import WATCHED_SILENCE, Standby
 from dray.protocol.vehicle.bidding import Bidder, Standing
 from dray.protocol.vehicle.charging import Charging
@@ -80,9 +80,6 @@ class Owner(Protocol):
     def note_ended(self, reason: str, now_s: float) -> None:
         """Look for what comes next: the contract has ended."""
 
-    def commit(self) -> None:
-        """Write what the next life must know into the journal."""
-
     def beat_soon(self, now_s: float) -> None:
         """Send the next heartbeat at once."""
 
@@ -97,8 +94,7 @@ class Contracts:
         probation: transports that it has to do well before it takes long ones.
         driver: the vehicle's place on the lanes.
         charging: of the vehicle.
-        timers: the vehicle's alarms; see `alarms`.
-        out: where effects go.
+        life: its agent's.
         owner: the vehicle.
 
     Attributes:
@@ -118,8 +114,7 @@ class Contracts:
         probation: int,
         driver: Driver,
         charging: Charging,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         owner: Owner,
     ) -> None:
         self._atv = atv
@@ -128,18 +123,17 @@ class Contracts:
         self._driver = driver
         self._charging = charging
         self.probation = Probation(probation)
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._owner = owner
         keys = Keys(plant.id)
         self._waits = Waits()
-        self._bidder = Bidder(atv, plant, vehicle_type, self.probation, charging, self._waits, out)
-        self._work_search = WorkSearch(atv, plant, vehicle_type, keys, timers, out)
+        self._bidder = Bidder(atv, plant, vehicle_type, self.probation, charging, self._waits, life)
+        self._work_search = WorkSearch(atv, plant, vehicle_type, keys, life)
         self._phase_s = 0.0
         """Since when its job has been in its present phase (plant clock)."""
         self.job: TransportJob | None = None
-        self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, out)
-        self.standby = Standby(self.subscriptions, timers, out)
+        self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
+        self.standby = Standby(self.subscriptions, life)
         contract = self._on_of_contract
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
             AtvHeartbeat: lambda _sender, message, now_s: self.standby.on_heartbeat(message, now_s),
@@ -238,14 +232,14 @@ class Contracts:
         if self._holds(award):
             # Its answer was lost. From now on this award is the one that binds.
             self._renew(award)
-            self._out.append(accept(sender, award, self._promised_s, now_s))
+            self._life.effects.append(accept(sender, award, self._promised_s, now_s))
             return
         answer = self._bidder.review(award, self._standing(award.task, now_s), now_s)
         if isinstance(answer, Unable):
-            self._out.append(decline(sender, award, answer.reason))
+            self._life.effects.append(decline(sender, award, answer.reason))
         elif award.role is Role.SECONDARY:
             self.standby.watch(award, sender, now_s)
-            self._out.append(accept(sender, award, self._promised_s, now_s))
+            self._life.effects.append(accept(sender, award, self._promised_s, now_s))
             self._owner.beat_soon(now_s)
         else:
             contract = _contract(award, sender, answer)
@@ -264,7 +258,7 @@ class Contracts:
             self.standby.renew(award)
         elif self.job is not None:
             self.job.number = award.number
-            self._owner.commit()
+            self._life.commit()
 
     @property
     def _promised_s(self) -> float:
@@ -311,7 +305,7 @@ class Contracts:
         taken = ContractTaken(
             task=contract.task, epoch=contract.epoch, role=Role.PRIMARY, coordinator=contract.coordinator
         )
-        self._out += (how, Record(taken))
+        self._life.effects += (how, Record(taken))
         self.standby.resign(Reason.HAS_WORK)
         self._owner.stop_resting()
         self._work_search.stop()
@@ -319,24 +313,24 @@ class Contracts:
         self.go_on(begin, now_s)
 
     def bind(self, contract: Contract) -> None:
-        self.job = TransportJob(contract, self._plant, self._type, self._driver, self._timers, self._out)
-        self._owner.commit()
+        self.job = TransportJob(contract, self._plant, self._type, self._driver, self._life)
+        self._life.commit()
 
     def _on_release(self, _sender: str, message: Release, now_s: float) -> None:
         if message.role is Role.SECONDARY:
             if not self.standby.release(message):
-                self._out.append(Ignore("released from a watch that it does not keep"))
+                self._life.ignore("released from a watch that it does not keep")
             return
         job = self.job
         if job is None or not job.is_meant_by(message) or message.number != job.number:
-            self._out.append(Ignore("released from a contract that it does not have"))
+            self._life.ignore("released from a contract that it does not have")
             return
         self.go_on(lambda job: job.cancel(Reason.RELEASED, now_s), now_s)
 
     def _on_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
         job = self.job
         if job is None or not job.is_meant_by(message):
-            self._out.append(Ignore("an answer about another contract"))
+            self._life.ignore("an answer about another contract")
             return
         self.go_on(lambda job: job.on_answer(message, now_s), now_s)
 
@@ -344,7 +338,7 @@ class Contracts:
         if sender == (message.station if self.job is None else self.job.answers_at(message.station)):
             self._on_of_contract(sender, message, now_s)
         else:
-            self._out.append(Ignore(NO_PARTY))
+            self._life.ignore(NO_PARTY)
 
     def coordinator_of(self, task: str, role: Role) -> str:
         """Who has given it a contract that it has; empty when it has none of this task in this role."""
@@ -375,7 +369,7 @@ class Contracts:
         if job.ended:
             self._end_job(job, now_s)
         elif job.memory() != memory:
-            self._owner.commit()
+            self._life.commit()
 
     def _note_wait(self, job: TransportJob, phase: Phase, now_s: float) -> None:
         """A phase of the job is over: remember how long it had to wait in it."""
@@ -391,9 +385,9 @@ class Contracts:
         ended = ContractEnded(
             task=job.task, epoch=job.epoch, role=Role.PRIMARY, reason=reason, detail=job.detail
         )
-        self._out.append(Record(ended))
+        self._life.record(ended)
         self.job = None
-        self._owner.commit()
+        self._life.commit()
         if reason is Reason.HANDED_OVER:
             self.probation.note_done()
         self._owner.note_ended(reason, now_s)

@@ -23,7 +23,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant, Routes
 from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Publish, Subscribe, Unsubscribe
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.battery_reserve import COMPARED, BatteryReserve
 
 CONTEST_S = 1.0
@@ -72,15 +72,15 @@ class DwellPoints:
         plant: where the dwell points are.
         vehicle_type: id of the vehicle's type, for its ways.
         keys: the plant's bus keys.
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, atv: str, plant: Plant, vehicle_type: str, keys: Keys, out: list[Effect]) -> None:
+    def __init__(self, atv: str, plant: Plant, vehicle_type: str, keys: Keys, life: Life) -> None:
         self._atv = atv
         self._plant = plant
         self._type = vehicle_type
         self._keys = keys
-        self._out = out
+        self._life = life
         self._taken_until_s: dict[str, float] = {}
         self._stay_s = APPROACH_S + CHARGE_STRETCH * max(
             kind.battery_wh / kind.charge_w * 3600.0 for kind in plant.vehicle_types.values()
@@ -265,7 +265,7 @@ class DwellPoints:
     def leave(self) -> None:
         """Give the dwell point up; harmless without one. Silence frees it: nobody objects any more."""
         if self.dwell_point:
-            self._out.append(Unsubscribe(self._keys.dwell_point(self.dwell_point)))
+            self._life.unsubscribe(self._keys.dwell_point(self.dwell_point))
             self.dwell_point, self.hold = "", Hold.NONE
 
     def block(self, now_s: float) -> None:
@@ -331,7 +331,7 @@ class DwellPoints:
 
     def _claim(self, dwell_point: str, battery_frac: float, hold: Hold) -> None:
         self.dwell_point, self.hold, self._claim_battery_frac = dwell_point, hold, battery_frac
-        self._out.append(Subscribe(self._keys.dwell_point(dwell_point)))
+        self._life.subscribe(self._keys.dwell_point(dwell_point))
         self._object()
 
     def _object(self) -> None:
@@ -341,7 +341,7 @@ class DwellPoints:
             battery_frac=self._claim_battery_frac,
             standing=self.hold is Hold.STANDING,
         )
-        self._out.append(Publish(self._keys.dwell_point(self.dwell_point), claim))
+        self._life.publish(self._keys.dwell_point(self.dwell_point), claim)
 
 
 def _way_s(routes: Routes, start: str, end: str) -> float:

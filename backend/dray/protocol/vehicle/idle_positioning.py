@@ -20,8 +20,8 @@ from dray.errors import NoWay
 from dray.messages import DwellPointClaimed
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect
-from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.timers import spread_frac
 from dray.protocol.vehicle.battery_reserve import COMPARED, NEVER_FRAC, BatteryReserve
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.drivers.driver import Driver
@@ -90,8 +90,7 @@ class IdlePositioning:
         keys: the plant's bus keys.
         charging: of the vehicle: when it charges.
         driver: the vehicle's place on the lanes.
-        timers: the vehicle's alarms; this class uses `SETTLE` and `CLAIM`.
-        out: where effects go.
+        life: its agent's; its alarms are named `SETTLE` and `CLAIM`.
     """
 
     def __init__(
@@ -102,16 +101,15 @@ class IdlePositioning:
         keys: Keys,
         charging: Charging,
         driver: Driver,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._atv = atv
         self._plant = plant
         self._charging = charging
         self._aside = WaitingPlaces(plant, vehicle_type)
         self._driver = driver
-        self._timers = timers
-        self._dwell_points = DwellPoints(atv, plant, vehicle_type, keys, out)
+        self._life = life
+        self._dwell_points = DwellPoints(atv, plant, vehicle_type, keys, life)
         self._charge_order = 0
         """The order number of the running charge; 0 for none."""
         self._failed = 0
@@ -136,16 +134,16 @@ class IdlePositioning:
     def start(self, battery_frac: float, now_s: float) -> None:
         """The vehicle has been switched on, perhaps in a dwell point."""
         self._stand_here(battery_frac, now_s)
-        self._timers.set(SETTLE, now_s + SETTLE_S + spread_frac(self._atv) * SETTLE_S)
+        self._life.alarm(SETTLE, now_s + SETTLE_S + spread_frac(self._atv) * SETTLE_S)
 
     def soon(self, now_s: float) -> None:
         """There is no work: look for a place in a moment."""
-        self._timers.set(SETTLE, now_s + SETTLE_S)
+        self._life.alarm(SETTLE, now_s + SETTLE_S)
 
     def stay(self, now_s: float) -> None:
         """Look for no place any more; a vehicle on its way to one stops at the next node."""
-        self._timers.clear(SETTLE)
-        self._timers.clear(CLAIM)
+        self._life.cancel(SETTLE)
+        self._life.cancel(CLAIM)
         if self._driver.way:
             self._driver.halt(now_s)
 
@@ -153,8 +151,8 @@ class IdlePositioning:
         """The vehicle has work: stop positioning."""
         self._dwell_points.leave()
         self._charge_order = self._failed = 0
-        self._timers.clear(SETTLE)
-        self._timers.clear(CLAIM)
+        self._life.cancel(SETTLE)
+        self._life.cancel(CLAIM)
 
     def go_elsewhere(self, now_s: float) -> None:
         """Something is in the way to where it goes, and no way leads round: look for another place."""
@@ -208,12 +206,10 @@ class IdlePositioning:
                 self._end_charge(now_s)
             return
         seeking = (
-            self._dwell_points.hold is Hold.CLAIMED
-            or self._timers.is_set(SETTLE)
-            or self._timers.is_set(CLAIM)
+            self._dwell_points.hold is Hold.CLAIMED or self._life.awaits(SETTLE) or self._life.awaits(CLAIM)
         )
         if not seeking and self._charging.wants(battery_frac, now_s):
-            self._timers.set(SETTLE, now_s)
+            self._life.alarm(SETTLE, now_s)
 
     # --- the body reports ---
 
@@ -276,8 +272,8 @@ class IdlePositioning:
         )
         if self._dwell_points.on_claim(claim, now_s, plugged=self.charging, gives_way=gives_way):
             self._charge_order = self._failed = 0
-            self._timers.clear(CLAIM)
-            self._timers.set(SETTLE, now_s)
+            self._life.cancel(CLAIM)
+            self._life.alarm(SETTLE, now_s)
 
     # --- how it is done ---
 
@@ -298,11 +294,11 @@ class IdlePositioning:
         if (wants_charge and self._seek(True, battery_frac, now_s)) or (
             self._seek_nearer(battery_frac, now_s) if parked else self._seek(False, battery_frac, now_s)
         ):
-            self._timers.set(CLAIM, now_s + CONTEST_S)
+            self._life.alarm(CLAIM, now_s + CONTEST_S)
             return
         if dwell_points.hold is Hold.NONE:
             self._step_aside(now_s)
-        self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
+        self._life.alarm(SETTLE, now_s + SEEK_AGAIN_S)
 
     def _seek(self, charger: bool, battery_frac: float, now_s: float) -> bool:
         node, near = self._driver.next_node, ""
@@ -372,4 +368,4 @@ class IdlePositioning:
     def _end_charge(self, now_s: float) -> None:
         """It has enough: look for another place, and keep this one until there is one or somebody asks for it."""
         self._charge_order = self._failed = 0
-        self._timers.set(SETTLE, now_s)
+        self._life.alarm(SETTLE, now_s)

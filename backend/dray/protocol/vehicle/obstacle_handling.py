@@ -26,8 +26,7 @@ from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S
 from dray.messages.keys import Keys
 from dray.plant.restrictions import Ends
 from dray.protocol.closures.known_floor import KnownFloor
-from dray.protocol.runtime.events import Effect, Ignore, Publish, Subscribe
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.standby import WATCHED_SILENCE
 from dray.protocol.traffic.driving.right_of_way import ShutOut
 from dray.protocol.vehicle.contracts import Contracts
@@ -69,8 +68,7 @@ class ObstacleHandling:
         driver: its place on the lanes.
         contracts, idle: what it drives for.
         problems: of its body, and its own.
-        timers: the vehicle's alarms; this class uses `LOOK_AGAIN`.
-        out: where effects go.
+        life: its agent's; its alarms are named `LOOK_AGAIN`.
 
     Attributes:
         messages, reports, alarms: for the vehicle's tables.
@@ -84,12 +82,11 @@ class ObstacleHandling:
         contracts: Contracts,
         idle: IdlePositioning,
         problems: ProblemHandling,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._owner, self._floor = owner, floor
         self._driver, self._contracts, self._idle, self._problems = driver, contracts, idle, problems
-        self._timers, self._out = timers, out
+        self._life = life
         self._keys = Keys(floor.id)
         self._stands_before: Ends | None = None
         """The lane on which something holds it up, with no way round; a problem of its own."""
@@ -100,7 +97,7 @@ class ObstacleHandling:
         self._untold: dict[Ends, float] = {}
         """What it has met while it had no WLAN, and when that is forgotten."""
         self._silent = SilentVehicles(
-            floor.obstacles, contracts.subscriptions, self._tell_gone, out, self._keys
+            floor.obstacles, contracts.subscriptions, self._tell_gone, life, self._keys
         )
         self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
             AtvHeartbeat: self._on_heartbeat,
@@ -120,7 +117,7 @@ class ObstacleHandling:
 
     def start(self) -> None:
         """Listen to what others meet."""
-        self._out.append(Subscribe(self._keys.all_obstacles))
+        self._life.subscribe(self._keys.all_obstacles)
 
     def drove(self, start: str, end: str, now_s: float) -> None:
         """It has driven a lane: whatever lay there is gone."""
@@ -168,7 +165,7 @@ class ObstacleHandling:
                 # Sums of moments are rounded: a hair more than the most that may be said is the most.
                 for_s = min(until_s - now_s, FORGOTTEN_AT_MOST_S)
                 said = ObstacleSeen(atv=self._owner.id, start=start, end=end, there=True, forget_in_s=for_s)
-                self._out.append(Publish(self._keys.obstacle(self._owner.id), said))
+                self._life.publish(self._keys.obstacle(self._owner.id), said)
         self._untold.clear()
 
     # --- its own body ----------------------------------------------------------------------------
@@ -212,7 +209,7 @@ class ObstacleHandling:
         self._changed()
         if self._owner.link is Link.WLAN:
             said = ObstacleSeen(atv=self._owner.id, start=start, end=end, there=False)
-            self._out.append(Publish(self._keys.obstacle(self._owner.id), said))
+            self._life.publish(self._keys.obstacle(self._owner.id), said)
         if self._stands_before is not None and set(self._stands_before) == {start, end}:
             self._end_problem(now_s)
 
@@ -250,7 +247,7 @@ class ObstacleHandling:
     def _heed(self, start: str, end: str, now_s: float, *, news: bool, there: bool) -> None:
         """Somebody has seen something, or that it is gone: go by that."""
         if not news:
-            self._out.append(Ignore(KNOWN))
+            self._life.ignore(KNOWN)
             return
         self._changed()
         if not there:
@@ -304,4 +301,4 @@ class ObstacleHandling:
         self._set_alarm()
 
     def _set_alarm(self) -> None:
-        self._timers.set(LOOK_AGAIN, self._floor.obstacles.ends_s)
+        self._life.alarm(LOOK_AGAIN, self._floor.obstacles.ends_s)

@@ -14,7 +14,7 @@ from dray.plant.restrictions import Ends
 from dray.protocol.closures.obstacles import Obstacles
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S
 
 STANDS = frozenset({AtvStatus.ERROR, AtvStatus.STOPPED})
@@ -31,7 +31,7 @@ class SilentVehicles:
         obstacles: what it knows to lie on lanes.
         subscriptions: whose heartbeats it hears.
         tell_gone: called with the ends of a lane, and now_s: what was there is gone.
-        out: where effects go.
+        life: its agent's.
         keys: of the plant.
     """
 
@@ -40,13 +40,13 @@ class SilentVehicles:
         obstacles: Obstacles,
         subscriptions: HeartbeatSubscriptions,
         tell_gone: Callable[[str, str, float], None],
-        out: list[Effect],
+        life: Life,
         keys: Keys,
     ) -> None:
         self._obstacles = obstacles
         self._subscriptions = subscriptions
         self._tell_gone = tell_gone
-        self._out = out
+        self._life = life
         self._keys = keys
         self._lanes: dict[str, tuple[Ends, ...]] = {}
         """Vehicle -> the lanes that it blocks."""
@@ -64,7 +64,7 @@ class SilentVehicles:
         """A vehicle was waited for in vain. Returns those lanes of which nobody has told yet."""
         if atv not in self._lanes:
             if not self._lanes:
-                self._out.append(Subscribe(self._keys.removals))
+                self._life.subscribe(self._keys.removals)
             self._subscriptions.follow(atv)
         self._lanes[atv] = tuple(dict.fromkeys((*self._lanes.get(atv, ()), *lanes)))
         return [ends for ends in lanes if not self._obstacles.is_on(*ends)]
@@ -99,4 +99,4 @@ class SilentVehicles:
         del self._lanes[atv]
         self._subscriptions.unfollow(atv)
         if not self._lanes:
-            self._out.append(Unsubscribe(self._keys.removals))
+            self._life.unsubscribe(self._keys.removals)

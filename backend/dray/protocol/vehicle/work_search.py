@@ -17,9 +17,9 @@ from __future__ import annotations
 from dray.messages import Refusal, Role, TaskAnnounced, WorkSought
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect, Publish
+from dray.protocol.runtime.events import Publish
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.retransmission import Retransmitter
-from dray.protocol.runtime.timers import Timers
 
 SEEK = "seek"
 """The alarm for the next step: choosing, or the next bid."""
@@ -60,25 +60,16 @@ class WorkSearch:
         plant: how far everybody is.
         vehicle_type: id of the vehicle's type.
         keys: the plant's bus keys.
-        timers: the vehicle's alarms; this class uses `SEEK` and ``(ASK_FOR_WORK, atv)``.
-        out: where effects go.
+        life: its agent's; its alarms are named `SEEK` and ``(ASK_FOR_WORK, atv)``.
     """
 
-    def __init__(
-        self,
-        atv: str,
-        plant: Plant,
-        vehicle_type: str,
-        keys: Keys,
-        timers: Timers,
-        out: list[Effect],
-    ) -> None:
+    def __init__(self, atv: str, plant: Plant, vehicle_type: str, keys: Keys, life: Life) -> None:
         self._atv = atv
         sought = WorkSought(atv=atv, abilities=plant.vehicle_types[vehicle_type].abilities)
         self._sought = Publish(keys.free(atv), sought)
         self._reach_m = plant.diameter_m
-        self._timers = timers
-        self._question = Retransmitter(ASK_FOR_WORK, timers, out, every_s=COLLECT_S + ASK_AGAIN_S, most=ASKS)
+        self._life = life
+        self._question = Retransmitter(ASK_FOR_WORK, life, every_s=COLLECT_S + ASK_AGAIN_S, most=ASKS)
         self.is_known = False
         """Work waits, as far as the vehicle knows."""
         self._seeks = False
@@ -118,7 +109,7 @@ class WorkSearch:
 
     def stop(self) -> None:
         """The vehicle has work, or can take none."""
-        self._timers.clear(SEEK)
+        self._life.cancel(SEEK)
         self._question.settle(self._atv)
         self._offers.clear()
         self._open = self._answered = self._seeks = False
@@ -146,7 +137,7 @@ class WorkSearch:
         self._open = False
         if self._offers:
             self._answered = True
-            self._timers.set(SEEK, now_s + ANSWER_S)
+            self._life.alarm(SEEK, now_s + ANSWER_S)
             return self._offers.pop(min(self._offers, key=self._urgency))
         if self._answered:
             self.stop()  # All that waits was given to others, or is not for this vehicle.
@@ -159,7 +150,7 @@ class WorkSearch:
     def _collect(self, now_s: float) -> None:
         """Collect offers for COLLECT_S, and choose then."""
         self._open = True
-        self._timers.set(SEEK, now_s + COLLECT_S)
+        self._life.alarm(SEEK, now_s + COLLECT_S)
 
     def _urgency(self, task: str) -> tuple[float, str]:
         message = self._offers[task]

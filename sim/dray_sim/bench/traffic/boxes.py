@@ -14,7 +14,8 @@ from dray.messages.floor.traffic import (
     YieldRefused,
 )
 from dray.messages.keys import Keys
-from dray.protocol.runtime.events import Effect, Instruct, Publish, Send, Subscribe, Unsubscribe
+from dray.protocol.runtime.events import Instruct, Publish, Send, Subscribe, Unsubscribe
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
@@ -42,8 +43,7 @@ class Agent:
         self.name = name
         self.clock = clock
         self.air = air
-        self.timers = Timers()
-        self.out: list[Effect] = []
+        self.life = Life()
         self.off = False
         self._wake_s = float("inf")
         air.receivers[name] = self.receive
@@ -59,9 +59,9 @@ class Agent:
 
     def flush(self) -> None:
         """Carry out what was decided, and ask to be woken."""
-        while self.out:
-            effects = list(self.out)
-            self.out.clear()
+        while self.life.effects:
+            effects = list(self.life.effects)
+            self.life.effects.clear()
             for effect in effects:
                 if isinstance(effect, Send):
                     self.air.send(self.name, effect.to, effect.message)
@@ -73,7 +73,7 @@ class Agent:
                     self.air.subscribe(self.name, effect.key)
                 elif isinstance(effect, Unsubscribe):
                     self.air.unsubscribe(self.name, effect.key)
-        next_s = self.timers.next_s
+        next_s = self.life.timers.next_s
         if next_s < self._wake_s:
             self._wake_s = next_s
             self.clock.call_at(next_s, self._wake, next_s)
@@ -84,7 +84,7 @@ class Agent:
         self._wake_s = float("inf")
         if self.off:
             return
-        for name in self.timers.due(self.clock.now_s):
+        for name in self.life.timers.due(self.clock.now_s):
             self.sound(name)
         self.flush()
 
@@ -104,7 +104,7 @@ class BoxMachine(Agent):
     ) -> None:
         super().__init__(name, clock, air)
         self._make: Callable[[Mapping[str, Kept]], Districts] = lambda kept: Districts(
-            name, places, atvs, kept, neighbours, Impostors(self.out), KEYS.floor, self.timers, self.out
+            name, places, atvs, kept, neighbours, Impostors(self.life), KEYS.floor, self.life
         )
         self.books = self._make(kept)
 
@@ -128,9 +128,9 @@ class BoxMachine(Agent):
         """Live again, with what was written down, or without."""
         kept = {} if forget else dict(self.books.kept())
         self.off = False
-        self.timers = Timers()
+        self.life.timers = Timers()
         self._wake_s = float("inf")
-        self.out.clear()
+        self.life.effects.clear()
         self.books = self._make(kept)
         self.books.start(self.clock.now_s)
         self.flush()
@@ -156,7 +156,7 @@ class BoxPilot(Agent):
         self._order = 0
         self._places, self._ways = places, ways
         self._life = 1
-        self._surroundings = Surroundings(carrier.atv, places, KEYS.floor, self.out)
+        self._surroundings = Surroundings(carrier.atv, places, KEYS.floor, self.life)
         self.right_of_way = self._make("")
         self.was_cut = False
         """Its way was ended where the lane ended."""
@@ -171,8 +171,7 @@ class BoxPilot(Agent):
             self._places,
             self._ways,
             self._surroundings,
-            self.timers,
-            self.out,
+            self.life,
             node=self.carrier.travel.node,
             next_node=next_node,
             top_mps=kind.max_speed_mps,
@@ -278,7 +277,7 @@ class BoxPilot(Agent):
         self.off = False
         self._wake_s = float("inf")
         self.carrier.revive()
-        self.timers.set(LOOK, self.clock.now_s)
+        self.life.alarm(LOOK, self.clock.now_s)
         self.flush()
 
     def restart(self) -> None:
@@ -291,9 +290,9 @@ class BoxPilot(Agent):
         self.carrier.watch()
         self._life += 1
         self.was_cut = True
-        self.timers = Timers()
+        self.life.timers = Timers()
         self._wake_s = float("inf")
-        self.out.clear()
+        self.life.effects.clear()
         self.right_of_way = self._make(ahead if ahead != here else "")
         self._sense()
         self.right_of_way.start(now_s)
@@ -301,7 +300,7 @@ class BoxPilot(Agent):
             self.right_of_way.dock(now_s)
         elif self._wanted[0]:
             self.go(self._wanted[0], idle=self._wanted[1])
-        self.timers.set(LOOK, now_s)
+        self.life.alarm(LOOK, now_s)
         self._done()
 
     def _sense(self) -> None:

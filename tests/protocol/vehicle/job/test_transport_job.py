@@ -36,7 +36,7 @@ def test_a_transport_goes_through_its_phases_and_ends_when_the_handover_is_accep
         Phase.HANDING_OVER,
     ]
     assert trip.job.ended == Reason.HANDED_OVER
-    assert trip.timers.next_s == NEVER_S
+    assert trip.life.timers.next_s == NEVER_S
 
 
 def test_it_drives_to_the_source_and_then_to_the_destination() -> None:
@@ -133,12 +133,7 @@ def test_goods_that_the_gate_refuses_are_given_up_after_as_many_tries_over_all_l
         trip.fails(Drop)
         trip.waits()
     trip.job = TransportJob(
-        trip.job.memory(),
-        plant=PLANT,
-        vehicle_type="light",
-        driver=trip.driver,
-        timers=trip.timers,
-        out=trip.out,
+        trip.job.memory(), plant=PLANT, vehicle_type="light", driver=trip.driver, life=trip.life
     )
     trip.job.resume("pump-p3", trip.now_s)
     trip.fails(Drop)
@@ -171,7 +166,7 @@ def test_the_question_for_the_dock_is_repeated_until_it_is_answered() -> None:
     trip.waits()
     assert len(sent(trip.out, Docked, to="M8")) == 3
     trip.opened()
-    assert trip.timers.next_s == NEVER_S
+    assert trip.life.timers.next_s == NEVER_S
 
 
 def test_a_held_dock_is_asked_for_again_later() -> None:

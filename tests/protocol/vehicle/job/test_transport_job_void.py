@@ -37,7 +37,7 @@ def test_without_a_load_a_void_contract_just_ends(message: Message, reason: str)
     trip = Trip()
     trip.hears(message)
     assert trip.job.ended == reason
-    assert trip.timers.next_s == NEVER_S
+    assert trip.life.timers.next_s == NEVER_S
 
 
 def test_a_superseded_primary_returns_its_load_to_the_nearest_storage_that_keeps_it() -> None:
@@ -117,7 +117,7 @@ def test_a_contract_that_is_void_while_it_unloads_ends_without_a_handover() -> N
     trip.done(Drop)
     assert trip.job.ended == Reason.SUPERSEDED
     assert sent(trip.out, Handover) == []
-    assert trip.timers.next_s == NEVER_S
+    assert trip.life.timers.next_s == NEVER_S
 
 
 def test_goods_of_a_void_contract_are_set_aside_at_the_delivery_warehouse() -> None:

@@ -13,7 +13,7 @@ from dray.protocol.contract_net.trust.plausibility import Plausibility, clock_ah
 from dray.protocol.contract_net.trust.probation import SHORT_S, is_barred
 from dray.protocol.contract_net.trust.reliability import Reliability
 from dray.protocol.liveness.progress import STALL_S, Progress
-from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.runtime.life import Life
 
 RESTRICTED = "a bid for a long task by one that is given short ones only"
 
@@ -23,20 +23,20 @@ class Assessor:
 
     Args:
         plant: where the ways are.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         reliability: what was learned of every contractor.
     """
 
-    def __init__(self, plant: Plant, out: list[Effect]) -> None:
+    def __init__(self, plant: Plant, life: Life) -> None:
         self._plant = plant
         self._plausibility = Plausibility(plant)
-        self.reliability = Reliability(out)
+        self.reliability = Reliability(life)
         self.handling_max_s = self._plausibility.handling_max_s
         """The longest loading or unloading of the plant."""
-        self._out = out
-        self._disbelief = Disbelief(out)
+        self._life = life
+        self._disbelief = Disbelief(life)
 
     def refuses(self, bidder: str, work: Work, bid: Bid, now_s: float) -> bool:
         """Whether a bid does not count, by our clock; it is counted why, and said where it cannot be true."""
@@ -47,7 +47,7 @@ class Assessor:
             # That it would be short is its own word, and for a task that it has dropped that is not good enough.
             short = bid.finish_s - now_s <= SHORT_S and not self.reliability.has_dropped(bidder, bid.task)
             if is_barred(short=short, round_number=bid.round):
-                self._out.append(Ignore(RESTRICTED))
+                self._life.ignore(RESTRICTED)
                 return True
         return False
 

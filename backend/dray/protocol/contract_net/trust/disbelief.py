@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from dray.messages import Accepted, Bid, Disbelieved, Implausible, TakenOver
 from dray.messages.fact import NotBelieved, WordDisbelieved
-from dray.protocol.runtime.events import Effect, Ignore, Record, Send
+from dray.protocol.runtime.events import Record, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.throttle import Throttle
 
 
@@ -16,11 +17,11 @@ class Disbelief:
     """Tells contractors that they are not believed.
 
     Args:
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self._throttle = Throttle()
 
     def tell(
@@ -40,9 +41,9 @@ class Disbelief:
             now_s: the present time.
             clock_ahead_s: how far the speaker's clock is ahead, if that is the reason.
         """
-        self._out.append(Ignore(reason))
+        self._life.ignore(reason)
         if self._throttle.passes(speaker, now_s):
-            self._out += (
+            self._life.effects += (
                 Send(speaker, Disbelieved(said.task, said.epoch, reason, clock_ahead_s)),
                 Record(WordDisbelieved(speaker, said.task, reason, clock_ahead_s)),
             )
@@ -52,16 +53,16 @@ class Reproach:
     """What a contractor does when it hears that it is not believed: it goes on, and leaves it to people.
 
     Args:
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self._throttle = Throttle()
 
     def on_disbelieved(self, sender: str, message: Disbelieved, now_s: float) -> None:
         """Record a fact, at most once a minute for each coordinator."""
         if not self._throttle.passes(sender, now_s):
-            self._out.append(Ignore("a reproach that was noted"))
+            self._life.ignore("a reproach that was noted")
             return
-        self._out.append(Record(NotBelieved(by=sender, task=message.task, reason=message.reason)))
+        self._life.record(NotBelieved(by=sender, task=message.task, reason=message.reason))

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from dray.messages import Reason
 from dray.messages.fact import ContractorRated
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Effect, Record
+from dray.protocol.runtime.life import Life
 
 HALF_LIFE_S = 1800.0
 """A breakdown in the morning is forgotten by noon."""
@@ -98,11 +98,11 @@ class Reliability:
     """The ratings that one coordinator has of its contractors.
 
     Args:
-        out: where facts go.
+        life: its agent's.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self._ratings: BoundedMap[str, Rating] = BoundedMap(KNOWN_MAX)
 
     def surcharge_s(self, contractor: str, now_s: float) -> float:
@@ -170,5 +170,5 @@ class Reliability:
             restricted=rating.restricted,
             late_s=late_s,
         )
-        self._out.append(Record(rated))
+        self._life.record(rated)
         return rating

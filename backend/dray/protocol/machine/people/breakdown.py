@@ -34,8 +34,7 @@ from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.liveness.suspicion import BREAKDOWN_S
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_for_people
-from dray.protocol.runtime.events import Effect, Publish, Record, Subscribe
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 
 GOAL_PATIENCE_MIN_S = 60.0
 """The shortest wait that is asked for, even when a goal is late already: in less nobody could help, and whoever takes the goal
@@ -66,8 +65,7 @@ class Breakdown:
         incarnation: of its agent.
         plant: the plant it stands in.
         goals: what waits for it.
-        timers: its alarms; this class uses the name `PATIENCE_OVER`.
-        out: where effects go.
+        life: its agent's; its alarms are named the name `PATIENCE_OVER`.
 
     Attributes:
         problem: in words; empty for none.
@@ -79,21 +77,12 @@ class Breakdown:
         alarms: by name, what to call with (None, now_s).
     """
 
-    def __init__(
-        self,
-        machine: str,
-        incarnation: int,
-        plant: Plant,
-        goals: GoalBook,
-        timers: Timers,
-        out: list[Effect],
-    ) -> None:
+    def __init__(self, machine: str, incarnation: int, plant: Plant, goals: GoalBook, life: Life) -> None:
         self._machine, self._keys = machine, Keys(plant.id)
         self._goals = goals
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._experience = Experience()
-        self.calls = HelpCalls(_Caller(machine, incarnation, plant), plant, timers, out, self._not_coming)
+        self.calls = HelpCalls(_Caller(machine, incarnation, plant), plant, life, self._not_coming)
         self._since_s = self._judged_until_s = self._promised_s = self._comes_after_s = 0.0
         self.problem = ""
         self.about: Problem = NOTHING_KNOWN
@@ -107,7 +96,7 @@ class Breakdown:
 
     def start(self, body: WorkcellState, wanted: HelpWanted | None, now_s: float) -> None:
         """Go on with what the body knows and an earlier life was told, and listen."""
-        self._out.append(Subscribe(self._keys.all_breakdowns))
+        self._life.subscribe(self._keys.all_breakdowns)
         self.calls.listen()
         if body.broken:
             self.help = wanted
@@ -130,8 +119,8 @@ class Breakdown:
                 until_s=self.help.until_s,
                 problem=self.about,
             )
-            self._out.append(Record(asked))
-        self._timers.set(PATIENCE_OVER, self.help.until_s)
+            self._life.record(asked)
+        self._life.alarm(PATIENCE_OVER, self.help.until_s)
 
     def on_repaired(self, now_s: float) -> None:
         """It works again: whoever waits for machines may know how long that took."""
@@ -141,9 +130,9 @@ class Breakdown:
             lasted_s = max(0.0, now_s - self._since_s)
             ended = ProblemEnded(agent=self._machine, problem=self.about, lasted_s=lasted_s)
             self._experience.note(ended, "", now_s)
-            self._out.append(Publish(self._keys.breakdown(self._machine), ended))
+            self._life.publish(self._keys.breakdown(self._machine), ended)
         self.problem, self.about, self.resettable, self.help = "", NOTHING_KNOWN, False, None
-        self._timers.clear(PATIENCE_OVER)
+        self._life.cancel(PATIENCE_OVER)
 
     def update_call(self, now_s: float, *, expected: bool) -> None:
         """Call somebody while a person is needed, and nobody longer than that.
@@ -169,8 +158,8 @@ class Breakdown:
         if wait_s is None or not 0.0 < wait_s <= PROMISE_MAX_S:
             return CommandRefusal.WAIT_OUT_OF_RANGE
         self.help, self._promised_s = HelpWanted(until_s=now_s + wait_s, promised_by=by), now_s
-        self._timers.set(PATIENCE_OVER, self.help.until_s)
-        self._out.append(Record(HelpPromised(until_s=self.help.until_s, promised_by=by)))
+        self._life.alarm(PATIENCE_OVER, self.help.until_s)
+        self._life.record(HelpPromised(until_s=self.help.until_s, promised_by=by))
         return None
 
     def let_go(self, now_s: float) -> CommandRefusal | None:
@@ -179,14 +168,14 @@ class Breakdown:
             return CommandRefusal.NOT_WAITING
         self._judged_until_s = min(self.help.until_s, now_s)
         self.help = HelpWanted(until_s=self._judged_until_s)
-        self._timers.clear(PATIENCE_OVER)
+        self._life.cancel(PATIENCE_OVER)
         return None
 
     def _not_coming(self, since_s: float, _now_s: float) -> None:
         """Who was expected since then does not come: goals wait as they would without what was promised since."""
         if self.help is not None and self.help.promised_by and self._promised_s >= since_s:
             self.help = HelpWanted(until_s=self._judged_until_s)
-            self._timers.set(PATIENCE_OVER, self.help.until_s)
+            self._life.alarm(PATIENCE_OVER, self.help.until_s)
 
     def _patience_s(self, now_s: float) -> float:
         if self.about.kind is ProblemKind.UNKNOWN and not self.about.passes:

@@ -20,7 +20,7 @@ from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.out_of_service import ServiceState
 from dray.protocol.people.words import PassedWords
-from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.running import Running
 
 NOTHING_RESTARTS = "nobody starts its agent again here"
@@ -73,7 +73,7 @@ class MachineCommandHandling:
         goods: those that wait for a word.
         held: its transports that are held.
         running: what can be done with its agent where that runs.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         service: whether it is out of service.
@@ -90,18 +90,18 @@ class MachineCommandHandling:
         goods: Goods,
         held: Held,
         running: Running,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._breakdown = breakdown
         self._goods, self._held = goods, held
         self._owner = owner
         self._running = running
-        self._out = out
-        self._granted = GrantedCommands[MachineCommand](authority, self._try, self._detail, out)
+        self._life = life
+        self._granted = GrantedCommands[MachineCommand](authority, self._try, self._detail, life)
         self.service = ServiceState()
         self.paces = False
         self.people: PeopleAsBody | None = None
-        self.words = PassedWords(self._granted, out)
+        self.words = PassedWords(self._granted, life)
 
     def sense(self, body: WorkcellState) -> bool:
         """Take note of what waits for people's words; whether that is news."""
@@ -165,7 +165,7 @@ class MachineCommandHandling:
             return CommandRefusal.NOT_FAULTY
         if not self._breakdown.resettable:
             return CommandRefusal.FAULTY
-        self._out.append(Instruct(ResetFault()))
+        self._life.instruct(ResetFault())
         return None
 
     def _set_speed(self, speed_frac: float | None) -> CommandRefusal | None:
@@ -174,7 +174,7 @@ class MachineCommandHandling:
         if not self.paces:
             return CommandRefusal.NOT_SUPPORTED
         self._owner.speed_frac = speed_frac
-        self._out.append(Instruct(SetPace(speed_frac)))
+        self._life.instruct(SetPace(speed_frac))
         return None
 
     def _start_again(self, now_s: float, *, update: bool) -> CommandRefusal | None:

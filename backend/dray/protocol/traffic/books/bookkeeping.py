@@ -28,8 +28,8 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, gone_s
-from dray.protocol.runtime.events import NEVER_S, Commit, Effect, Ignore, Subscribe
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S, Commit
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
@@ -64,8 +64,7 @@ class Bookkeeping:
         traffic: of the plant; None where vehicles drive without right of way.
         trusts: whose word counts when people carry vehicles away.
         subscriptions: to whose heartbeats the agent listens.
-        timers: the agent's alarms.
-        out: where effects go.
+        life: its agent's.
         carried_away: called with a vehicle of which it is believed that people have carried it away.
     """
 
@@ -76,8 +75,7 @@ class Bookkeeping:
         traffic: TrafficMap | None,
         trusts: Trusts,
         subscriptions: HeartbeatSubscriptions,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         carried_away: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._me = me
@@ -86,10 +84,9 @@ class Bookkeeping:
         self._keys = Keys(plant.id)
         self._traffic = traffic
         self._subscriptions = subscriptions
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._neighbours = Neighbours()
-        self._impostors = Impostors(out)
+        self._impostors = Impostors(life)
         self._authorisation = RemovalAuthorisation(plant, trusts, self._neighbours)
         self._followed: set[str] = set()
         """The vehicles that it listens to."""
@@ -129,7 +126,7 @@ class Bookkeeping:
             dock_answers: whether the agent's dock makes itself safe.
         """
         if self.keeps_books or dock_answers:
-            self._out.append(Subscribe(self._keys.removals))
+            self._life.subscribe(self._keys.removals)
         traffic = self._traffic
         if traffic is None or not self.keeps_books:
             return
@@ -150,8 +147,7 @@ class Bookkeeping:
             self._neighbours,
             self._impostors,
             self._keys.floor,
-            self._timers,
-            self._out,
+            self._life,
             traffic.is_signed,
         )
         self._books.start(now_s)
@@ -200,7 +196,7 @@ class Bookkeeping:
     def _on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
         for removal in said.removals:
             if objection := self._remove(removal, now_s):
-                self._out.append(Ignore(objection))
+                self._life.ignore(objection)
         self._follow(now_s)
 
     def _remove(self, removal: Removal, now_s: float) -> str:
@@ -245,7 +241,7 @@ class Bookkeeping:
                 self._impostors.tell(sender, now_s)
                 return
         if self._books is None or not self._books.on_message(sender, message.district, message, now_s):
-            self._out.append(Ignore(NOT_KEPT_HERE))
+            self._life.ignore(NOT_KEPT_HERE)
         self._follow(now_s)
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
@@ -259,7 +255,7 @@ class Bookkeeping:
         self._books.on_vehicle(atv, heartbeat.incarnation, removal, now_s, is_news=is_news)
 
     def _on_mixed_settings(self, _sender: str, _message: Message, _now_s: float) -> None:
-        self._out.append(Ignore(WITHOUT_BOOKS))
+        self._life.ignore(WITHOUT_BOOKS)
 
     def _tick(self, district: str, now_s: float) -> None:
         if self._books is not None:

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from dray.messages import Removal
 from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX, PlaceWished
-from dray.protocol.runtime.events import Effect, Record
+from dray.protocol.runtime.events import Record
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.book import Book
 
 
@@ -15,14 +16,14 @@ class Carried:
     """Of one district.
 
     Args:
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         unaware: vehicles that were carried away, and were not heard to know of it.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self._to_tell: list[tuple[int, PlacesFreed]] = []
         """What was freed, and the version with which that counts."""
         self._keeping: dict[str, tuple[int, str]] = {}
@@ -58,13 +59,13 @@ class Carried:
 
     def tell(self, book: Book, counted: int) -> None:
         """Tell people what was freed and kept, once that counts."""
-        self._out += [Record(fact) for version, fact in self._to_tell if version <= counted]
+        self._life.effects += [Record(fact) for version, fact in self._to_tell if version <= counted]
         self._to_tell = [told for told in self._to_tell if told[0] > counted]
         for atv, (number, place) in tuple(self._keeping.items()):
             line = next((line for line in book.of(atv) if line.place == place), None)
             if line is not None and line.number <= counted:
                 self._kept[atv] = self._keeping.pop(atv)
-                self._out.append(Record(PlaceKept(atv=atv, number=number, place=place)))
+                self._life.record(PlaceKept(atv=atv, number=number, place=place))
 
 
 def absent(district: str, removal: Removal, place: str, epoch: int) -> PlaceWished:

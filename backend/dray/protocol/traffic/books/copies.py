@@ -36,7 +36,8 @@ from dray.messages.floor.traffic import (
     PlaceConfirmed,
     PlaceWished,
 )
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.witness import Witness
 from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 
@@ -70,7 +71,7 @@ class Copies:
         me: the keeper.
         keepers: all of them, in the order of their turns; `me` is one of them.
         kept: what an earlier life has left; None when it is lost, or there was none.
-        out: where effects go.
+        life: its agent's.
         is_signed: whether a vehicle's wish is signed by the key that it names.
 
     Attributes:
@@ -88,7 +89,7 @@ class Copies:
         me: str,
         keepers: Sequence[str],
         kept: Kept | None,
-        out: list[Effect],
+        life: Life,
         is_signed: IsSigned = names_no_key,
     ) -> None:
         self.district = district
@@ -101,7 +102,7 @@ class Copies:
         self._me = me
         self._keepers = tuple(keepers)
         self._others = tuple(keeper for keeper in keepers if keeper != me)
-        self._out = out
+        self._life = life
         self._has: dict[str, int] = {}
         """Districts -> the version that it has under this epoch."""
         self._witness = Witness(district, is_signed)
@@ -184,7 +185,7 @@ class Copies:
                     if version > has
                 ),
             )
-            self._out.append(Send(other, booked))
+            self._life.send(other, booked)
 
     @property
     def is_behind(self) -> bool:
@@ -254,8 +255,8 @@ class Copies:
                 self.kept = Kept(booked.epoch, booked.epoch, booked.version, booked.bookings, booked.removed)
                 self._elsewhere, self._copied, self.refused = None, True, 0
                 self._confirm_new(before)
-        self._out.append(
-            Send(sender, BookKept(district=self.district, epoch=self.kept.epoch, version=self.kept.version))
+        self._life.send(
+            sender, BookKept(district=self.district, epoch=self.kept.epoch, version=self.kept.version)
         )
         return follows
 
@@ -273,9 +274,11 @@ class Copies:
             return False
         self.refused += 1
         asked = BookAsked(district=self.district, epoch=0)
-        self._out += [Send(other, asked) for other in self._others if other != self._turn_of(booked.epoch)]
+        self._life.effects += [
+            Send(other, asked) for other in self._others if other != self._turn_of(booked.epoch)
+        ]
         holds = HoldsAsked(district=self.district, epoch=booked.epoch)
-        self._out += [Send(atv, holds) for atv in dict.fromkeys(line.atv for line in objections)]
+        self._life.effects += [Send(atv, holds) for atv in dict.fromkeys(line.atv for line in objections)]
         return True
 
     def on_carried(self, atv: str) -> None:
@@ -292,9 +295,7 @@ class Copies:
         if not self.is_witness:
             return
         lines = tuple(line for line in self.kept.bookings if line.atv == atv)
-        self._out.append(
-            Send(atv, PlaceConfirmed(district=self.district, epoch=self.kept.epoch, grants=lines))
-        )
+        self._life.send(atv, PlaceConfirmed(district=self.district, epoch=self.kept.epoch, grants=lines))
 
     def _confirm_new(self, before: Iterable[PlaceBooking]) -> None:
         """Tell the vehicles of their new lines."""
@@ -349,7 +350,7 @@ class Copies:
             return
         for other in self._others:
             if other not in self._told:
-                self._out.append(Send(other, BookAsked(district=self.district, epoch=self._sought)))
+                self._life.send(other, BookAsked(district=self.district, epoch=self._sought))
         self._decide()
 
     @property
@@ -373,7 +374,7 @@ class Copies:
         )
         if asked.epoch > self.kept.epoch and not self.lost and promises:
             self._step_down(asked.epoch)
-        self._out.append(Send(sender, self._telling()))
+        self._life.send(sender, self._telling())
         return promises
 
     def note_highest(self, epoch: int) -> None:

@@ -24,9 +24,9 @@ from dray.messages.floor.traffic import (
     PlaceWished,
     YieldAsked,
 )
-from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record, Send
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.throttle import Throttle
-from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.allotment import FREE, Hindrance, allot
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.carried import Carried, absent
@@ -63,18 +63,18 @@ class Refusals:
     """Of one agent's copies.
 
     Args:
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self._throttle = Throttle()
 
     def tell(self, keeper: str, in_a_row: int, now_s: float) -> None:
         """A keeper's book was not copied, so often in a row."""
-        self._out.append(Ignore(TAKES_PLACES))
+        self._life.ignore(TAKES_PLACES)
         if in_a_row >= REFUSED_OFTEN and self._throttle.passes(keeper, now_s):
-            self._out.append(Record(BookRefused(keeper)))
+            self._life.record(BookRefused(keeper))
 
 
 class District:
@@ -91,8 +91,7 @@ class District:
         reach: how much of the floor one vehicle may have.
         report: what is told of them to other vehicles.
         impostors: tells people of those that speak in a vehicle's name.
-        timers: the agent's alarms; this one's is ``(BOOK_TICK, district)``.
-        out: where effects go.
+        life: its agent's.
         is_signed: whether a vehicle's wish is signed by the key that it names.
     """
 
@@ -108,11 +107,10 @@ class District:
         reach: Reach,
         report: FloorReport,
         impostors: Impostors,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         is_signed: IsSigned = names_no_key,
     ) -> None:
-        self.copies = Copies(district, me, keepers, kept, out, is_signed)
+        self.copies = Copies(district, me, keepers, kept, life, is_signed)
         self._district = district
         self._inside = inside
         self._me = me
@@ -121,10 +119,9 @@ class District:
         self._reach = reach
         self._report = report
         self._impostors = impostors
-        self._refusals = Refusals(out)
+        self._refusals = Refusals(life)
         self._turns = Turns(me, keepers)
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._book = Book()
         self._wishes: dict[str, PlaceWished] = {}
         """The newest one of every vehicle that holds or wants something here, or waits for an answer."""
@@ -145,7 +142,7 @@ class District:
         """When it has begun a later epoch than one that a vehicle was told."""
         self._led_epoch = -1
         """Under which this keeper has taken the book over last."""
-        self._carried = Carried(out)
+        self._carried = Carried(life)
 
     # --- its life --------------------------------------------------------------------------------
 
@@ -190,7 +187,7 @@ class District:
     def on_message(self, sender: str, message: Message, now_s: float) -> None:
         """One of the messages that name this district."""
         if reason := self._turns.objection(sender, message):
-            self._out.append(Ignore(reason))
+            self._life.ignore(reason)
             return
         self._turns.on_keeper(sender, now_s)
         match message:
@@ -217,12 +214,12 @@ class District:
                 self.copies.on_told(sender, message)
                 self._after_copies(now_s)
             case _:
-                self._out.append(Ignore("no message for the keeper of a book"))
+                self._life.ignore("no message for the keeper of a book")
         self._look_within(NEWS_S, now_s)
 
     def _on_wish(self, sender: str, wish: PlaceWished, now_s: float) -> None:
         if not self._inside.issuperset((*wish.holds, *(place for group in wish.groups for place in group))):
-            self._out.append(Ignore("a place that is not in this district"))
+            self._life.ignore("a place that is not in this district")
             return
         if self._roll is not None:
             if wish.holds:
@@ -233,7 +230,7 @@ class District:
         if not self.copies.leads:
             if not self.copies.lost and self.copies.leader != self._me:
                 asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
-                self._out.append(Send(sender, asked))
+                self._life.send(sender, asked)
                 self.copies.confirm(sender)
                 self._doubt(now_s)
             return
@@ -254,7 +251,7 @@ class District:
         if wish.removal < known:
             if self._carried.is_being_put_back(sender):
                 # It is not on the floor yet: whoever says this has stolen its name, or it was said before.
-                self._out.append(Ignore(NOT_ON_THE_FLOOR))
+                self._life.ignore(NOT_ON_THE_FLOOR)
                 return
             # It does not know that it was carried away: what it held is void, and that is all that it is told.
             wish = replace(wish, holds=(), groups=())
@@ -275,11 +272,11 @@ class District:
     def _is_believed(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
         """Whether a wish may be the vehicle's own."""
         if not self._late.on_wish(sender, wish, self._book, now_s):
-            self._out.append(Ignore(NOT_HEARD_THERE))
+            self._life.ignore(NOT_HEARD_THERE)
         elif not self._book.hears(sender, wish.mark):
             self._impostors.tell(sender, now_s)
         elif wish.seen > self._book.version:
-            self._out.append(Ignore(NEVER_GRANTED))
+            self._life.ignore(NEVER_GRANTED)
         else:
             return True
         return False
@@ -338,7 +335,7 @@ class District:
             told = PlaceGranted(
                 district=self._district, epoch=epoch, life=life, upto=0, grants=lines, removal=known
             )
-            self._out.append(Send(atv, told))
+            self._life.send(atv, told)
 
     def tick(self, now_s: float) -> None:
         """A second has passed, or there is something to see to."""
@@ -376,7 +373,7 @@ class District:
     def _ask_whether_they_live(self, now_s: float, whom: Sequence[str] = ()) -> None:
         for keeper in whom or self._turns.asked(self.copies.kept.epoch, now_s):
             self._turns.on_question(keeper, now_s)
-            self._out.append(Send(keeper, BookAsked(district=self._district, epoch=0)))
+            self._life.send(keeper, BookAsked(district=self._district, epoch=0))
 
     def _seek(self, now_s: float) -> None:
         self.copies.seek(self._turns.silent(now_s))
@@ -394,20 +391,20 @@ class District:
             waits = bool(self._hindrances) or self.copies.is_behind
             at_s = now_s + TICK_S if waits else self._report.due_s
         self._look_s = at_s
-        self._timers.set((BOOK_TICK, self._district), at_s)
+        self._life.alarm((BOOK_TICK, self._district), at_s)
 
     def _look_within(self, span_s: float, now_s: float) -> None:
         """Something has happened: set the alarm for sooner, if it is later."""
         if self._look_s > now_s + span_s:
             self._look_s = now_s + span_s
-            self._timers.set((BOOK_TICK, self._district), self._look_s)
+            self._life.alarm((BOOK_TICK, self._district), self._look_s)
 
     # --- whose book it is ------------------------------------------------------------------------
 
     def _after_copies(self, now_s: float) -> None:
         """Something was told: perhaps this keeper leads now, or must call the roll."""
         if self.copies.needs_roll_call and self._roll is None:
-            self._roll = RollCall(self._district, self.copies.next_turn, now_s, self._out)
+            self._roll = RollCall(self._district, self.copies.next_turn, now_s, self._life)
             self._roll.call(self._called(), now_s)
         elif self.copies.leads and self._led_epoch != self.copies.kept.epoch:
             self._take_over()
@@ -422,7 +419,7 @@ class District:
         self._carried.take_over(one.atv for one in kept.removed)
         self._write()
         for atv in self._atvs:
-            self._out.append(Send(atv, HoldsAsked(district=self._district, epoch=kept.epoch)))
+            self._life.send(atv, HoldsAsked(district=self._district, epoch=kept.epoch))
 
     def _called(self) -> tuple[str, ...]:
         """Whom a roll call is for: the vehicles of the plant, and those that were heard."""
@@ -491,7 +488,7 @@ class District:
                 removal=self._book.removal_of(atv, wish.mark),
                 mark=wish.mark or UNSIGNED,
             )
-            self._out.append(Send(atv, granted))
+            self._life.send(atv, granted)
             if not lines and not wish.groups:
                 del self._wishes[atv]
 
@@ -512,7 +509,7 @@ class District:
             room = YieldAsked(
                 district=self._district, waiting=atv, rank=wish.rank, avoid=wish.avoid, chain=wish.chain
             )
-            self._out.append(Send(holder, room))
+            self._life.send(holder, room)
 
     def _is_within_reach(self, atv: str, missing: Sequence[str], now_s: float) -> bool:
         """Whether a vehicle may have these places too; people may put one back wherever they like."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from dray.messages import Message
-from dray.protocol.runtime.events import Effect
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.books.floor_report import FloorReport
@@ -28,8 +27,7 @@ class Districts:
         neighbours: what is known of the vehicles.
         impostors: tells people of those that speak in a vehicle's name.
         key_of: the bus key on which a district is told.
-        timers: the agent's alarms; those of this one are ``(BOOK_TICK, district)``.
-        out: where effects go.
+        life: its agent's.
         is_signed: whether a vehicle's wish is signed by the key that it names.
 
     Attributes:
@@ -45,8 +43,7 @@ class Districts:
         neighbours: Neighbours,
         impostors: Impostors,
         key_of: Callable[[str], str],
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         is_signed: IsSigned = names_no_key,
     ) -> None:
         reach = Reach(places, neighbours, atvs)
@@ -60,10 +57,9 @@ class Districts:
                 kept.get(name),
                 neighbours,
                 reach,
-                FloorReport(name, key_of(name), neighbours, out),
+                FloorReport(name, key_of(name), neighbours, life),
                 impostors,
-                timers,
-                out,
+                life,
                 is_signed,
             )
             for name, keepers in places.keepers_of.items()

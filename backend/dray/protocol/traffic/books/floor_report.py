@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dray.messages.floor.traffic import NEAR_NODES, FloorTold, OnFloor
-from dray.protocol.runtime.events import NEVER_S, Effect, Publish
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.neighbours import Neighbours, Seen
 
@@ -21,15 +22,15 @@ class FloorReport:
         district: its name.
         key: where it is told.
         neighbours: what is known of the vehicles.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         due_s: when it must be said again.
     """
 
-    def __init__(self, district: str, key: str, neighbours: Neighbours, out: list[Effect]) -> None:
+    def __init__(self, district: str, key: str, neighbours: Neighbours, life: Life) -> None:
         self._district, self._key = district, key
-        self._neighbours, self._out = neighbours, out
+        self._neighbours, self._life = neighbours, life
         self._told: tuple[OnFloor, ...] = ()
         self._number = 0
         self._said_s = -AGAIN_S
@@ -46,7 +47,7 @@ class FloorReport:
         self._told, self._said_s = vehicles, now_s
         self.due_s = now_s + AGAIN_S if vehicles else NEVER_S
         told = FloorTold(district=self._district, epoch=epoch, number=self._number, vehicles=vehicles)
-        self._out.append(Publish(self._key, told))
+        self._life.publish(self._key, told)
 
     def _on_floor(self, book: Book, atv: str, now_s: float) -> OnFloor:
         seen = self._neighbours.of(atv) or Seen(at_s=now_s)

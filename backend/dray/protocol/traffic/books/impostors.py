@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.messages.fact import NameMisused
-from dray.protocol.runtime.events import Effect, Ignore, Record
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.throttle import Throttle
 
 ANOTHERS_KEY = "a wish that is not signed by the vehicle that holds places in this name"
@@ -13,15 +13,15 @@ class Impostors:
     """Of one agent's books.
 
     Args:
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self._throttle = Throttle()
 
     def tell(self, atv: str, now_s: float) -> None:
         """A wish in this vehicle's name is not its own."""
-        self._out.append(Ignore(ANOTHERS_KEY))
+        self._life.ignore(ANOTHERS_KEY)
         if self._throttle.passes(atv, now_s):
-            self._out.append(Record(NameMisused(atv)))
+            self._life.record(NameMisused(atv))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator
 
 from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.book import Book
 
 ROLL_S = 6.0
@@ -32,23 +32,21 @@ class RollCall:
         district: whose book is lost.
         next_turn: the next epoch after a given one under which this keeper may lead.
         now_s: when it begins.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         told: vehicle -> what it has told.
         epoch: grants of earlier ones count for nothing.
     """
 
-    def __init__(
-        self, district: str, next_turn: Callable[[int], int], now_s: float, out: list[Effect]
-    ) -> None:
+    def __init__(self, district: str, next_turn: Callable[[int], int], now_s: float, life: Life) -> None:
         self.told: dict[str, PlaceWished] = {}
         self._by_people: set[str] = set()
         """Vehicles of which a person has told that they are off the floor, or on their way back to it."""
         self._beside: dict[str, dict[bytes, PlaceWished]] = {}
         """Vehicle -> key -> what others have told in its name: nobody knows whose word it is, so the places of all of them are held."""
         self.epoch = next_turn(0)
-        self._district, self._next_turn, self._out = district, next_turn, out
+        self._district, self._next_turn, self._life = district, next_turn, life
         self._until_s = now_s + ROLL_S
         self._news_s = now_s
         """When somebody has told for the first time, last."""
@@ -67,7 +65,7 @@ class RollCall:
                 return
             room -= 1
             self._asks[atv] = (now_s + then_s, min(2.0 * then_s, AGAIN_AT_MOST_S))
-            self._out.append(Send(atv, asked))
+            self._life.send(atv, asked)
 
     def note(self, atv: str, wish: PlaceWished, now_s: float, *, by_person: bool = False) -> bool:
         """A vehicle has told, or a person in its place; True when that counts."""
@@ -88,18 +86,16 @@ class RollCall:
         if is_beside:
             return self._note_beside(atv, wish)
         if before is not None and before.mark in (wish.mark, b"") and wish.removal < before.removal:
-            self._out.append(
-                Send(
-                    atv,
-                    PlaceGranted(
-                        district=self._district,
-                        epoch=self.epoch,
-                        life=wish.life,
-                        upto=0,
-                        grants=(),
-                        removal=before.removal,
-                    ),
-                )
+            self._life.send(
+                atv,
+                PlaceGranted(
+                    district=self._district,
+                    epoch=self.epoch,
+                    life=wish.life,
+                    upto=0,
+                    grants=(),
+                    removal=before.removal,
+                ),
             )
             return False
         if wish.epoch < self.epoch:

@@ -25,8 +25,8 @@ from dray.messages.floor.traffic import (
     YieldRefused,
 )
 from dray.plant.restrictions import OPEN, Ends, Restrictions
-from dray.protocol.runtime.events import Effect, Ignore, Instruct
-from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.timers import spread_frac
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
 from dray.protocol.traffic.driving.wheels import Wheels
 from dray.protocol.traffic.driving.wishes import Sign, State, Wishes, unsigned
@@ -83,11 +83,9 @@ class RightOfWay:
 
     Args:
         atv: the vehicle.
-        life: its incarnation.
+        life: its agent's.
         places, ways: of the plant.
         surroundings: what is known of others.
-        timers: the agent's alarms; this one's are `LOOK`, `HELD_UP`, `RESTED` and those of `Wishes`.
-        out: where effects go.
         node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.
         top_mps, acceleration_mps2: of the vehicle.
         next_order: numbers ways.
@@ -106,12 +104,11 @@ class RightOfWay:
     def __init__(
         self,
         atv: str,
-        life: int,
+        incarnation: int,
         places: Places,
         ways: Ways,
         surroundings: Surroundings,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         *,
         node: str,
         next_node: str = "",
@@ -124,7 +121,7 @@ class RightOfWay:
     ) -> None:
         self.atv = atv
         self.way = ReservedWay(places, node, next_node)
-        self.wishes = Wishes(life, places.keepers_of, timers, out, sign)
+        self.wishes = Wishes(incarnation, places.keepers_of, life, sign)
         self.errand = Errand.OWN
         self.goal = next_node or node
         self.docked = False
@@ -136,13 +133,12 @@ class RightOfWay:
         """It was told no goal: wherever it stands is as good."""
         self._places = places
         self._ways = ways
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._wheels = Wheels(top_mps, acceleration_mps2, next_order, restrictions)
         self._rank: Rank = (IDLE, 0.0, atv)
         self._surroundings = surroundings
         self._outlook = Outlook(surroundings, restrictions, obstructed)
-        self._yielding = Yielding(atv, ways, self._outlook, out)
+        self._yielding = Yielding(atv, ways, self._outlook, life)
         self._speed_mps = 0.0
         self._went_round: frozenset[str] = frozenset()
         """Places of silent vehicles for which it has looked for another way on this leg."""
@@ -284,9 +280,9 @@ class RightOfWay:
         self._wheels.forget()
         self._obeys = not drives_beyond
         if not self.way.stands:
-            self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
+            self._life.instruct(self._wheels.drive(self.way, self._speed_mps))
         elif drives_beyond:
-            self._out.append(Instruct(self._wheels.finish(self.way)))
+            self._life.instruct(self._wheels.finish(self.way))
         if self._obeys:
             self.way.let_go()
 
@@ -430,7 +426,7 @@ class RightOfWay:
     def on_confirmed(self, sender: str, confirmed: PlaceConfirmed, now_s: float) -> None:
         """The witness of a book has told what it has copied."""
         if not self.wishes.on_confirmed(sender, confirmed):
-            self._out.append(Ignore("what is confirmed by somebody who is not to confirm it"))
+            self._life.ignore("what is confirmed by somebody who is not to confirm it")
         self._take_missed(confirmed.district, now_s)
 
     def repeat_wish(self, district: str, now_s: float) -> None:
@@ -463,7 +459,7 @@ class RightOfWay:
     def on_yield_asked(self, sender: str, asked: YieldAsked, now_s: float) -> None:
         """Somebody wants to come by."""
         if not self.wishes.keeps(sender, asked.district):
-            self._out.append(Ignore("asked to make room by somebody who does not keep that book"))
+            self._life.ignore("asked to make room by somebody who does not keep that book")
             return
         if not self._holds_in(asked.district):
             # The book is wrong about this vehicle: tell it.
@@ -536,7 +532,7 @@ class RightOfWay:
         ):
             # Nobody asks any more: go on with one's own.
             self._resume(now_s)
-        self._timers.set(HELD_UP, now_s + self._patience_s)
+        self._life.alarm(HELD_UP, now_s + self._patience_s)
         self._settle(now_s)
 
     def go_on(self, now_s: float) -> None:
@@ -578,12 +574,12 @@ class RightOfWay:
         self.errand = Errand.REFUGE
         self._yielding.leave(way[-1], now_s, refuser=refuser)
         self.way.turn_to(way)
-        self._timers.clear(RESTED)
+        self._life.cancel(RESTED)
         self._settle(now_s)
 
     def _reach_refuge(self, now_s: float) -> None:
         self.errand = Errand.REST
-        self._timers.set(RESTED, now_s + self._yielding.reach_refuge())
+        self._life.alarm(RESTED, now_s + self._yielding.reach_refuge())
 
     def _resume(self, now_s: float) -> None:
         self.errand = Errand.OWN
@@ -598,14 +594,14 @@ class RightOfWay:
     def _finish_there(self) -> None:
         """It stands at its goal: the body is to know that there is nothing more to drive."""
         if self.has_arrived and self._wheels.has_more(self.way):
-            self._out.append(Instruct(self._wheels.finish(self.way)))
+            self._life.instruct(self._wheels.finish(self.way))
 
     # --- driving ---------------------------------------------------------------------------------
 
     def _drive_on(self, now_s: float) -> None:
         """The base has grown: let the body drive it."""
         self._note_wait(now_s)
-        self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
+        self._life.instruct(self._wheels.drive(self.way, self._speed_mps))
 
     def _note_hindrance(self, granted: PlaceGranted, now_s: float) -> None:
         """A book has told why it does not grant what is wanted next."""
@@ -623,7 +619,7 @@ class RightOfWay:
             if waited_s > 1.0 and self.way.base:
                 self._outlook.waited(self._places.place_of(self.way.base[0]), waited_s, now_s)
             self._held_up_s = None
-            self._timers.clear(HELD_UP)
+            self._life.cancel(HELD_UP)
 
     # --- wishes ----------------------------------------------------------------------------------
 
@@ -639,10 +635,10 @@ class RightOfWay:
         if self.way.stands and groups:
             if self._held_up_s is None:
                 self._held_up_s = now_s
-                self._timers.set(HELD_UP, now_s + self._patience_s)
+                self._life.alarm(HELD_UP, now_s + self._patience_s)
         elif self._held_up_s is not None:
             self._held_up_s = None
-            self._timers.clear(HELD_UP)
+            self._life.cancel(HELD_UP)
         state = self._state(now_s)
         districts = dict.fromkeys(self._places.district_of[place] for place in self.way.held)
         told = dict.fromkeys((*districts, wanted_in, *self.wishes.districts, anew_in))
@@ -722,9 +718,9 @@ class RightOfWay:
         """Set the alarm for the moment when it may be clear of a place, or needs the next one."""
         when_s = self._wheels.look_in_s(self.way, self._speed_mps, self.wishes.round_s)
         if when_s is None:
-            self._timers.clear(LOOK)
+            self._life.cancel(LOOK)
         else:
-            self._timers.set(LOOK, now_s + when_s)
+            self._life.alarm(LOOK, now_s + when_s)
 
     @property
     def _patience_s(self) -> float:

@@ -22,8 +22,8 @@ from dray.messages.floor.traffic import (
     PlaceWished,
     Rank,
 )
-from dray.protocol.runtime.events import Effect, Send
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 
 WISH_AGAIN = "wish again"
 
@@ -160,10 +160,8 @@ class Wishes:
     """The correspondence of one vehicle with the keepers of all districts.
 
     Args:
-        life: the vehicle's incarnation.
+        life: its agent's.
         keepers_of: district -> its keepers, in the order of their turns.
-        timers: the agent's alarms; those of this one are ``(WISH_AGAIN, district)``.
-        out: where effects go.
         sign: signs what it says.
 
     Attributes:
@@ -171,20 +169,14 @@ class Wishes:
     """
 
     def __init__(
-        self,
-        life: int,
-        keepers_of: Mapping[str, Sequence[str]],
-        timers: Timers,
-        out: list[Effect],
-        sign: Sign = unsigned,
+        self, incarnation: int, keepers_of: Mapping[str, Sequence[str]], life: Life, sign: Sign = unsigned
     ) -> None:
-        self.life = life
+        self.life = incarnation
         self._sign = sign
         self._mark = b""
         """That of its key, as it has said last."""
         self._keepers_of = keepers_of
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._lines: dict[str, _Line] = {}
         self.round_s = FIRST_ROUND_S
         self._lost_frac = 0.0
@@ -259,7 +251,7 @@ class Wishes:
         self._send(district, line, holds, groups, state, now_s)
         if line.missed is not None and line.missed[1].epoch == line.agreed and line.wish is not None:
             line.asked_all = True
-            self._out.append(Send(_witness(self._keepers_of[district], line.agreed), line.wish))
+            self._life.send(_witness(self._keepers_of[district], line.agreed), line.wish)
 
     def _send(
         self,
@@ -302,7 +294,7 @@ class Wishes:
             one for one, number in line.confirmed.items() if number <= line.seen and one not in holds
         ]:
             del line.confirmed[place]
-        self._out.append(Send(to or keepers[(line.epoch + line.turn) % len(keepers)], wish))
+        self._life.send(to or keepers[(line.epoch + line.turn) % len(keepers)], wish)
         if waits and not to and line.agreed == NO_EPOCH:
             self._say_to_all(line, keepers[(line.epoch + line.turn) % len(keepers)])
         if not waits:
@@ -311,7 +303,7 @@ class Wishes:
             max(2.0 * self.round_s + 0.2, LEAST_AGAIN_S) * 2.0 ** min(line.tries, 3),
             max(MOST_AGAIN_S, MOST_ROUNDS * self.round_s),
         )
-        self._timers.set((WISH_AGAIN, district), now_s + patience_s)
+        self._life.alarm((WISH_AGAIN, district), now_s + patience_s)
 
     def keeps(self, agent: str, district: str) -> bool:
         """Whether an agent is a keeper of a district's book: nobody else's word about it counts."""
@@ -349,7 +341,7 @@ class Wishes:
             return None
         if not self._is_confirmed(line, granted):
             if line.missed is None and not line.unanswered:
-                self._timers.set((WISH_AGAIN, granted.district), now_s + LEAST_AGAIN_S)
+                self._life.alarm((WISH_AGAIN, granted.district), now_s + LEAST_AGAIN_S)
             line.missed = (sender, granted)
             return None
         line.epoch, line.turn, line.missed = granted.epoch, 0, None
@@ -368,9 +360,9 @@ class Wishes:
             line.hindered = granted.blocked is not Blocked.NO
             if line.hindered:
                 again_s = LOSSY_AGAIN_S if self._lost_frac > LOSSY_FRAC else WAITS_AGAIN_S
-                self._timers.set((WISH_AGAIN, granted.district), now_s + again_s)
+                self._life.alarm((WISH_AGAIN, granted.district), now_s + again_s)
             else:
-                self._timers.clear((WISH_AGAIN, granted.district))
+                self._life.cancel((WISH_AGAIN, granted.district))
         return fresh
 
     def on_confirmed(self, sender: str, confirmed: PlaceConfirmed) -> bool:
@@ -463,7 +455,7 @@ class Wishes:
         if line.asked_all or line.wish is None:
             return
         line.asked_all = True
-        self._out += [
+        self._life.effects += [
             Send(keeper, line.wish) for keeper in self._keepers_of[line.wish.district] if keeper != but
         ]
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 import msgspec
 
 from dray.messages.floor.traffic import ROUTE_MAX, Rank, YieldAsked, YieldRefused
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
 from dray.protocol.traffic.prices import Outlook
 from dray.protocol.traffic.ways import Ways
@@ -59,14 +59,14 @@ class Yielding:
         atv: the vehicle.
         ways: of the plant.
         outlook: what it knows of others.
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, atv: str, ways: Ways, outlook: Outlook, out: list[Effect]) -> None:
+    def __init__(self, atv: str, ways: Ways, outlook: Outlook, life: Life) -> None:
         self._atv = atv
         self._ways = ways
         self._outlook = outlook
-        self._out = out
+        self._life = life
         self._inherited: Inherited | None = None
         self._refuge_s = 0.0
         """When the present refuge was chosen."""
@@ -188,4 +188,4 @@ class Yielding:
         """Say that there is nowhere to go, not more often than it is asked for."""
         if now_s - self._refused_s >= REFUSE_AGAIN_S:
             self._refused_s = now_s
-            self._out.append(Send(to, YieldRefused(avoid=avoid, holds=tuple(holds))))
+            self._life.send(to, YieldRefused(avoid=avoid, holds=tuple(holds)))

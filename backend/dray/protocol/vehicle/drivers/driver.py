@@ -18,7 +18,7 @@ from dray.errors import NoWay
 from dray.messages import AtvHeartbeat, Pose
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import Plant, Routes
-from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import ShutOut
 
 ORDERS_PER_LIFE = 1_000_000
@@ -38,13 +38,13 @@ class Driver:
     Args:
         plant: where the lanes are.
         vehicle_type: id of the vehicle's type.
-        out: where effects go.
+        life: its agent's.
         first_order: ways and actions are numbered from here on.
     """
 
-    def __init__(self, plant: Plant, vehicle_type: str, out: list[Effect], *, first_order: int = 0) -> None:
+    def __init__(self, plant: Plant, vehicle_type: str, life: Life, *, first_order: int = 0) -> None:
         self._plant, self._type = plant, vehicle_type
-        self._out = out
+        self._life = life
         self._passed = 0
         self.node = ""
         """The last node that was passed."""
@@ -170,7 +170,7 @@ class Driver:
     def limit_speed(self, speed_frac: float) -> None:
         """Keep below a part of the vehicle's own top speed from now on."""
         self.speed_frac = speed_frac
-        self._out.append(Instruct(LimitSpeed(speed_frac=speed_frac)))
+        self._life.instruct(LimitSpeed(speed_frac=speed_frac))
 
     def _take_way(self, nodes: tuple[str, ...], duration_s: float, now_s: float) -> None:
         self.order += 1
@@ -178,11 +178,11 @@ class Driver:
         self.arrives_s = now_s + duration_s
         limits_mps = self._plant.restrictions.limits_on(nodes)
         drive = Drive(order=self.order, nodes=nodes, released=len(nodes), limits_mps=limits_mps)
-        self._out.append(Instruct(drive))
+        self._life.instruct(drive)
 
     def act(self, instruction: VehicleInstruction) -> None:
         """Let the standing vehicle do something; number it with `next_order` first."""
-        self._out.append(Instruct(instruction))
+        self._life.instruct(instruction)
 
     def next_order(self) -> int:
         """A fresh order number."""

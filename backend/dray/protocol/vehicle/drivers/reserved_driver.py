@@ -14,8 +14,7 @@ from dray.messages.floor.traffic import HOLDS_MAX
 from dray.messages.heartbeat import FloorBrief
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect, Publish
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import IDLE, WITH_TASK, Errand, RightOfWay, ShutOut
 from dray.protocol.traffic.driving.wishes import Sign
 from dray.protocol.traffic.surroundings import Surroundings
@@ -55,8 +54,7 @@ class ReservedDriver(Driver):
         plant: where the lanes are.
         vehicle_type: id of the vehicle's type.
         traffic: of the plant.
-        timers: the vehicle's alarms.
-        out: where effects go.
+        life: its agent's.
         first_order: ways and actions are numbered from here on.
 
     Attributes:
@@ -69,18 +67,17 @@ class ReservedDriver(Driver):
         plant: Plant,
         vehicle_type: str,
         traffic: TrafficMap,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
         *,
         first_order: int,
     ) -> None:
-        super().__init__(plant, vehicle_type, out, first_order=first_order)
+        super().__init__(plant, vehicle_type, life, first_order=first_order)
         self._kind = plant.vehicle_types[vehicle_type]
         self._owner = owner
-        self.surroundings = Surroundings(owner.id, traffic.places, Keys(plant.id).floor, out)
+        self.surroundings = Surroundings(owner.id, traffic.places, Keys(plant.id).floor, life)
         self._traffic = traffic
         self._ways = traffic.ways(vehicle_type)
-        self._timers = timers
+        self._life = life
         self._is_lost = False
         """The body has no way any more, or another one than it was given."""
         self._right_of_way: RightOfWay | None = None
@@ -128,7 +125,7 @@ class ReservedDriver(Driver):
         if stands and state.node not in (row.way.node, *row.way.base):
             self._is_lost = True  # People have carried it here.
         if self._is_lost:
-            self._timers.set(LOST, 0.0)
+            self._life.alarm(LOST, 0.0)
         elif stands:
             row.sense(0.0 if state.node == row.way.node else row.way.past_m, 0.0)
         elif state.node == row.way.node:
@@ -143,8 +140,7 @@ class ReservedDriver(Driver):
             self._traffic.places,
             self._ways,
             self.surroundings,
-            self._timers,
-            self._out,
+            self._life,
             node=state.node,
             next_node=next_node,
             top_mps=self._kind.max_speed_mps,
@@ -223,14 +219,14 @@ class ReservedDriver(Driver):
             return False
         row.goal = goal or row.goal
         self._is_lost = True
-        self._timers.set(LOST, now_s)
+        self._life.alarm(LOST, now_s)
         return True
 
     def on_failed(self, report: ActionFailed, now_s: float) -> bool:
         """A way was refused, or is lost: it goes on by itself from where it is."""
         if self.right_of_way.knows(report.order):
             self._is_lost = True
-            self._timers.set(LOST, now_s)
+            self._life.alarm(LOST, now_s)
         return False
 
     def rest(self, now_s: float) -> None:
@@ -250,7 +246,7 @@ class ReservedDriver(Driver):
 
     def expect_at(self, place: str, comes_s: float, stays_s: float, *, docked: bool = False) -> None:
         told = DockExpected(place=place, comes_s=comes_s, stays_s=stays_s, docked=docked)
-        self._out.append(Publish(Keys(self._plant.id).dock(place), told))
+        self._life.publish(Keys(self._plant.id).dock(place), told)
 
     @property
     def is_placed(self) -> bool:
@@ -293,14 +289,14 @@ class ReservedDriver(Driver):
     def begin_anew(self, now_s: float) -> None:
         """It was carried away, as books say: it asks for where its body is now."""
         self._is_lost = True
-        self._timers.set(LOST, now_s)
+        self._life.alarm(LOST, now_s)
 
     def _mind_closures(self, nodes: tuple[str, ...], now_s: float) -> None:
         """Give the way anew from the end of the present lane where what lies behind it was closed or made slow."""
         restrictions = self._plant.restrictions
         if restrictions.limits_on(nodes) or not all(restrictions.admits(*lane) for lane in pairwise(nodes)):
             self._is_lost = True
-            self._timers.set(LOST, now_s)
+            self._life.alarm(LOST, now_s)
 
     def _learn(self, now_s: float) -> None:
         """A leg is over: how much longer than alone has it taken?"""
@@ -325,15 +321,10 @@ class ReservedDriver(Driver):
 
 
 def driver_of(
-    owner: Owner,
-    plant: Plant,
-    vehicle_type: str,
-    traffic: TrafficMap | None,
-    timers: Timers,
-    out: list[Effect],
+    owner: Owner, plant: Plant, vehicle_type: str, traffic: TrafficMap | None, life: Life
 ) -> Driver:
     """The driver of a vehicle: with right of way where there is a map of traffic; see `ReservedDriver`."""
     first_order = owner.incarnation * ORDERS_PER_LIFE
     if traffic is None:
-        return Driver(plant, vehicle_type, out, first_order=first_order)
-    return ReservedDriver(owner, plant, vehicle_type, traffic, timers, out, first_order=first_order)
+        return Driver(plant, vehicle_type, life, first_order=first_order)
+    return ReservedDriver(owner, plant, vehicle_type, traffic, life, first_order=first_order)

@@ -17,7 +17,7 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect, Ignore, Instruct, Subscribe
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import HELD_UP, LOOK, RESTED, Errand, RightOfWay, ShutOut
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
 from dray.protocol.vehicle.drivers.driver import Driver
@@ -39,22 +39,22 @@ class AloneAmongOthers:
 
     Args:
         plant: whose machines and storages may keep books.
-        out: where effects go.
+        life: its agent's.
         raise_problem: tells that the vehicle stands until a person has seen to it.
     """
 
     def __init__(
-        self, plant: Plant, out: list[Effect], raise_problem: Callable[[ProblemRaised, float], None]
+        self, plant: Plant, life: Life, raise_problem: Callable[[ProblemRaised, float], None]
     ) -> None:
         self._plant = plant
-        self._out = out
+        self._life = life
         self._raise_problem = raise_problem
         self._asked_by: set[str] = set()
 
     def fill(self, messages: dict[type[Message], Callable[..., None]]) -> None:
         """Enter what there is to see to into the vehicle's table, and listen to whoever keeps a book: where none is kept, nobody speaks."""
         messages[HoldsAsked] = messages[YieldAsked] = messages[FloorTold] = self._on_asked
-        self._out.append(Subscribe(Keys(self._plant.id).all_floors))
+        self._life.subscribe(Keys(self._plant.id).all_floors)
 
     def _on_asked(self, sender: str, _message: Message, now_s: float) -> None:
         if sender not in self._plant.machines and sender not in self._plant.stores:
@@ -62,7 +62,7 @@ class AloneAmongOthers:
         first = len(self._asked_by) < BELIEVED_BY
         self._asked_by.add(sender)
         if len(self._asked_by) >= BELIEVED_BY:
-            self._out.append(Instruct(Hold()))
+            self._life.instruct(Hold())
             if first:
                 self._raise_problem(ProblemRaised(reason=PROBLEM), now_s)
 
@@ -115,13 +115,13 @@ class TrafficHandling:
     Args:
         driver: who drives with right of way.
         owner: the vehicle.
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, driver: ReservedDriver, owner: Vehicle, out: list[Effect]) -> None:
+    def __init__(self, driver: ReservedDriver, owner: Vehicle, life: Life) -> None:
         self._driver = driver
         self._owner = owner
-        self._out = out
+        self._life = life
 
     def fill(
         self, messages: dict[type[Message], Handler], alarms: dict[str, Callable[[Any, float], None]]
@@ -148,7 +148,7 @@ class TrafficHandling:
     def _on_floor(self, sender: str, told: FloorTold, now_s: float) -> None:
         """What a keeper knows of its district: of itself it changes a way only where somebody is silent."""
         if not self._driver.surroundings.on_floor(sender, told, now_s):
-            self._out.append(Ignore(NO_NEWS))
+            self._life.ignore(NO_NEWS)
         elif any(vehicle.silent for vehicle in told.vehicles):
             self._step(lambda row: row.on_silence_told(now_s), now_s)
 
@@ -179,12 +179,12 @@ def handle_traffic(
     vehicle: Vehicle,
     driver: Driver,
     plant: Plant,
-    out: list[Effect],
+    life: Life,
     messages: dict[type[Message], Handler],
     alarms: dict[str, Callable[[Any, float], None]],
 ) -> None:
     """Enter what a vehicle does when it hears of right of way into its tables, whether it has it or not."""
     if isinstance(driver, ReservedDriver):
-        TrafficHandling(driver, vehicle, out).fill(messages, alarms)
+        TrafficHandling(driver, vehicle, life).fill(messages, alarms)
     else:
-        AloneAmongOthers(plant, out, vehicle.problems.raise_problem).fill(messages)
+        AloneAmongOthers(plant, life, vehicle.problems.raise_problem).fill(messages)

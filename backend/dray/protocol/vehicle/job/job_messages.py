@@ -10,9 +10,9 @@ import msgspec
 
 from dray.memory import Contract
 from dray.messages import Accepted, Docked, Handover, Message, Reason, Resigned, Role
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.events import Send
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.retransmission import Retransmitter
-from dray.protocol.runtime.timers import Timers
 
 ASK = "ask"
 """The alarm for asking again: for the dock, for the acceptance of a handover, to be relieved of the task."""
@@ -32,18 +32,17 @@ class JobMessages:
 
     Args:
         contract: what it is bound to.
-        timers: the vehicle's alarms; this class uses ``(ASK, task)`` and ``(CLAIM_TASK, task)``.
-        out: where effects go.
+        life: its agent's; its alarms are named ``(ASK, task)`` and ``(CLAIM_TASK, task)``.
     """
 
-    def __init__(self, contract: Contract, timers: Timers, out: list[Effect]) -> None:
+    def __init__(self, contract: Contract, life: Life) -> None:
         self._contract = contract
         self._task, self._epoch = contract.task, contract.epoch
         self._coordinator = contract.coordinator
-        self._out = out
-        self._question = Retransmitter(ASK, timers, out, most=GIVE_UP_AFTER)
+        self._life = life
+        self._question = Retransmitter(ASK, life, most=GIVE_UP_AFTER)
         """What the job waits for an answer to: its dock, its handover, or that it is given back."""
-        self._claim = Retransmitter(CLAIM_TASK, timers, out)
+        self._claim = Retransmitter(CLAIM_TASK, life)
         """What is said until the coordinator has confirmed a takeover, over all lives of the vehicle."""
 
     # --- how the contract was made ---
@@ -66,7 +65,7 @@ class JobMessages:
             number=number,
             at_s=now_s,
         )
-        self._out.append(Send(self._coordinator, accepted))
+        self._life.send(self._coordinator, accepted)
 
     @property
     def is_claiming(self) -> bool:
@@ -152,7 +151,7 @@ class JobMessages:
 
     def resign(self, reason: Reason, detail: str = "") -> None:
         """Give the contract back, once: whoever does not hear it hears no heartbeat about the task either."""
-        self._out.append(Send(self._coordinator, self._resigned(reason, detail)))
+        self._life.send(self._coordinator, self._resigned(reason, detail))
 
     def stop(self) -> None:
         """Say nothing more."""

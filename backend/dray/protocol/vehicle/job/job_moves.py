@@ -10,7 +10,7 @@ from dray.memory import Contract
 from dray.messages import THING
 from dray.plant import Plant, Routes
 from dray.protocol.contract_net.dock import dock_of
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.drivers.driver import Driver, limited_s
 
 RETRY = "retry"
@@ -27,18 +27,18 @@ class JobMoves:
         contract: says what is carried, and from where.
         plant, vehicle_type: for ways and handling times.
         driver: the vehicle's place on the lanes.
-        timers: the vehicle's alarms; this class uses `RETRY`.
+        life: its agent's; its alarms are named `RETRY`.
     """
 
     def __init__(
-        self, contract: Contract, plant: Plant, vehicle_type: str, driver: Driver, timers: Timers
+        self, contract: Contract, plant: Plant, vehicle_type: str, driver: Driver, life: Life
     ) -> None:
         self._work = contract.work
         self._source = contract.source
         self._plant = plant
         self._type = plant.vehicle_types[vehicle_type]
         self._driver = driver
-        self._timers = timers
+        self._life = life
         self._order = 0
         """The number of the newest pick or drop."""
         self._full: set[str] = set()
@@ -92,11 +92,11 @@ class JobMoves:
 
     def try_later(self, now_s: float) -> None:
         """A way or a manoeuvre has failed: another try is due after `RETRY_S`."""
-        self._timers.set(RETRY, now_s + RETRY_S)
+        self._life.alarm(RETRY, now_s + RETRY_S)
 
     def try_no_more(self) -> None:
         """No other try is wanted."""
-        self._timers.clear(RETRY)
+        self._life.cancel(RETRY)
 
     # --- how long they take ---
 

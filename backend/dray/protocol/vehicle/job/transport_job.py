@@ -36,8 +36,8 @@ from dray.messages import (
 )
 from dray.messages.fact import PhaseEntered
 from dray.plant import Plant
-from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import JobMessages
@@ -66,8 +66,7 @@ class TransportJob:
         contract: what it is bound to.
         plant, vehicle_type: for ways and handling times.
         driver: the vehicle's place on the lanes.
-        timers: the vehicle's alarms.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         due_s: when it now expects to hand over (plant clock).
@@ -77,13 +76,7 @@ class TransportJob:
     """
 
     def __init__(
-        self,
-        contract: Contract,
-        plant: Plant,
-        vehicle_type: str,
-        driver: Driver,
-        timers: Timers,
-        out: list[Effect],
+        self, contract: Contract, plant: Plant, vehicle_type: str, driver: Driver, life: Life
     ) -> None:
         self._contract = contract
         self.task = contract.task
@@ -96,10 +89,10 @@ class TransportJob:
         self.ended: Reason | None = None
         self.detail = ""
         self.number = contract.number
-        self._out = out
+        self._life = life
         self._states = JobStates(contract.phase)
-        self._moves = JobMoves(contract, plant, vehicle_type, driver, timers)
-        self._messages = JobMessages(contract, timers, out)
+        self._moves = JobMoves(contract, plant, vehicle_type, driver, life)
+        self._messages = JobMessages(contract, life)
         self._station = contract.source
         """Where it drives to, or stands."""
         self._cut_off = False
@@ -337,7 +330,7 @@ class TransportJob:
             self._messages.answered()
             self._transfer()
         else:
-            self._out.append(Ignore("an answer that nothing waits for any more"))
+            self._life.ignore("an answer that nothing waits for any more")
             return
         self._messages.heard()
 
@@ -469,7 +462,7 @@ class TransportJob:
         self._messages.answered()
         self._station, self._failed = station, 0
         fact = PhaseEntered(task=self.task, epoch=self.epoch, phase=self.phase, station=station)
-        self._out.append(Record(fact))
+        self._life.record(fact)
 
     def _carry(self, now_s: float) -> None:
         self._moves.leave(self.source, now_s)

@@ -14,7 +14,7 @@ from dray.messages import NOTHING_KNOWN, CommandRefusal, HelpWanted, Problem
 from dray.messages.fact import HelpAsked, HelpPromised
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.people.patience import room_s
-from dray.protocol.runtime.events import Effect, Record
+from dray.protocol.runtime.life import Life
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +43,11 @@ class Assistance:
     """What keeps one vehicle from going on.
 
     Args:
-        out: where effects go.
+        life: its agent's.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, life: Life) -> None:
+        self._life = life
         self.problem = ""
         """In words; empty for none."""
         self.about: Problem = NOTHING_KNOWN
@@ -87,7 +87,7 @@ class Assistance:
             fact = HelpAsked(
                 task=waiting.task, reason=self.problem, until_s=wanted.until_s, problem=self.about
             )
-            self._out.append(Record(fact))
+            self._life.record(fact)
 
     def promise(self, by: str, wait_s: float | None, now_s: float) -> CommandRefusal | None:
         """A person has promised to come.
@@ -100,7 +100,7 @@ class Assistance:
         if wait_s is None or not 0.0 < wait_s <= PROMISE_MAX_S:
             return CommandRefusal.WAIT_OUT_OF_RANGE
         self.help, self._promised_s = HelpWanted(until_s=now_s + wait_s, promised_by=by), now_s
-        self._out.append(Record(HelpPromised(until_s=self.help.until_s, promised_by=by)))
+        self._life.record(HelpPromised(until_s=self.help.until_s, promised_by=by))
         return None
 
     def not_coming(self, since_s: float) -> bool:

@@ -14,7 +14,7 @@ from dray.messages import CommandKind, CommandRefusal, Grant, OutOfService, Vehi
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.out_of_service import ServiceState
-from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.people.assistance import Assistance
@@ -28,7 +28,7 @@ class CommandHandling:
         trouble: what its sensors report, and what people promise to help with.
         driver: keeps to a speed limit.
         charging: when it charges.
-        out: where effects go.
+        life: its agent's.
     """
 
     def __init__(
@@ -37,13 +37,13 @@ class CommandHandling:
         trouble: Assistance,
         driver: Driver,
         charging: Charging,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self.assistance = trouble
         self._charging = charging
         self._driver = driver
-        self._out = out
-        self._granted = GrantedCommands[VehicleCommand](authority, self._try, self._detail, out)
+        self._life = life
+        self._granted = GrantedCommands[VehicleCommand](authority, self._try, self._detail, life)
         self.on_command = self._granted.on_command
         self.acknowledged = False
         """The present stop was acknowledged, and not resumed yet."""
@@ -114,7 +114,7 @@ class CommandHandling:
         if not self.acknowledged:
             return CommandRefusal.NOT_ACKNOWLEDGED
         self.stopped = self.acknowledged = False
-        self._out.append(Instruct(Unhold()))
+        self._life.instruct(Unhold())
         return None
 
     def _put_in(self) -> CommandRefusal | None:
@@ -125,7 +125,7 @@ class CommandHandling:
     def stop(self) -> None:
         """Stand until somebody has acknowledged the reason, and resumes."""
         self.stopped, self.acknowledged = True, False
-        self._out.append(Instruct(Hold()))
+        self._life.instruct(Hold())
 
     def _limit_speed(self, speed_frac: float | None) -> CommandRefusal | None:
         if speed_frac is None or not 0.0 < speed_frac <= 1.0:

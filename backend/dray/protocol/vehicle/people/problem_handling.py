@@ -14,8 +14,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_for_people
-from dray.protocol.runtime.events import Effect, Publish, Subscribe
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.people.command_handling import CommandHandling
@@ -30,9 +29,6 @@ class Owner(Protocol):
     @property
     def link(self) -> Link:
         """By which it speaks."""
-
-    def commit(self) -> None:
-        """Write what the next life must know into the journal."""
 
     def end_trouble(self, now_s: float) -> None:
         """End one reason to stand; drive on when no other is left."""
@@ -92,8 +88,7 @@ class ProblemHandling:
         driver: of the vehicle.
         contracts: of the vehicle.
         commands: what people have told it, and what it asks them for.
-        timers: its alarms.
-        out: where effects go.
+        life: its agent's.
 
     Attributes:
         messages: by the type of a message, what to call with (sender, message, now_s).
@@ -108,18 +103,16 @@ class ProblemHandling:
         driver: Driver,
         contracts: Contracts,
         commands: CommandHandling,
-        timers: Timers,
-        out: list[Effect],
+        life: Life,
     ) -> None:
         self._owner = owner
         self._keys = Keys(plant.id)
         self._contracts = contracts
         self._commands = commands
         self._assistance = commands.assistance
-        self._timers = timers
-        self._out = out
+        self._life = life
         self._experience = Experience()
-        self._calls = calls = HelpCalls(_Caller(owner, driver), plant, timers, out, self._not_coming)
+        self._calls = calls = HelpCalls(_Caller(owner, driver), plant, life, self._not_coming)
         self._since_s = self._comes_after_s = 0.0
         self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
             ProblemEnded: self._on_ended,
@@ -136,7 +129,7 @@ class ProblemHandling:
 
     def start(self, state: VehicleState, now_s: float) -> None:
         """Go on with what the body knows, and listen."""
-        self._out.append(Subscribe(self._keys.all_problems))
+        self._life.subscribe(self._keys.all_problems)
         self._calls.listen()
         self._assistance.problem, self._assistance.about = state.problem, state.about_problem
         self._since_s = now_s
@@ -148,7 +141,7 @@ class ProblemHandling:
             self._since_s, self._comes_after_s = now_s, self._calls.comes_after_s(now_s)
         assistance.problem, assistance.about = report.reason, report.problem
         if self._commands.take_back():
-            self._owner.commit()
+            self._life.commit()
         job = self._contracts.job
         if job is not None:
             usual_s = self._experience.usual_s(report.problem, now_s, self._comes_after_s)
@@ -160,7 +153,7 @@ class ProblemHandling:
     def note_doubled(self, now_s: float) -> None:
         """Somebody else speaks under its name: stop until a person has seen to it, and that one has been quiet for a while."""
         self._commands.stop()
-        self._timers.set(DOUBLED, now_s + DOUBLED_S)
+        self._life.alarm(DOUBLED, now_s + DOUBLED_S)
         self.raise_problem(ProblemRaised(reason=DOUBLED), now_s)
 
     def update_call(self, now_s: float) -> None:
@@ -200,7 +193,7 @@ class ProblemHandling:
             if not (self._comes_after_s and waits_for_people(assistance.about)):
                 self._experience.note(ended, "", now_s)
                 if self._owner.link is Link.WLAN and assistance.about != NOTHING_KNOWN:
-                    self._out.append(Publish(self._keys.problem(self._owner.id), ended))
+                    self._life.publish(self._keys.problem(self._owner.id), ended)
         assistance.problem, assistance.about = "", NOTHING_KNOWN
         self._owner.end_trouble(now_s)
         self._owner.update_status(now_s, "problem cleared")
