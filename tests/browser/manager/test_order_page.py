@@ -249,23 +249,23 @@ CLOCKS_OVERLAP = """() => {
 """Whether the clock of one moment lies over that of the next."""
 
 
-@pytest.mark.parametrize("width", WIDTHS_PX)
-@pytest.mark.parametrize("theme", THEMES)
-def test_the_page_fits(
-    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot, width: int, theme: str
-) -> None:
-    page = open_page(factory, viewport={"width": width, "height": 900}, color_scheme=theme)
-    publish(
-        page, "A customer whose name is long enough for two lines on a telephone", f"PO-{width}-{theme}", 10
-    )
-    quiet.advance(10.0)
-    page.goto(f"{factory}/#orders")
-    page.get_by_role("link", name=f"PO-{width}-{theme}").click()
-    expect(page.locator(".lane-goal").first).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    assert page.evaluate("document.querySelector('.order-page').scrollWidth <= innerWidth")
-    assert not page.evaluate(CLOCKS_OVERLAP)
-    screenshot(page, f"order-page-{width}-{theme}")
+def test_the_page_fits(quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot) -> None:
+    page = open_page(factory)
+    for width in WIDTHS_PX:
+        page.set_viewport_size({"width": width, "height": 900})
+        page.goto(f"{factory}/#plant")
+        publish(page, "A customer whose name is long enough for two lines on a telephone", f"PO-{width}", 10)
+        quiet.advance(10.0)
+        for theme in THEMES:
+            page.emulate_media(color_scheme=theme)
+            # It is drawn anew for each.
+            page.goto(f"{factory}/#orders")
+            page.get_by_role("link", name=f"PO-{width}").click()
+            expect(page.locator(".lane-goal").first).to_be_visible()
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+            assert page.evaluate("document.querySelector('.order-page').scrollWidth <= innerWidth"), width
+            assert not page.evaluate(CLOCKS_OVERLAP), width
+            screenshot(page, f"order-page-{width}-{theme}")
 
 
 def test_an_alert_about_an_order_leads_to_its_page(
