@@ -26,6 +26,7 @@ from dray.gateway.live.replay.reader import FilmView, OverviewView, ReplayReader
 from dray.gateway.live.replay.recorder import Mark
 from dray.gateway.live.views import FactoryView
 from dray.gateway.live.views.base import View
+from dray.gateway.live.visibility import goal_alias
 from dray.gateway.orders.drafts import Moment
 from dray.gateway.routes.history.events import Words
 from dray.store import Store
@@ -201,11 +202,15 @@ async def get_overview(
 async def get_knowledge(
     replay: Provided[ReplayReader],
     store: Provided[Store],
+    caller: Caller,
     now_s: Now,
     agent: str,
     at: Moment | None = None,
 ) -> Json:
-    """What an agent knew at a moment of its transports, beside what had really happened by then; now without a moment."""
+    """What an agent knew at a moment of its transports, beside what had really happened by then; now without a moment.
+
+    Without `orders:read` goals have other names, as in `GET /api/events`.
+    """
     at_s = now_s if at is None else at.timestamp()
     picture = await replay.picture_now(now_s) if at is None else await replay.picture(at_s)
     if picture is None:
@@ -216,7 +221,11 @@ async def get_knowledge(
     async with store.read() as work:
         kinds = tuple(kind.__name__ for kind in TELLING)
         rows = await work.events.of_tasks(tuple(roles), kinds, EVENTS_MOST)
-    return Json(knowledge(picture, agent, at_s, roles, rows))
+    known = knowledge(picture, agent, at_s, roles, rows)
+    if not caller.may(Scope.ORDERS_READ):
+        items = tuple(msgspec.structs.replace(each, task=goal_alias(each.task)) for each in known.items)
+        known = msgspec.structs.replace(known, items=items)
+    return Json(known)
 
 
 @router.get("/spells", responses={200: described(SpellsView, "What they did")}, response_class=Json)
