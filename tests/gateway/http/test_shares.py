@@ -166,9 +166,9 @@ async def test_recurring_work_belongs_to_who_has_said_last_what_is_done(house: H
 
     await look(house, SIX_S)
     assert await seen() == 1
-    # Another moment is no other work: it is the button's still.
+    # Another name and the same work are no other work: it is the button's still.
     path = f"/api/schedules/{begun.json()['id']}"
-    same, other = {"calendar": "0 6,7 * * *", "transport": BRING}, {"transport": BRING | {"quantity": 20}}
+    same, other = {"name": "Shafts again", "transport": BRING}, {"transport": BRING | {"quantity": 20}}
     for change, more in ((same, 1), (other, 0)):
         at_s, before = house.wall.now_s, await seen()
         answer = await house.client.patch(path, json=change, headers={"If-Match": "*"})
@@ -179,6 +179,30 @@ async def test_recurring_work_belongs_to_who_has_said_last_what_is_done(house: H
     assert len(transports) == 3
     [anothers] = [each["id"] for each in transports if each["quantity"] == 20]
     assert (await button.post(f"/api/transports/{anothers}/cancel")).status_code == 404
+
+
+@pytest.mark.parametrize(
+    "oftener", [{"calendar": "0,30 6 * * *"}, {"time_zone": "Europe/London"}, {"holidays": ["2030-12-25"]}]
+)
+async def test_who_lets_anothers_recurring_work_come_oftener_uses_its_own_share(
+    house: House, monkeypatch: pytest.MonkeyPatch, oftener: dict[str, Any]
+) -> None:
+    monkeypatch.setattr("dray.gateway.orders.transports.OPEN_MAX", 8)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.TRANSPORTS_CALL)
+    button = house.visitor(**header)
+    begun = await button.post("/api/schedules", json=SCHEDULE)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
+    path = f"/api/schedules/{begun.json()['id']}"
+    answer = await house.visitor(**header).patch(path, json=oftener, headers={"If-Match": "*"})
+    assert answer.status_code == 200, answer.text
+    for day in range(3):
+        for hour_s in (0.0, 3600.0):
+            await look(house, SIX_S + day * DAY_S + hour_s)
+    # The one that it was has its whole share.
+    for _ in range(2):
+        called = await button.post("/api/transports", json={"to": "M8", "item": "shaft", "quantity": 1})
+        assert called.status_code == 201, called.text
+    assert len((await house.get("/api/transports"))["items"]) == 4
 
 
 async def test_who_takes_on_recurring_work_has_its_share_of_that(
