@@ -28,7 +28,7 @@ CARDS = """() => [...document.querySelectorAll(".station, .vehicle, .duty, .plac
     .map(({left, right}) => [Math.round(left), Math.round(right)])"""
 """Left and right of each card."""
 
-OF_ITS_OWN = (".duty", ".place .map canvas", ".station .stock li >> nth=0")
+OF_ITS_OWN = (".duty", ".place .map canvas", ".station .stock li")
 """What is shown once an answer of its own is there, which may come after the vehicles."""
 
 CUT = """all => all.filter(each => each.scrollWidth > each.clientWidth).map(each => each.textContent)"""
@@ -51,7 +51,7 @@ def all_there(page: Page) -> None:
     """Wait until each card stands that this page has: what is measured afterwards is measured at once."""
     expect(page.locator(".vehicle")).to_have_count(len(IN_AREA))
     for part in OF_ITS_OWN:
-        expect(page.locator(part)).to_be_visible()
+        expect(page.locator(part).first).to_be_visible()
 
 
 @pytest.fixture
