@@ -4,8 +4,6 @@ import { carryAway, putBack } from "../api/client";
 import type { AtvView, PlantFile } from "../api/types";
 import { freePlaces } from "../plant/free-places";
 import { isLost } from "../plant/silence";
-import { isPast } from "../stream/freshness";
-import { freshness } from "../stream/stream";
 import { format, t } from "../text";
 import { factoryTime } from "../text/plant-time";
 
@@ -26,8 +24,6 @@ export function Carrying(props: Props) {
   const busy = useSignal(false);
   const failed = useSignal("");
   if (atv.shut_out || !isLost(atv, nowS, speed) || (!atv.removal && atv.holds.length === 0)) return null;
-  // Nobody would hear of it.
-  const isCutOff = isPast(freshness.value);
   const act = (doing: Promise<void>): void => {
     busy.value = true;
     failed.value = "";
@@ -41,7 +37,7 @@ export function Carrying(props: Props) {
   };
   return (
     <div class="carrying">
-      {atv.removal ? <Back {...props} act={act} busy={busy.value || isCutOff} /> : <Away {...props} act={act} busy={busy.value || isCutOff} />}
+      {atv.removal ? <Back {...props} act={act} busy={busy.value} /> : <Away {...props} act={act} busy={busy.value} />}
       {failed.value !== "" && <p role="alert">{failed.value}</p>}
     </div>
   );
