@@ -1,4 +1,4 @@
-import { batch, type Signal, useSignal, useSignalEffect } from "@preact/signals";
+import { batch, type ReadonlySignal, type Signal, untracked, useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { problemText } from "./problem-text";
 
@@ -18,37 +18,42 @@ export function useRefreshed<T>(ask: () => Promise<T>, everyMs: number): Refresh
   const answer = useSignal<T | null>(null);
   const failed = useSignal<string | null>(null);
   const turn = useSignal(0);
-  const turnBefore = useRef(0);
-  useSignalEffect(() => refreshing(ask, everyMs, { answer, failed, turn, turnBefore }));
+  const question = useComputed(ask);
+  const questionBefore = useRef<Promise<T> | null>(null);
+  useSignalEffect(() => refreshing(ask, everyMs, { answer, failed, question, questionBefore, turn }));
   return { answer, failed, again: () => (turn.value = turn.peek() + 1) };
 }
 
 interface Told<T> extends Pick<Refreshed<T>, "answer" | "failed"> {
+  /** The first answer to a question: another promise for another question, whenever a signal changes that `ask` reads. */
+  readonly question: ReadonlySignal<Promise<T>>;
+  readonly questionBefore: { current: Promise<T> | null };
   /** Counts how often somebody asked at once. */
   readonly turn: Signal<number>;
-  readonly turnBefore: { current: number };
 }
 
-/** Asks, as an effect: again after a while, and anew when a signal changes that `ask` reads. Returns what ends it. */
-export function refreshing<T>(ask: () => Promise<T>, everyMs: number, { answer, failed, turn, turnBefore }: Told<T>): () => void {
+/** Asks, as an effect: again after a while, at the next turn, and anew when the question is another one. Returns what ends it. */
+export function refreshing<T>(ask: () => Promise<T>, everyMs: number, { answer, failed, question, questionBefore, turn }: Told<T>): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const mine = turn.value;
   let shown = true;
   /** Another question may be asked by the time that this one is answered. */
   const isAsked = (): boolean => shown && mine === turn.peek();
-  const refresh = async (): Promise<void> => {
+  const refresh = async (coming: Promise<T>): Promise<void> => {
     try {
-      const found = await ask();
+      const found = await coming;
       if (isAsked()) batch(() => ([answer.value, failed.value] = [found, null]));
     } catch (error) {
       if (isAsked()) failed.value = problemText(error);
     }
-    if (shown) timer = setTimeout(() => void refresh(), everyMs);
+    if (shown) timer = setTimeout(() => void refresh(ask()), everyMs);
   };
+  const first = question.value;
+  const isAnother = first !== questionBefore.current;
+  questionBefore.current = first;
   // Why another question had no answer says nothing of this one; of the same one, asked at once, it does.
-  if (mine === turnBefore.current) failed.value = null;
-  turnBefore.current = mine;
-  void refresh();
+  if (isAnother) failed.value = null;
+  void refresh(isAnother ? first : untracked(ask));
   return () => {
     shown = false;
     clearTimeout(timer);
