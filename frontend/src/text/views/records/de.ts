@@ -133,7 +133,7 @@ export const records: Catalogue<typeof en> = {
   "audit.of.ability": "sein Fahrzeug trägt",
   "audit.of.vehicle_only": "nur dieses Fahrzeug",
   "audit.of.vehicle": "Fahrzeug",
-  "audit.of.reference": "Referenz",
+  "audit.of.reference": "Zeichen",
   "audit.of.items": "Posten",
   "audit.of.product": "Produkt",
   "audit.of.areas": "Bereiche",
