@@ -9,6 +9,7 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 from playwright.sync_api import Page
 from playwright.sync_api import TimeoutError as NeverShown
@@ -26,6 +27,10 @@ ELEMENTS_SHOWN = 3
 """Of the elements that break one rule: enough to see what they have in common."""
 
 
+AUDITED: WeakSet[Page] = WeakSet()
+"""Pages that have been looked at in some state of theirs."""
+
+
 @cache
 def _axe() -> str:
     return AXE.read_text(encoding="utf-8")
@@ -33,6 +38,7 @@ def _axe() -> str:
 
 def violations(page: Page) -> list[str]:
     """What the page, as it is now, breaks: one line per rule, with the first elements that do."""
+    AUDITED.add(page)
     _wait_until_shown(page)
     # Half a megabyte of script: once per page is enough.
     if not page.evaluate("'axe' in window"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from urllib.parse import urlsplit
 
-from accessibility import violations
+from accessibility import AUDITED, violations
 from playwright.sync_api import ConsoleMessage, Page, Request, WebSocket
 
 GIVEN_UP = "WebSocket is closed before the connection is established"
@@ -17,7 +17,6 @@ class Complaints(list[str]):
         super().__init__()
         self.without_script: list[Page] = []
         """There is nothing to run axe in; such pages are audited with their scripts."""
-        self._audited: list[Page] = []
 
     def watch(self, page: Page) -> None:
         page.on("console", self._console)
@@ -28,13 +27,12 @@ class Complaints(list[str]):
 
     def audit(self, page: Page) -> None:
         """Add what the page breaks of WCAG 2.2 AA as it is now."""
-        self._audited.append(page)
         if page not in self.without_script and not page.is_closed() and page.url != "about:blank":
             self.extend(violations(page))
 
     def audit_once(self, page: Page) -> None:
         """Audit it, unless that has been done in some state of it."""
-        if page not in self._audited:
+        if page not in AUDITED:
             self.audit(page)
 
     def _console(self, message: ConsoleMessage) -> None:

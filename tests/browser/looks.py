@@ -10,7 +10,9 @@ from variants import in_campaigns
 
 LOCALES = {"en": "en-GB", "de": "de-DE", "es": "es-ES"}
 
-THEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+Theme = Literal["light", "dark"]
+
+THEMES: tuple[Theme, ...] = ("light", "dark")
 
 WIDTHS_PX = (390, 800, 1024, 1440, 2560)
 """A telephone, a tablet upright and lying, a laptop, and a wall."""

@@ -47,13 +47,20 @@ class GoingWall(Wall):
         return self.now_s + time.monotonic() - self._begun_s
 
 
-def as_manager(house: OpenHouse, open_page: OpenPage, **look: object) -> Page:
+def as_manager(
+    house: OpenHouse,
+    open_page: OpenPage,
+    *,
+    before: Callable[[Page], None] = lambda _page: None,
+    **look: object,
+) -> Page:
     async def session(inside: House) -> str:
         return (await inside.log_in("manager")).cookies["dray_session"]
 
     page = open_page("about:blank", who=None, **look)
     cookie = {"name": "dray_session", "value": house.do(session), "url": house.url}
     page.context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])
+    before(page)
     page.goto(house.url)
     return page
 

@@ -58,7 +58,7 @@ class Walk(TransportsRig):
                 loaded=restored == "loaded",
             )
             self.transports._open.clear()
-            self.timers.clear(("primary auction", "T1"))
+            self.life.cancel(("primary auction", "T1"))
             self.transports.restore(memory, self.now_s)
 
     def open_work(self) -> OpenTask:

@@ -1,4 +1,4 @@
-import { effect, signal } from "@preact/signals";
+import { batch, effect, signal } from "@preact/signals";
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { refreshing } from "./refreshed";
 
@@ -13,7 +13,7 @@ function view() {
     const said = about.value;
     return new Promise((answerIt, failIt) => open.push({ about: said, answer: answerIt, fail: failIt }));
   };
-  const told = { answer, failed, turn, turnBefore: { current: 0 } };
+  const told = { answer, failed, turn };
   const leave = effect(() => refreshing(ask, EVERY_MS, told));
   return { about, answer, failed, leave, open, turn };
 }
@@ -70,5 +70,25 @@ describe("an answer that is asked for again and again", () => {
     expect([failed.value, open.length]).toEqual(["refused", 2]);
     about.value = "tasks";
     expect(failed.value).toBeNull();
+  });
+
+  test.each(["the question", "the turn"])("does not have the fault of the question before it when both change at once, %s first", async (first) => {
+    const { about, failed, open, turn } = view();
+    open[0]?.fail("refused");
+    await passed();
+    const changes = [() => { about.value = "tasks"; }, () => { turn.value++; }];
+    batch(() => { for (const change of first === "the turn" ? changes.reverse() : changes) change(); });
+    expect([failed.value, open.at(-1)?.about]).toEqual([null, "tasks"]);
+  });
+
+  test("is asked for at each turn, and only what the last one finds is shown", async () => {
+    const { answer, open, turn } = view();
+    turn.value++;
+    turn.value++;
+    expect(open.map((each) => each.about)).toEqual(["orders", "orders", "orders"]);
+    open[2]?.answer("three");
+    open[0]?.answer("one");
+    await passed();
+    expect(answer.value).toBe("three");
   });
 });

@@ -1,5 +1,4 @@
-import { batch, type Signal, useSignal, useSignalEffect } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { batch, effect, type Signal, untracked, useSignal, useSignalEffect } from "@preact/signals";
 import { problemText } from "./problem-text";
 
 export interface Refreshed<T> {
@@ -18,39 +17,45 @@ export function useRefreshed<T>(ask: () => Promise<T>, everyMs: number): Refresh
   const answer = useSignal<T | null>(null);
   const failed = useSignal<string | null>(null);
   const turn = useSignal(0);
-  const turnBefore = useRef(0);
-  useSignalEffect(() => refreshing(ask, everyMs, { answer, failed, turn, turnBefore }));
+  useSignalEffect(() => refreshing(ask, everyMs, { answer, failed, turn }));
   return { answer, failed, again: () => (turn.value = turn.peek() + 1) };
 }
 
 interface Told<T> extends Pick<Refreshed<T>, "answer" | "failed"> {
   /** Counts how often somebody asked at once. */
   readonly turn: Signal<number>;
-  readonly turnBefore: { current: number };
 }
 
-/** Asks, as an effect: again after a while, and anew when a signal changes that `ask` reads. Returns what ends it. */
-export function refreshing<T>(ask: () => Promise<T>, everyMs: number, { answer, failed, turn, turnBefore }: Told<T>): () => void {
+/** Asks one question, as an effect that runs anew when a signal changes that `ask` reads: at once, again after a while, and at every turn. Returns what ends it. */
+export function refreshing<T>(ask: () => Promise<T>, everyMs: number, { answer, failed, turn }: Told<T>): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  const mine = turn.value;
   let shown = true;
-  /** Another question may be asked by the time that this one is answered. */
-  const isAsked = (): boolean => shown && mine === turn.peek();
+  let asked = 0;
   const refresh = async (): Promise<void> => {
+    clearTimeout(timer);
+    const mine = ++asked;
+    /** Another question may be asked by the time that this one is answered. */
+    const isAsked = (): boolean => shown && mine === asked;
     try {
       const found = await ask();
       if (isAsked()) batch(() => ([answer.value, failed.value] = [found, null]));
     } catch (error) {
       if (isAsked()) failed.value = problemText(error);
     }
-    if (shown) timer = setTimeout(() => void refresh(), everyMs);
+    if (isAsked()) timer = setTimeout(() => void refresh(), everyMs);
   };
   // Why another question had no answer says nothing of this one; of the same one, asked at once, it does.
-  if (mine === turnBefore.current) failed.value = null;
-  turnBefore.current = mine;
+  failed.value = null;
   void refresh();
+  let turnBefore = turn.peek();
+  const leaveTurns = effect(() => {
+    if (turn.value === turnBefore) return;
+    turnBefore = turn.value;
+    untracked(() => void refresh());
+  });
   return () => {
     shown = false;
+    leaveTurns();
     clearTimeout(timer);
   };
 }

@@ -4,8 +4,8 @@ next to nothing."""
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterable
-from contextlib import closing, suppress
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager, closing, suppress
 from functools import partial
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from dray.adapters.security import seals
 from dray.adapters.security.identity import Identity
 from dray.adapters.security.letters import Letters, Place
 from dray.adapters.zenoh import bus as bus_module
-from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
+from dray.adapters.zenoh.bus import UNSEALED, ZenohBus, ZenohSession
 from dray.adapters.zenoh.shares import AT_ONCE_S, SAID_PER_S, TALKATIVE, Shares, ShareSpentError
 from dray.adapters.zenoh.stamp import Stamp, Tally, write_stamp
 from dray.codec import encode
@@ -128,16 +128,22 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> list[Place]:
     return found
 
 
+@asynccontextmanager
+async def written_to(tmp_path: Path) -> AsyncIterator[tuple[Row, ZenohBus, ZenohSession, list[str]]]:
+    """Two computers: that of M1, which is written to, and ATV9's session on the other; and who M1 has heard."""
+    folder = issued(tmp_path, KINDS)
+    with closing(Row(2, identities=[Identity.in_folder(folder, name) for name in ("M1", "ATV9")])) as row:
+        machine, other = row.buses
+        heard: list[str] = []
+        machine.join("M1", lambda sender, _message: heard.append(sender))
+        speaker = other.join("ATV9", lambda *_: None)
+        await row.settle()
+        yield row, machine, speaker, heard
+
+
 def test_letters_of_an_agent_that_is_shut_out_are_not_opened(tmp_path: Path, opened: list[Place]) -> None:
     async def main() -> None:
-        folder = issued(tmp_path, KINDS)
-        row = Row(2, identities=[Identity.in_folder(folder, name) for name in ("M1", "ATV9")])
-        with closing(row):
-            machine, talkative = row.buses
-            heard: list[str] = []
-            machine.join("M1", lambda sender, _message: heard.append(sender))
-            speaker = talkative.join("ATV9", lambda *_: None)
-            await row.settle()
+        async with written_to(tmp_path) as (row, machine, speaker, heard):
             speaker.send("M1", LETTER)
             await row.settle()
             assert heard == ["ATV9"]
@@ -160,14 +166,7 @@ def test_letters_of_an_agent_that_writes_too_many_are_not_opened(
     share = round(SAID_PER_S * AT_ONCE_S) + 1
 
     async def main() -> None:
-        folder = issued(tmp_path, KINDS)
-        row = Row(2, identities=[Identity.in_folder(folder, name) for name in ("M1", "ATV9")])
-        with closing(row):
-            machine, talkative = row.buses
-            heard: list[str] = []
-            machine.join("M1", lambda sender, _message: heard.append(sender))
-            speaker = talkative.join("ATV9", lambda *_: None)
-            await row.settle()
+        async with written_to(tmp_path) as (row, machine, speaker, heard):
             for number in range(1, share + MANY + 1):
                 speaker.send("M1", LETTER)
                 if number % 100 == 0:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from complaints import Complaints
 from looks import LOCALES, THEMES, WIDTHS_PX, in_every_look
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -122,6 +122,36 @@ def test_many_orders_are_cancelled_at_once_and_each_is_in_the_audit_log(
     assert sorted(order["reference"] for order in cancelled) == ["PO-011", "PO-012", "PO-013"]
     told = factory.ask("/api/audit?action=order.cancel")["items"]
     assert {line["target"] for line in told} == {order["id"] for order in cancelled}
+
+
+def test_why_an_order_was_refused_is_told_also_when_its_row_is_gone(
+    factory: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+) -> None:
+    page = open_page(f"{factory.url}/#orders?status=stored&q=PO-10&sort=reference")
+    rows = page.locator("tbody tr")
+    expect(rows).to_have_count(10)
+    gone = next(each["id"] for each in factory.ask("/api/orders?q=PO-104")["items"])
+
+    def cancel_first(route: Route) -> None:
+        """Somebody else is quicker."""
+        if gone in route.request.url:
+            factory.ask(f"/api/orders/{gone}/cancel", {})
+        route.continue_()
+
+    page.route("**/api/orders/*/release", cancel_first)
+    for name in ("PO-104", "PO-105"):
+        page.get_by_role("checkbox", name=f"Tick order {name}").check()
+    bar = page.get_by_role("region", name="What to do with the ticked orders")
+    bar.get_by_role("button", name="Publish 2").click()
+    expect(rows).to_have_count(8)
+    expect(bar.get_by_role("alert")).to_contain_text("Order PO-104: ")
+    screenshot(page, "orders-refused")
+    bar.get_by_role("button", name="Tick none").click()
+    expect(bar).to_have_count(0)
+    # The browser tells of each refusal by itself.
+    page.goto("about:blank")
+    assert all("status of 409" in each for each in complaints)
+    complaints.clear()
 
 
 def test_tasks_of_all_history_are_found_by_their_order(

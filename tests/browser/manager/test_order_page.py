@@ -12,7 +12,7 @@ import pytest
 from complaints import Complaints
 from looks import THEMES, WIDTHS_PX
 from manager_kit import iso, kept_moment
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -241,6 +241,57 @@ def test_it_prints_light_from_the_dark_theme_and_without_what_can_be_clicked(
     page.screenshot(path=ROOT / "artifacts/screenshots/order-paper.png", full_page=True)
 
 
+def test_whom_a_change_would_let_wait_is_a_way_to_that_order(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    passed = place(quiet, "PO-PASSED", 10, 200.0)
+    order = place(quiet, "PO-PASSING", 10, 3600.0)
+    page = open_page(f"{factory}/#orders/{order}", viewport={"width": 1440, "height": 900})
+    form = page.locator(".order-change")
+    form.get_by_label("Priority").select_option("urgent")
+    expect(form).to_contain_text("It would pass")
+    screenshot(page, "order-passing")
+    form.get_by_role("link", name="PO-PASSED").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("PO-PASSED")
+    for each in (passed, order):
+        quiet.ask(f"/api/orders/{each}/cancel", {})
+
+
+PRINTED = """addEventListener("afterprint", () => {
+    window.printed = [".order-moments li", ".order-estimates li"].map(rows => document.querySelectorAll(rows).length);
+});"""
+"""How many rows stood on the page that was printed."""
+
+
+def test_on_paper_nothing_waits_for_a_click(quiet: Any, factory: str, open_page: OpenPage) -> None:
+    order = place(quiet, "PO-EVENTS", 10, 3600.0)
+    path = f"/api/orders/{order}/timeline"
+    quiet.advance_until(lambda: (told := quiet.ask(path))["moments"] and told["estimates"])
+
+    def tell_more(route: Route) -> None:
+        """As of an order of which much is told."""
+        answer = route.fetch()
+        story = answer.json()
+        [moment, *_], [estimate, *_] = story["moments"], story["estimates"]
+        story["moments"] = [moment | {"at_s": moment["at_s"] + n} for n in range(100)]
+        story["estimates"] = [estimate] + [
+            estimate | {"at_s": estimate["at_s"] + n, "cause": "moved"} for n in range(1, 10)
+        ]
+        route.fulfill(response=answer, json=story)
+
+    page = open_page("about:blank", visits=factory)
+    page.add_init_script(PRINTED)
+    page.route(f"**{path}", tell_more)
+    page.goto(f"{factory}/#orders/{order}")
+    events, moves = page.locator(".order-moments li"), page.locator(".order-estimates li")
+    expect(events).to_have_count(40)
+    expect(moves).to_have_count(5)
+    page.pdf(format="A4")
+    assert page.evaluate("window.printed") == [100, 9]
+    expect(events).to_have_count(40)
+    expect(moves).to_have_count(5)
+
+
 CLOCKS_OVERLAP = """() => {
     const clocks = [...document.querySelectorAll(".lane-tick")].filter((each) => getComputedStyle(each).visibility === "visible");
     const boxes = clocks.map((each) => each.getBoundingClientRect());
@@ -249,23 +300,23 @@ CLOCKS_OVERLAP = """() => {
 """Whether the clock of one moment lies over that of the next."""
 
 
-@pytest.mark.parametrize("width", WIDTHS_PX)
-@pytest.mark.parametrize("theme", THEMES)
-def test_the_page_fits(
-    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot, width: int, theme: str
-) -> None:
-    page = open_page(factory, viewport={"width": width, "height": 900}, color_scheme=theme)
-    publish(
-        page, "A customer whose name is long enough for two lines on a telephone", f"PO-{width}-{theme}", 10
-    )
-    quiet.advance(10.0)
-    page.goto(f"{factory}/#orders")
-    page.get_by_role("link", name=f"PO-{width}-{theme}").click()
-    expect(page.locator(".lane-goal").first).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    assert page.evaluate("document.querySelector('.order-page').scrollWidth <= innerWidth")
-    assert not page.evaluate(CLOCKS_OVERLAP)
-    screenshot(page, f"order-page-{width}-{theme}")
+def test_the_page_fits(quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot) -> None:
+    page = open_page(factory)
+    for width in WIDTHS_PX:
+        page.set_viewport_size({"width": width, "height": 900})
+        page.goto(f"{factory}/#plant")
+        publish(page, "A customer whose name is long enough for two lines on a telephone", f"PO-{width}", 10)
+        quiet.advance(10.0)
+        for theme in THEMES:
+            page.emulate_media(color_scheme=theme)
+            # It is drawn anew for each.
+            page.goto(f"{factory}/#orders")
+            page.get_by_role("link", name=f"PO-{width}").click()
+            expect(page.locator(".lane-goal").first).to_be_visible()
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+            assert page.evaluate("document.querySelector('.order-page').scrollWidth <= innerWidth"), width
+            assert not page.evaluate(CLOCKS_OVERLAP), width
+            screenshot(page, f"order-page-{width}-{theme}")
 
 
 def test_an_alert_about_an_order_leads_to_its_page(

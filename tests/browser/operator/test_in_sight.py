@@ -15,6 +15,9 @@ from tablet_kit import IN_AREA, LYING, PHONE, UPRIGHT, Enter, card, stop_of
 
 Screenshot = Callable[..., Path]
 
+PARTS = 3
+"""The station, the map and the line of duty, beside the vehicles."""
+
 TO_THE_END = (
     """() => document.querySelectorAll("main, html").forEach(each => each.scrollTo(0, each.scrollHeight))"""
 )
@@ -24,6 +27,9 @@ CARDS = """() => [...document.querySelectorAll(".station, .vehicle, .duty, .plac
     .map(each => each.getBoundingClientRect())
     .map(({left, right}) => [Math.round(left), Math.round(right)])"""
 """Left and right of each card."""
+
+OF_ITS_OWN = (".duty", ".place .map canvas", ".station .stock li")
+"""What is shown once an answer of its own is there, which may come after the vehicles."""
 
 CUT = """all => all.filter(each => each.scrollWidth > each.clientWidth).map(each => each.textContent)"""
 
@@ -41,6 +47,13 @@ LINE_PX = 96.0
 """A button for a finger in a glove, and what is around it."""
 
 
+def all_there(page: Page) -> None:
+    """Wait until each card stands that this page has: what is measured afterwards is measured at once."""
+    expect(page.locator(".vehicle")).to_have_count(len(IN_AREA))
+    for part in OF_ITS_OWN:
+        expect(page.locator(part).first).to_be_visible()
+
+
 @pytest.fixture
 def house(sqlite_url: str) -> Iterator[OpenHouse]:
     """A gateway at which people can be on duty."""
@@ -52,12 +65,12 @@ def test_on_a_phone_stop_stays_in_sight_and_all_else_is_one_column(
     vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
 ) -> None:
     page = enter(viewport=PHONE)
-    expect(page.locator(".vehicle")).to_have_count(len(IN_AREA))
+    all_there(page)
     material = page.locator(".station .stock li > :first-child")
     expect(material).to_have_text(["Housing", "Shaft"])
     assert material.evaluate_all(CUT) == []
     edges = page.evaluate(CARDS)
-    assert len(edges) >= 3 + len(IN_AREA)
+    assert len(edges) == PARTS + len(IN_AREA)
     assert len({tuple(each) for each in edges}) == 1, edges
     assert 0 <= edges[0][0] < edges[0][1] <= PHONE["width"]
     screenshot(page, "in-sight-phone")
@@ -71,10 +84,13 @@ def test_on_a_tablet_vehicles_and_material_stand_above_the_fold_and_duty_is_a_li
     vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
 ) -> None:
     page = enter(viewport=LYING)
+    all_there(page)
     for vehicle in vehicles:
         expect(card(page, vehicle).get_by_role("heading")).to_be_in_viewport(ratio=1)
         expect(card(page, vehicle).locator(".steps button").last).to_be_in_viewport(ratio=1)
-    for row in page.locator(".station .stock li").all():
+    rows = page.locator(".station .stock li").all()
+    assert len(rows) >= 2
+    for row in rows:
         expect(row).to_be_in_viewport(ratio=1)
     duty = page.locator(".duty").bounding_box()
     assert duty is not None
@@ -93,6 +109,7 @@ def test_a_call_stays_in_sight_is_heard_and_named_by_the_tab(
 ) -> None:
     calling = vehicle_calls(house, vehicles["ATV2"])
     page: Page = enter(viewport=size, before=lambda page: page.add_init_script(TONES))
+    all_there(page)
     on = page.locator(".duty-choices button").first
     on.tap()
     expect(on).to_have_attribute("aria-pressed", "true")

@@ -34,6 +34,9 @@ TOUCH_AT_ONCE = """new Promise(done => {
 """A finger that is down in the very moment in which a card has moved up."""
 
 
+IS_WHOLE = "h1 => h1.scrollWidth <= h1.clientWidth && h1.scrollHeight <= h1.clientHeight"
+
+
 def drive(vehicle: Puppet, place: tuple[float, float]) -> Callable[[House], None]:
     async def say(_house: House) -> None:
         vehicle.x_m, vehicle.y_m = place
@@ -99,17 +102,14 @@ def test_who_joins_is_below_those_who_are_there(
     expect(page.locator(".vehicle h2")).to_have_text(["ATV2", "ATV6", "ATV1"])
 
 
-@pytest.mark.parametrize("size", [PHONE, UPRIGHT, LYING])
 def test_the_stations_name_is_whole(
-    house: OpenHouse,
-    vehicles: dict[str, Puppet],
-    enter: Enter,
-    screenshot: Screenshot,
-    size: dict[str, int],
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
 ) -> None:
-    page: Page = enter(viewport=size)
+    page: Page = enter()
     name = page.get_by_role("heading", level=1)
     expect(name).to_have_text("M8 · Assembly cell 4")
-    assert name.evaluate("h1 => h1.scrollWidth <= h1.clientWidth && h1.scrollHeight <= h1.clientHeight")
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    screenshot(page, f"operator-header-{size['width']}")
+    for size in (PHONE, UPRIGHT, LYING):
+        page.set_viewport_size({"width": size["width"], "height": size["height"]})
+        assert name.evaluate(IS_WHOLE), size
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), size
+        screenshot(page, f"operator-header-{size['width']}")

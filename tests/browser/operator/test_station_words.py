@@ -32,7 +32,6 @@ Screenshot = Callable[..., Path]
 KIND = MachineCommandKind
 STORAGE, GATE_AREA = "S3", "AREA1"
 LABEL = "O-7-1.1"
-SIZES = {**LOOKS, "small-light-en": {"viewport": {"width": 1024, "height": 768}, "color_scheme": "light"}}
 
 
 class Place:
@@ -149,7 +148,7 @@ def test_who_works_elsewhere_is_not_shown_the_gate(
     expect(page.locator(".words")).to_have_count(0)
 
 
-@pytest.mark.parametrize("look", SIZES)
+@pytest.mark.parametrize("look", LOOKS)
 @pytest.mark.parametrize("where", ["storage", "gate"])
 def test_it_fits_and_is_large(
     house: OpenHouse,
@@ -160,7 +159,7 @@ def test_it_fits_and_is_large(
     where: str,
 ) -> None:
     house.do(at_gate if where == "gate" else at_storage)
-    page = enter(**({"area": GATE_AREA} if where == "gate" else {}), **SIZES[look])
+    page = enter(**({"area": GATE_AREA} if where == "gate" else {}), **LOOKS[look])
     card = page.locator(".words")
     card.locator(".words-load").click()
     for button in card.get_by_role("button").all():

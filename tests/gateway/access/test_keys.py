@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import httpx
 import pytest
 from answers import problem
@@ -91,6 +93,56 @@ async def test_a_scope_that_this_dray_does_not_know_allows_nothing(
         await connection.exec_driver_sql("UPDATE api_keys SET scopes = 'orders:read teleport'")
     assert (await visitor.get("/api/me", headers=header)).json()["scopes"] == ["orders:read"]
     assert key.scopes == ""
+
+
+DAY_S = 86_400.0
+
+GIVEN: dict[str, Any] = {
+    "name": "Button",
+    "scopes": ["transports:call"],
+    "places": ["M8"],
+    "items": ["shaft"],
+    "open_max": 4,
+    "open_each_max": 2,
+    "priority": "normal",
+    "days": 9,
+}
+"""What the key of the next test may give at most."""
+
+
+@pytest.mark.parametrize(
+    ("field", "more"),
+    [
+        ("places", []),
+        ("places", ["M8", "M9"]),
+        ("items", []),
+        ("items", ["bearing"]),
+        ("open_max", 5),
+        ("open_each_max", 3),
+        ("priority", "high"),
+        ("days", None),
+        ("days", 11),
+    ],
+)
+async def test_a_key_makes_none_that_may_more_than_itself_or_longer(
+    house: House, field: str, more: Any
+) -> None:
+    """Whoever has stolen it has one for longer otherwise, or for other places."""
+    _, header = await house.key(
+        Scope.PEOPLE_WRITE,
+        Scope.TRANSPORTS_CALL,
+        places="M8",
+        items="shaft",
+        open_max=4,
+        open_each_max=2,
+        expires_at_s=NOW_S + 10 * DAY_S,
+    )
+    thief = house.visitor(**header)
+    made = await thief.post("/api/keys", json=GIVEN)
+    assert made.status_code == 201, made.text
+    told = problem(await thief.post("/api/keys", json=GIVEN | {field: more}), 403, "not-allowed")
+    assert field in told["detail"]
+    assert (await house.client.post("/api/keys", json=GIVEN | {field: more})).status_code == 201
 
 
 async def test_one_key_asks_so_often_and_no_more(url: str) -> None:

@@ -9,6 +9,7 @@ import pytest
 from answers import problem
 from gateway_kit import House
 from gateway_kit import draft as order_draft
+from httpx import AsyncClient
 from recurring_kit import BRING, DAY_S, SIX_S, look
 from recurring_kit import DRAFT as SCHEDULE
 
@@ -30,14 +31,19 @@ def asked_by_the_test_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Scheduler, "run", lambda _: asyncio.Event().wait())
 
 
+async def caller(house: House, *scopes: Scope) -> AsyncClient:
+    """Another one than the client of the house, with a key of its own."""
+    _, header = await house.key(*scopes)
+    return house.visitor(**header)
+
+
 def test_a_share_is_a_part_and_never_nothing() -> None:
     assert [share_of(each) for each in (5_000, 50, 12, 3, 0)] == [1_250, 12, 3, 1, 1]
 
 
 async def test_one_caller_begins_a_share_of_all_drafts(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dray.gateway.routes.factory.plant_drafts.MAX_DRAFTS", 4)
-    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
-    greedy, path = house.visitor(**header), "/api/plant-drafts"
+    greedy, path = await caller(house, Scope.FLOOR_WRITE, Scope.FACTORY_READ), "/api/plant-drafts"
     begun = await greedy.post(path, json={"name": "One"})
     assert begun.status_code == 201, begun.text
     problem(await greedy.post(path, json={"name": "Two"}), 429, "share-used")
@@ -48,13 +54,18 @@ async def test_one_caller_begins_a_share_of_all_drafts(house: House, monkeypatch
     assert (await greedy.post(path, json={"name": "Two"})).status_code == 201
 
 
-async def test_one_caller_begins_a_share_of_all_recurring_work(
-    house: House, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+async def greedy(house: House, monkeypatch: pytest.MonkeyPatch) -> AsyncClient:
+    """A caller that has begun all the recurring work that is its share: one of four."""
     monkeypatch.setattr("dray.gateway.schedules.scheduler.SCHEDULES_MAX", 4)
-    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
-    greedy, path = house.visitor(**header), "/api/schedules"
-    assert (await greedy.post(path, json=SCHEDULE | {"name": "One"})).status_code == 201
+    greedy = await caller(house, Scope.FLOOR_WRITE, Scope.FACTORY_READ)
+    begun = await greedy.post("/api/schedules", json=SCHEDULE | {"name": "One"})
+    assert begun.status_code == 201, begun.text
+    return greedy
+
+
+async def test_one_caller_begins_a_share_of_all_recurring_work(house: House, greedy: AsyncClient) -> None:
+    path = "/api/schedules"
     problem(await greedy.post(path, json=SCHEDULE | {"name": "Two"}), 429, "share-used")
     answer = await house.client.post(path, json=SCHEDULE | {"name": "Another's"})
     assert answer.status_code == 201, answer.text
@@ -65,12 +76,19 @@ async def test_one_caller_begins_a_share_of_all_recurring_work(
     assert (await house.client.post(path, json=SCHEDULE | {"name": "A third"})).status_code == 429
 
 
+def recurring(work: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in (SCHEDULE | work).items() if value is not None}
+
+
+ORDERS = {"transport": None, "order": order_draft()}
+
+
 @pytest.mark.parametrize(
     ("work", "bound", "most", "path"),
     [
         ({}, "dray.gateway.orders.transports.OPEN_MAX", 8, "/api/transports"),
         (
-            {"transport": None, "order": order_draft()},
+            ORDERS,
             "dray.gateway.orders.placement.MAX_OPEN_ORDERS",
             4,
             "/api/orders",
@@ -82,9 +100,8 @@ async def test_all_recurring_work_of_one_caller_has_its_share_and_not_one_each(
     house: House, monkeypatch: pytest.MonkeyPatch, work: dict[str, Any], bound: str, most: int, path: str
 ) -> None:
     monkeypatch.setattr(bound, most)
-    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ, Scope.ORDERS_WRITE)
-    greedy = house.visitor(**header)
-    draft = {name: value for name, value in (SCHEDULE | work).items() if value is not None}
+    greedy = await caller(house, Scope.FLOOR_WRITE, Scope.FACTORY_READ, Scope.ORDERS_WRITE)
+    draft = recurring(work)
     for number in range(4):
         begun = await greedy.post("/api/schedules", json=draft | {"name": f"{number}"})
         assert begun.status_code == 201, begun.text
@@ -101,19 +118,11 @@ async def test_all_recurring_work_of_one_caller_has_its_share_and_not_one_each(
     assert len((await house.get(path))["items"]) == 3
 
 
-def recurring(work: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in (SCHEDULE | work).items() if value is not None}
-
-
-ORDERS = {"transport": None, "order": order_draft()}
-
-
 async def test_recurring_work_may_be_planned_by_who_has_used_its_share(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 2)
-    _, header = await house.key(Scope.FACTORY_READ, Scope.FLOOR_WRITE, Scope.ORDERS_WRITE)
-    greedy = house.visitor(**header)
+    greedy = await caller(house, Scope.FACTORY_READ, Scope.FLOOR_WRITE, Scope.ORDERS_WRITE)
     assert (await greedy.post("/api/orders", json=order_draft())).status_code == 201
     problem(await greedy.post("/api/orders", json=order_draft()), 429, "share-used")
     begun = await greedy.post("/api/schedules", json=recurring(ORDERS))
@@ -130,8 +139,7 @@ async def test_an_order_that_recurs_counts_until_it_is_published(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 2)
-    _, header = await house.key(Scope.FACTORY_READ, Scope.FLOOR_WRITE, Scope.ORDERS_WRITE)
-    greedy = house.visitor(**header)
+    greedy = await caller(house, Scope.FACTORY_READ, Scope.FLOOR_WRITE, Scope.ORDERS_WRITE)
     assert (await greedy.post("/api/schedules", json=recurring(ORDERS))).status_code == 201
     keep, meanwhile = OrderPlacement.keep, []
 
@@ -156,8 +164,7 @@ async def test_an_order_that_recurs_counts_until_it_is_published(
 
 
 async def test_recurring_work_belongs_to_who_has_said_last_what_is_done(house: House) -> None:
-    _, header = await house.key(Scope.FLOOR_WRITE, Scope.TRANSPORTS_CALL)
-    button = house.visitor(**header)
+    button = await caller(house, Scope.FLOOR_WRITE, Scope.TRANSPORTS_CALL)
     begun = await button.post("/api/schedules", json=SCHEDULE)
     assert begun.status_code == 201, begun.text
 
@@ -166,9 +173,9 @@ async def test_recurring_work_belongs_to_who_has_said_last_what_is_done(house: H
 
     await look(house, SIX_S)
     assert await seen() == 1
-    # Another moment is no other work: it is the button's still.
+    # Another name and the same work are no other work: it is the button's still.
     path = f"/api/schedules/{begun.json()['id']}"
-    same, other = {"calendar": "0 6,7 * * *", "transport": BRING}, {"transport": BRING | {"quantity": 20}}
+    same, other = {"name": "Shafts again", "transport": BRING}, {"transport": BRING | {"quantity": 20}}
     for change, more in ((same, 1), (other, 0)):
         at_s, before = house.wall.now_s, await seen()
         answer = await house.client.patch(path, json=change, headers={"If-Match": "*"})
@@ -181,13 +188,32 @@ async def test_recurring_work_belongs_to_who_has_said_last_what_is_done(house: H
     assert (await button.post(f"/api/transports/{anothers}/cancel")).status_code == 404
 
 
-async def test_who_takes_on_recurring_work_has_its_share_of_that(
-    house: House, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    "oftener", [{"calendar": "0,30 6 * * *"}, {"time_zone": "Europe/London"}, {"holidays": ["2030-12-25"]}]
+)
+async def test_who_lets_anothers_recurring_work_come_oftener_uses_its_own_share(
+    house: House, monkeypatch: pytest.MonkeyPatch, oftener: dict[str, Any]
 ) -> None:
-    monkeypatch.setattr("dray.gateway.schedules.scheduler.SCHEDULES_MAX", 4)
+    monkeypatch.setattr("dray.gateway.orders.transports.OPEN_MAX", 8)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.TRANSPORTS_CALL)
+    button = house.visitor(**header)
+    begun = await button.post("/api/schedules", json=SCHEDULE)
     _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
-    greedy, path = house.visitor(**header), "/api/schedules"
-    assert (await greedy.post(path, json=SCHEDULE | {"name": "One"})).status_code == 201
+    path = f"/api/schedules/{begun.json()['id']}"
+    answer = await house.visitor(**header).patch(path, json=oftener, headers={"If-Match": "*"})
+    assert answer.status_code == 200, answer.text
+    for day in range(3):
+        for hour_s in (0.0, 3600.0):
+            await look(house, SIX_S + day * DAY_S + hour_s)
+    # The one that it was has its whole share.
+    for _ in range(2):
+        called = await button.post("/api/transports", json={"to": "M8", "item": "shaft", "quantity": 1})
+        assert called.status_code == 201, called.text
+    assert len((await house.get("/api/transports"))["items"]) == 4
+
+
+async def test_who_takes_on_recurring_work_has_its_share_of_that(house: House, greedy: AsyncClient) -> None:
+    path = "/api/schedules"
     another = await house.client.post(path, json=SCHEDULE | {"name": "Another's"})
     taken = await greedy.patch(
         f"{path}/{another.json()['id']}",
@@ -199,8 +225,7 @@ async def test_who_takes_on_recurring_work_has_its_share_of_that(
 
 async def test_one_caller_has_half_of_all_open_orders(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 4)
-    _, header = await house.key(Scope.ORDERS_WRITE, Scope.ORDERS_READ)
-    greedy, path = house.visitor(**header), "/api/orders"
+    greedy, path = await caller(house, Scope.ORDERS_WRITE, Scope.ORDERS_READ), "/api/orders"
 
     async def placed(**fields: Any) -> str:
         answer = await greedy.post(path, json=order_draft(**fields))

@@ -50,6 +50,7 @@ from dray.store.access.audit import AuditFilter, AuditRow
 from dray.store.access.people import Person
 from dray.store.database.database import Database
 from dray.store.orders.order_filter import EVERY_ORDER
+from dray.store.retention import KeptFor, Retention
 from dray.supervision import Supervisor
 
 PRODUCT, OTHER_PRODUCT = "gear-unit-g1", "pump-p3"
@@ -79,6 +80,19 @@ PASSWORD, PIN = "four words are good", "402719"
 SECRETS = {Role.MANAGER: PASSWORD, Role.OPERATOR: PIN}
 
 HOME = "http://dray.test"
+
+
+NOTHING = KeptFor(
+    events_s=-1e9,
+    samples_s=-1e9,
+    figures_s=-1e9,
+    tasks_s=-1e9,
+    transports_s=-1e9,
+    alerts_s=-1e9,
+    audit_s=-1e9,
+    events_most=1000,
+)
+"""Is kept, of whatever age."""
 
 
 @dataclass
@@ -186,6 +200,11 @@ class House:
         """How many orders are on disk."""
         async with self.store.read() as work:
             return len(await work.orders.page(EVERY_ORDER, None, None))
+
+    async def forget_everything(self) -> None:
+        """Everything is too old, as `Retention` sees it."""
+        await Retention(self.store, NOTHING, self.wall).forget()
+        assert (await self.get("/api/events"))["items"] == []
 
     async def say(self, messages: Iterable[Message]) -> None:
         """Publish these, and wait until the historian has written them."""

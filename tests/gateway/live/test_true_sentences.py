@@ -1,4 +1,4 @@
-"""What panels say of silence, waiting, lack, stocks and lateness, compared with the simulated factory in which it is so or not.
+"""What panels say of silence, places, loads, work, waiting, lack, stocks and lateness, compared with the simulated factory in which it is so or not.
 
 Each sentence stands here with the state in which it is true. Forty minutes with crashes are walked in steps of seconds; what is told
 is at most as old as the heartbeats are.
@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter, defaultdict
+from math import hypot
 from random import Random
 from typing import Any
 
 from wall_clock import NOW_S
 
+from dray.body import VehicleState
 from dray.gateway.access.principal import ADMIN
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream import scope_of
@@ -40,6 +42,12 @@ SILENT_S = 40.0
 
 SILENT = frozenset({"atv_lost", "machine_lost"})
 
+BETWEEN_M = 4.0
+"""The fastest vehicle of this plant drives less in half of the time between two looks."""
+
+BATTERY_FRAC = 0.005
+"""Panels show whole percents."""
+
 
 class Walk:
     """What was told at each step, and what was so."""
@@ -59,6 +67,10 @@ class Walk:
         self.loaded: set[str] = set()
         self.lay: defaultdict[tuple[str, str], list[int]] = defaultdict(list)
         """Storage and material -> pieces at the last looks."""
+        self.was: defaultdict[str, list[VehicleState]] = defaultdict(list)
+        """Vehicles -> what their bodies sensed at the last looks."""
+        self.made_s: dict[str, float] = {}
+        """Machines -> when they made something last."""
         self.ended: set[str] = set()
         """Transports whose end was told."""
         self.had_s: dict[tuple[str, str], float] = {}
@@ -83,6 +95,7 @@ class Walk:
         """Compare what is told now with what is so."""
         for vehicle, body in self.factory.vehicles.items():
             state = body.sense()
+            self.was[vehicle] = [*self.was[vehicle], state][-LOOKS:]
             if state.speed_mps:
                 self.moved_s[vehicle].append(at_s)
             if state.load:
@@ -94,13 +107,18 @@ class Walk:
             for item, pieces in store.stock.items():
                 self.lay[storage, item] = [*self.lay[storage, item], pieces][-LOOKS:]
         for machine, cell in self.factory.workcells.items():
-            for item, level in cell.sense().stock.items():
+            sensed = cell.sense()
+            if sensed.cycling:
+                self.made_s[machine] = at_s
+            for item, level in sensed.stock.items():
                 if level:
                     self.had_s[machine, item] = at_s
         wall_s = NOW_S + at_s
         self.projection.look(wall_s)
         told = scope_of(self.projection, ADMIN).snapshot(0, wall_s)
         self._silence(told, at_s)
+        self._vehicles(told, at_s)
+        self._making(told, at_s)
         self._waits(told, at_s)
         self._lack(told, at_s)
         self._stocks(told, at_s)
@@ -119,6 +137,30 @@ class Walk:
         for agent, since_s in self.down_s.items():
             if at_s - since_s > SILENT_S:
                 self._claim(at_s, "who is silent is told as silent", agent, true=agent in silent)
+
+    def _vehicles(self, told: Any, at_s: float) -> None:
+        for atv in told.atvs:
+            # Of whoever is silent, or was, it is a memory, and said to be one.
+            if atv.id in self.down_s or at_s - self.up_s.get(atv.id, -SILENT_S) < SILENT_S:
+                continue
+            was = self.was[atv.id]
+            away_m = [hypot(each.pose.x_m - atv.x_m, each.pose.y_m - atv.y_m) for each in was]
+            is_so = min(away_m) <= BETWEEN_M
+            self._claim(at_s, "it is there", atv.id, true=is_so)
+            loads = {(each.load, each.load_quantity) for each in was}
+            self._claim(at_s, "it carries this", atv.id, true=(atv.load, atv.load_quantity) in loads)
+            full = [each.battery_frac for each in was]
+            is_so = min(full) - BATTERY_FRAC <= atv.battery_frac <= max(full) + BATTERY_FRAC
+            self._claim(at_s, "its battery is so full", atv.id, true=is_so)
+            if atv.status == "charging":
+                is_so = any(each.charging for each in was)
+                self._claim(at_s, "it charges", atv.id, true=is_so)
+
+    def _making(self, told: Any, at_s: float) -> None:
+        for machine in told.machines:
+            if machine.status == "producing" and machine.id not in self.down_s:
+                is_so = at_s - self.made_s.get(machine.id, -LENGTH_S) < BEATS_S
+                self._claim(at_s, "it makes something", machine.id, true=is_so)
 
     def _waits(self, told: Any, at_s: float) -> None:
         for wait in told.waits:
@@ -205,6 +247,11 @@ def test_what_panels_say_is_so_at_every_step() -> None:
     sentences = (
         "nothing is heard of it",
         "who is silent is told as silent",
+        "it is there",
+        "it carries this",
+        "its battery is so full",
+        "it charges",
+        "it makes something",
         "it waits",
         "it has none of this material",
         "so much lies in the storage",

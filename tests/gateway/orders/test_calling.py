@@ -12,6 +12,7 @@ from answers import problem
 from gateway_kit import HOME, NOW_S, House
 from heartbeats import events, machine_heartbeat
 
+from dray.errors import UnavailableError
 from dray.gateway.access.principal import Scope
 from dray.gateway.calling.code import drawn
 from dray.gateway.calling.texts import TEXTS
@@ -26,6 +27,7 @@ from dray.messages import (
     TransportState,
 )
 from dray.messages.fact import TaskOpened, TransportProgressed
+from dray.store.orders.transports import TransportRow, Transports
 
 pytestmark = pytest.mark.anyio
 
@@ -217,6 +219,36 @@ async def test_a_touch_that_comes_twice_at_once_is_one_call_and_no_refusal(house
     page = (await opened(house, token, item="shaft")).text
     answers = await asyncio.gather(*(pressed(house, token, page, "bring") for _ in range(6)))
     assert {answer.status_code for answer in answers} == {303}
+    assert len(house.bus.sent_to("M8", TransportOrdered)) == 1
+
+
+async def test_the_second_of_two_touches_shows_the_refusal_of_the_first(house: House) -> None:
+    token, header = await key_of(house, Scope.TRANSPORTS_CALL, places="M8", open_max=1)
+    page = (await opened(house, token, item="shaft")).text
+    assert (await pressed(house, token, page, "take")).status_code == 303
+    answers = await asyncio.gather(*(pressed(house, token, page, "bring") for _ in range(6)))
+    for answer in answers:
+        assert answer.status_code == 422
+        assert "may be open at once" in answer.text
+    assert house.bus.sent_to("M8", TransportOrdered) == []
+    assert len((await house.visitor(**header).get(PATH)).json()["items"]) == 1
+
+
+async def test_a_touch_whose_first_request_failed_is_done_by_the_second(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    page = (await opened(house, token, item="shaft")).text
+    add, failures = Transports.add, [UnavailableError("the database", "gone", "wait")]
+
+    async def failing(rows: Transports, row: TransportRow) -> bool:
+        if failures:
+            raise failures.pop()
+        return await add(rows, row)
+
+    monkeypatch.setattr(Transports, "add", failing)
+    answers = await asyncio.gather(*(pressed(house, token, page, "bring") for _ in range(2)))
+    assert sorted(answer.status_code for answer in answers) == [303, 503]
     assert len(house.bus.sent_to("M8", TransportOrdered)) == 1
 
 

@@ -98,7 +98,7 @@ async def test_a_key_at_work_is_refused_until_its_request_is_answered(
 
 async def test_a_refused_body_leaves_its_key_free(house: House) -> None:
     problem(await send(house, draft(due_at="2020-01-01T00:00:00Z")), 422, "unusable-fields")
-    assert house.placement.keys_at_work == set()
+    assert house.placement.keys_at_work == {}
     assert (await send(house, draft())).status_code == 201
 
 

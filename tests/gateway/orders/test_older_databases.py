@@ -1,4 +1,7 @@
-"""An order that was placed before an upgrade has its pages after it: every route that opens it, on both databases."""
+"""An order that was placed before an upgrade has its pages after it: every route that opens it, on both databases.
+
+It keeps them when the log forgets what was told before the upgrade, and has them where the older Dray's log had forgotten it already.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,14 @@ from typing import Any
 
 import msgspec
 import pytest
-from gateway_kit import PRODUCT, gateway
+from gateway_kit import PRODUCT, House, gateway
 from sqlalchemy import Connection, MetaData, Table, insert
 from wall_clock import NOW_S
 
-from dray.messages import Phase, Role, Transport
+from dray.messages import Phase, Reason, Role, Transport
 from dray.messages.fact import (
     AnyFact,
+    CarrierChanged,
     GoalContracted,
     GoodsDelivered,
     OrderFulfilled,
@@ -30,7 +34,8 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:Skipped unsupported reflection of expression-based index"),
 ]
 
-OPEN, ENDED = "O-1M9K3X2A4-0001", "O-1M9K3X2A4-0002"
+OPEN, ENDED, FORGOTTEN = "O-1M9K3X2A4-0001", "O-1M9K3X2A4-0002", "O-1M9K3X2A4-0003"
+"""One that is made, one that was delivered, and one that was delivered so long ago that no event tells of it."""
 
 OLDER = ("0002", "0008", "0015", "0022", "0026", "0034", "0036")
 """Databases of older Drays: the first with customers' links, then with ever more of what an order's page is made of."""
@@ -45,10 +50,12 @@ def told(order: str) -> list[tuple[str, AnyFact]]:
         ("M4", PieceMade(goal, PRODUCT, 1)),
         ("M4", PieceMade(goal, PRODUCT, 2)),
         ("M4", TaskOpened(task, 1, Role.PRIMARY, 1, work, 20.0, 300.0, 5.0)),
-        ("ATV1", PhaseEntered(task, 1, Phase.APPROACHING, "M4")),
-        ("ATV1", PhaseEntered(task, 1, Phase.CARRYING, "M4")),
-        ("ATV1", PhaseEntered(task, 1, Phase.HANDING_OVER, "DELIVERY")),
-        ("M4", TaskClosed(task, 1, "delivered", "ATV1", 200.0)),
+        ("ATV3", PhaseEntered(task, 1, Phase.APPROACHING, "M4")),
+        ("M4", CarrierChanged(task, 2, "ATV3", "ATV1", Reason.SILENT, 5.5)),
+        ("ATV1", PhaseEntered(task, 2, Phase.APPROACHING, "M4")),
+        ("ATV1", PhaseEntered(task, 2, Phase.CARRYING, "M4")),
+        ("ATV1", PhaseEntered(task, 2, Phase.HANDING_OVER, "DELIVERY")),
+        ("M4", TaskClosed(task, 2, "delivered", "ATV1", 200.0)),
         ("M4", GoodsDelivered(goal, order, 0, PRODUCT, 2, 2)),
         ("strategist", OrderFulfilled(order)),
     ]
@@ -102,7 +109,7 @@ def an_order(connection: Connection, order: str, status: str) -> None:
         **counts,
     }
     put(connection, "goals", goal)
-    facts = told(order) if is_ended else told(order)[:1]
+    facts = [] if order == FORGOTTEN else told(order) if is_ended else told(order)[:1]
     put(
         connection,
         "events",
@@ -134,6 +141,7 @@ async def test_an_order_from_before_the_upgrade_has_its_pages_after_it(url: str,
         put(connection, "products", product)
         an_order(connection, OPEN, "in_production")
         an_order(connection, ENDED, "delivered")
+        an_order(connection, FORGOTTEN, "delivered")
 
     async with store.database.write() as connection:
         await connection.run_sync(write)
@@ -141,7 +149,7 @@ async def test_an_order_from_before_the_upgrade_has_its_pages_after_it(url: str,
     # As at every start.
     await (await open_store(url)).close()
     async with gateway(url) as house:
-        for order, status in ((OPEN, "in_production"), (ENDED, "delivered")):
+        for order, status in ((OPEN, "in_production"), (ENDED, "delivered"), (FORGOTTEN, "delivered")):
             kept = await house.get(f"/api/orders/{order}")
             assert (kept["status"], kept["reference"], kept["priority"]) == (
                 status,
@@ -149,7 +157,9 @@ async def test_an_order_from_before_the_upgrade_has_its_pages_after_it(url: str,
                 "normal",
             )
             story = await house.get(f"/api/orders/{order}/timeline")
-            assert [goal["machine"] for goal in story["goals"]] == ["M4"]
+            made = 0 if order == OPEN else 2
+            goals = [(goal["machine"], goal["made"], goal["delivered"]) for goal in story["goals"]]
+            assert goals == [("M4", made, made)]
             assert story["estimates"] == []
             assert len(story["links"]) == 1
             track = await house.get(f"/api/track/token-of-{order}")
@@ -157,11 +167,29 @@ async def test_an_order_from_before_the_upgrade_has_its_pages_after_it(url: str,
             assert (await house.client.get(f"/track/token-of-{order}")).status_code == 200
             found = await house.get("/api/orders", q=f"PO-{order[-4:]}")
             assert [each["id"] for each in found["items"]] == [order]
-        ended = await house.get(f"/api/orders/{ENDED}/timeline")
-        assert [leg["carrier"] for way in ended["transports"] for leg in way["legs"]] == ["ATV1"]
+        pages = await pages_of(house)
+        ended = pages[ENDED][0]
+        [way] = ended["transports"]
+        legs = [(leg["carrier"], leg["replaced"]) for leg in way["legs"]]
+        assert legs == [("ATV3", "silent"), ("ATV1", "")]
         kinds = [moment["kind"] for moment in ended["moments"]]
-        assert kinds == ["planned", "began", "fetched", "handed_over", "arrived", "delivered"]
+        assert kinds == ["planned", "began", "took_over", "fetched", "handed_over", "arrived", "delivered"]
+        assert [moment["kind"] for moment in pages[FORGOTTEN][0]["moments"]] == []
+        # What the older Dray's log has of them is kept with them, too, before it is forgotten.
+        await house.forget_everything()
+        assert await pages_of(house) == pages
         # What can still be done about the open one can be done.
         link = await house.client.post(f"/api/orders/{OPEN}/links", json={})
         assert link.status_code == 201
         assert (await house.client.post(f"/api/orders/{OPEN}/cancel")).status_code == 200
+
+
+async def pages_of(house: House) -> dict[str, tuple[Any, Any]]:
+    """What the page of every order and its customer's page tell."""
+    return {
+        order: (
+            await house.get(f"/api/orders/{order}/timeline"),
+            await house.get(f"/api/track/token-of-{order}"),
+        )
+        for order in (OPEN, ENDED, FORGOTTEN)
+    }

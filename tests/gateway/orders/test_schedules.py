@@ -445,3 +445,63 @@ async def test_who_may_place_no_orders_takes_on_none(house: House) -> None:
         f"{PATH}/{begun.json()['id']}", json={"paused": False}, headers={"If-Match": "*"}
     )
     problem(asked, 403, "not-allowed")
+
+
+ORDERED = {"customer": "Hall 3", "items": [{"product": PRODUCT, "quantity": 1}]}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"calendar": "* * * * *"},
+        {"time_zone": "Asia/Tokyo"},
+        {"holidays": ["2030-03-18"]},
+        {"missed": "catch_up"},
+        {"skipped": ["2030-03-18T06:00:00+01:00"]},
+        {"paused": True},
+        {"paused": False},
+        {"name": "Another"},
+        {"transport": BRING},
+        {"order": ORDERED | {"customer": "Me"}},
+        None,
+    ],
+    ids=lambda change: "removed" if change is None else str(*change),
+)
+async def test_who_may_place_no_orders_changes_nothing_of_anothers_that_recurs(
+    house: House, change: dict[str, Any] | None
+) -> None:
+    begun = await added(house, transport=None, order=ORDERED, paused=change == {"paused": False})
+    place = f"{PATH}/{begun['id']}"
+    before = await house.get(place)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
+    visitor, version = house.visitor(**header), {"If-Match": "*"}
+    if change is None:
+        answer = await visitor.delete(place, headers=version)
+    else:
+        answer = await visitor.patch(place, json=change, headers=version)
+    problem(answer, 403, "not-allowed")
+    assert await house.get(place) == before
+    # Who may place orders may.
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.ORDERS_WRITE)
+    visitor = house.visitor(**header)
+    if change is None:
+        answer = await visitor.delete(place, headers=version)
+    else:
+        answer = await visitor.patch(place, json=change, headers=version)
+    assert answer.status_code < 300, answer.text
+
+
+async def test_who_may_read_no_orders_is_told_of_no_others_that_recur(house: House) -> None:
+    await added(house)
+    others = await added(house, name="Hall 3", transport=None, order=ORDERED)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ, Scope.ORDERS_WRITE)
+    visitor = house.visitor(**header)
+    draft = {name: value for name, value in DRAFT.items() if name != "transport"}
+    own = (await visitor.post(PATH, json=draft | {"name": "Own", "order": ORDERED})).json()
+    listed = (await visitor.get(PATH)).json()["items"]
+    assert {each["name"] for each in listed} == {"Shafts", "Own"}
+    rows = csv.DictReader(io.StringIO((await visitor.get(PATH, params={"format": "csv"})).text))
+    assert {row["name"] for row in rows} == {"Shafts", "Own"}
+    assert (await visitor.get(f"{PATH}/{own['id']}")).status_code == 200
+    problem(await visitor.get(f"{PATH}/{others['id']}"), 404, "unknown-schedule")
+    assert len((await house.get(PATH))["items"]) == 3

@@ -27,21 +27,8 @@ from dray.messages.fact import (
 )
 from dray.store.history.events import EventRow
 from dray.store.orders.progress import Goal
-from dray.store.retention import KeptFor, Retention
 
 pytestmark = pytest.mark.anyio
-
-NOTHING = KeptFor(
-    events_s=-1e9,
-    samples_s=-1e9,
-    figures_s=-1e9,
-    tasks_s=-1e9,
-    transports_s=-1e9,
-    alerts_s=-1e9,
-    audit_s=-1e9,
-    events_most=1000,
-)
-"""Is kept, of whatever age."""
 
 WORK = Transport("shaft", 8, ("M4",), "DELIVERY", "tote", goal="G1")
 
@@ -221,8 +208,7 @@ async def test_an_order_and_its_customers_page_are_the_same_when_the_log_has_for
     path = f"/api/orders/{story.order['id']}/timeline"
     before, state, page = await house.get(path), await story.state(), await story.page()
     assert [each["kind"] for each in before["moments"]] == ["planned", "began", "fetched", "arrived"]
-    await Retention(house.store, NOTHING, house.wall).forget()
-    assert (await house.get("/api/events"))["items"] == []
+    await house.forget_everything()
     assert await house.get(path) == before
     assert await story.state() == state
     assert await story.page() == page

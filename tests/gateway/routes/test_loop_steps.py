@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import gzip
 import json
 from collections.abc import AsyncIterator, Iterator
 from contextvars import copy_context
@@ -103,7 +104,8 @@ async def longest_ms(
         with loop_monitor() as monitor:
             status, _ = await ask(house.app, asked, template)
         least_ms = min(least_ms, 1e3 * monitor.longest_s[template])
-        if least_ms < STEP_MS / 2:
+        # The least counts: another try would change nothing.
+        if least_ms <= STEP_MS:
             break
     return least_ms, status
 
@@ -293,6 +295,29 @@ async def test_no_step_of_the_recording_is_long_however_much_there_is_to_keep(fu
     least_ms = [min(tries) for tries in zip(*[await recorded_ms(fullest) for _ in range(TRIES)], strict=True)]
     print(f"\nthe recording | {least_ms}")  # noqa: T201 - for who runs pytest with -s
     assert max(least_ms) <= STEP_MS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("path", "encoding"), [("/api/replay", "identity"), ("/api/replay/film", "gzip")])
+async def test_no_step_is_long_that_shows_the_present_before_anything_is_recorded(
+    fullest: House, path: str, encoding: str
+) -> None:
+    """The recorder has not taken all of it in yet, or there is none."""
+    assert fullest.recorder.now() is None
+    least_ms, body = float("inf"), b""
+    headers = BEARER | {"Accept-Encoding": encoding}
+    for _ in range(TRIES):
+        with loop_monitor() as monitor:
+            status, body = await ask(fullest.app, Asked("GET", path, b"", tuple(headers.items())), path)
+        assert status == 200
+        least_ms = min(least_ms, 1e3 * monitor.longest_s[path])
+        if least_ms < STEP_MS / 2:
+            break
+    told = json.loads(gzip.decompress(body) if encoding == "gzip" else body)
+    shown = told.get("snapshot", told)
+    assert (len(shown["orders"]), len(shown["tasks"])) == (MAX_OPEN_ORDERS, MAX_OPEN)
+    print(f"\nGET {path} without a recording | {least_ms}")  # noqa: T201 - for who runs pytest with -s
+    assert least_ms <= STEP_MS
 
 
 async def test_the_monitor_sees_a_long_step_and_whose_it_was(full_house: House) -> None:

@@ -19,10 +19,13 @@ from dray.messages import (
     HelpCall,
     Message,
     OperatorHeartbeat,
+    Removal,
+    Removals,
     StationHeartbeat,
     StrategistHeartbeat,
 )
 from dray.messages.fact import CommandObeyed
+from dray.messages.kinds import Kind
 from dray.plant import default_plant
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
@@ -85,6 +88,25 @@ def test_every_field_that_says_who_speaks_is_compared_with_the_speaker() -> None
         if field in names
     }
     assert found == {kind: kind.signed for kind in typing.get_args(AnyMessage) if kind.signed}
+
+
+def test_without_a_signature_of_people_a_gateway_gives_orders_and_hints_and_moves_nothing() -> None:
+    """So much is believed of who has its certificate, and not the key in its database."""
+    signed = {"grant", "signature"}
+    bare = {
+        kind.__name__
+        for kind in typing.get_args(AnyMessage)
+        if Kind.GATEWAY in kind.said_by and signed.isdisjoint(kind.__struct_fields__)
+    }
+    orders = {
+        "OrderReleased",
+        "OrderRevoked",
+        "OrderCancelled",
+        "TransportOrdered",
+        "TransportCancelled",
+    }
+    assert "grant" in Removal.__struct_fields__
+    assert bare == orders | {"ShutOut", "ObstacleCleared", "EventsAsked", Removals.__name__}
 
 
 @pytest.mark.slow

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 from book_keeper import HERE, PLACES, beat, wish
 
+from dray.messages.base import COUNT_MAX
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.late_tellers import LateTellers
 from dray.protocol.traffic.books.reach import Reach
@@ -42,6 +44,14 @@ def test_a_stranger_counts_when_it_is_heard_where_it_says_that_it_is(
     assert late.on_wish(STRANGER, wish(HERE), book, 1.0)
     assert book.holder(HERE) == STRANGER
     assert late.unknown == set()
+
+
+def test_who_says_to_have_seen_what_is_beyond_all_numbers_does_not_move_the_books(late: LateTellers) -> None:
+    """Another key speaks in the name of one that has told, and holds where that one may be."""
+    book = Book()
+    forged = msgspec.structs.replace(wish(HERE), key=b"k" * 32, seen=COUNT_MAX)
+    assert not late.on_wish("ATV1", forged, book, 0.0)
+    assert (book.version, book.bookings) == (0, ())
 
 
 def test_a_book_that_was_not_made_from_a_roll_call_knows_what_is_held(late: LateTellers) -> None:

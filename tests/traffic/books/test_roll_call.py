@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+from dray.messages.base import COUNT_MAX
 from dray.messages.floor.traffic import HoldsAsked, PlaceWished
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.books.roll_call import AGAIN_AT_MOST_S, QUIET_S, ROLL_S, WAVE, RollCall
+from dray.protocol.traffic.books.roll_call import (
+    AGAIN_AT_MOST_S,
+    QUIET_S,
+    RAISE_AGAIN_S,
+    ROLL_S,
+    WAVE,
+    RollCall,
+)
 
 FLEET = tuple(f"ATV{number}" for number in range(1, 451))
 
@@ -29,7 +37,7 @@ class Call:
         )
         return [effect.to for effect in self.life.effects if isinstance(effect, Send)]
 
-    def tell(self, atv: str, now_s: float, epoch: int = 3) -> bool:
+    def tell(self, atv: str, now_s: float, epoch: int = 3, seen: int = 0) -> bool:
         wish = PlaceWished(
             district="M1",
             life=1,
@@ -38,7 +46,7 @@ class Call:
             rank=(2, 0.0, atv),
             holds=(),
             groups=(),
-            seen=0,
+            seen=seen,
             stands=True,
             docked=False,
         )
@@ -68,6 +76,30 @@ def test_whoever_has_told_is_not_asked_again_until_the_roll_begins_anew() -> Non
     assert not call.tell("ATV2", 2.5, epoch=8)
     assert call.roll.epoch == 11
     assert call.asked(3.0, ("ATV1", "ATV2")) == ["ATV1", "ATV2"]
+
+
+def test_whoever_says_ever_later_epochs_holds_up_a_roll_call_once_in_half_a_minute() -> None:
+    call, fleet = Call(), FLEET[:3]
+    for second in range(int(RAISE_AGAIN_S)):
+        call.tell(FLEET[0], float(second), epoch=call.roll.epoch + 1)
+        for atv in fleet:
+            call.tell(atv, second + 0.5, epoch=call.roll.epoch)
+    assert call.roll.is_over(lambda: fleet, RAISE_AGAIN_S - 0.5)
+    begun = call.roll.epoch
+    assert not call.tell(FLEET[0], RAISE_AGAIN_S, epoch=begun + 1)
+    assert call.roll.epoch > begun
+
+
+def test_a_word_from_beyond_all_numbers_does_not_count_in_a_roll_call() -> None:
+    """A book that went on from there would write what nobody can read."""
+    call = Call()
+    begun = call.roll.epoch
+    assert not call.tell("ATV1", 1.0, epoch=COUNT_MAX)
+    assert not call.tell("ATV1", 1.0, epoch=begun, seen=COUNT_MAX)
+    assert call.tell("ATV2", 1.0, epoch=begun, seen=7)
+    assert call.roll.epoch == begun
+    assert not call.roll.is_over(lambda: ("ATV1", "ATV2"), ROLL_S)
+    assert call.roll.book(lambda _atv, _holds: True).version == 7
 
 
 def test_nobody_is_awaited_by_name_as_long_as_others_go_on_telling() -> None:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections import deque
 
+import pytest
 from book_keeper import PLANT
 
 from dray.adapters.security.signing import SigningKey, TrustedKeys, is_signed
 from dray.memory import BookMemory, Note
 from dray.messages import Message
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import BookRefused
 from dray.messages.floor.traffic import (
     BookAsked,
     HoldsAsked,
     PlaceBooked,
     PlaceBooking,
+    PlaceConfirmed,
     PlaceGranted,
     PlaceWished,
 )
@@ -25,6 +28,8 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
 from dray.protocol.traffic.books.district import OUTBID_S, REFUSED_OFTEN, District
 from dray.protocol.traffic.books.turns import DOUBT_S
+from dray.protocol.traffic.driving.wishes import State, Wishes
+from dray.protocol.traffic.numbers import LEAP_MAX, OUTBID_MAX
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.traffic_map import TrafficMap
 
@@ -198,6 +203,65 @@ def test_the_keeper_begins_a_later_epoch_than_one_that_a_vehicle_alone_was_told(
     assert any(isinstance(one, HoldsAsked) and one.epoch == after for _, one in keepers.to_vehicles)
     keepers.tell("ATV1", FIRST, wished(seq=3, epoch=told))
     assert granted(keepers)[-1] == (FIRST, after)
+
+
+@pytest.mark.parametrize("leap", [1, OUTBID_MAX, LEAP_MAX - 1, LEAP_MAX, LEAP_MAX + 1, 2**52])
+def test_whatever_epoch_a_vehicle_says_the_keeper_goes_on(leap: int) -> None:
+    """Whoever has a vehicle's certificate says that it knows of a later keeper, once in each half minute, and again and again."""
+    keepers = Keepers()
+    keepers.run(10.0)
+    keepers.tell("ATV1", FIRST, wished())
+    for number in range(2, 6):
+        keepers.run(keepers.now_s + OUTBID_S)
+        before = keepers.district(FIRST).copies.kept.epoch
+        keepers.tell("ATV2", FIRST, wished(seq=number, epoch=min(before + leap, COUNT_MAX)))
+        keepers.run(keepers.now_s + 5.0)
+        assert keepers.leaders == [FIRST]
+        keepers.tell("ATV1", FIRST, wished(seq=number))
+        assert granted(keepers)[-1] == (FIRST, keepers.district(FIRST).copies.kept.epoch)
+
+
+@pytest.mark.parametrize("leap", [3, 3 * OUTBID_MAX, 3 * LEAP_MAX, 3 * 2**51])
+def test_after_a_thief_has_called_the_roll_under_whatever_epoch_a_vehicle_is_granted_places_again(
+    leap: int,
+) -> None:
+    """It has read the present one, and takes a later one that is its turn."""
+    keepers, life = Keepers(), Life()
+    keepers.run(10.0)
+    wishes = Wishes(1, {NAME: PLACES.keepers_of[NAME]}, life)
+    state = State((0, 0.0, "ATV1"), stands=True, docked=False, avoid=(), chain=())
+
+    def talk() -> bool:
+        """What the vehicle says reaches the keepers, and what they say to it comes back; True when it was granted the place."""
+        has = False
+        for _ in range(5):
+            for effect in [one for one in life.effects if isinstance(one, Send)]:
+                keepers.tell("ATV1", effect.to, effect.message)
+            life.effects.clear()
+            said, keepers.to_vehicles = keepers.to_vehicles, []
+            for sender, message in said:
+                if isinstance(message, HoldsAsked):
+                    if wishes.on_holds_asked(sender, message):
+                        wishes.say(NAME, (), ((HERE,),), state, keepers.now_s, anew=True, to=sender)
+                elif isinstance(message, PlaceConfirmed):
+                    wishes.on_confirmed(sender, message)
+                elif isinstance(message, PlaceGranted):
+                    has = bool(wishes.on_granted(sender, message, keepers.now_s)) or has
+                if (missed := wishes.take_missed(NAME)) is not None:
+                    has = bool(wishes.on_granted(*missed, keepers.now_s)) or has
+        return has
+
+    epoch = next_turn(keepers, SECOND) + leap
+    assert wishes.on_holds_asked(SECOND, HoldsAsked(district=NAME, epoch=epoch, roll_call=True))
+    keepers.run(10.0 + OUTBID_S)
+    wishes.say(NAME, (), ((HERE,),), state, keepers.now_s)
+    has = talk()
+    for _ in range(12):
+        keepers.run(keepers.now_s + 2.0)
+        wishes.repeat(NAME, (), ((HERE,),), state, keepers.now_s)
+        has = talk() or has
+    assert has
+    assert keepers.leaders == [FIRST]
 
 
 def test_people_are_told_of_a_keeper_that_goes_on_to_take_places_from_vehicles_without_their_word() -> None:

@@ -8,9 +8,11 @@ import pytest
 from trio import NAMES, Trio, line
 
 from dray.messages import Message
+from dray.messages.base import COUNT_MAX
 from dray.messages.floor.traffic import BookAsked, BookKept, BookTold, PlaceBooked
 from dray.protocol.runtime.events import Send
-from dray.protocol.traffic.books.copies import LEAP_MAX, Copies, Kept
+from dray.protocol.traffic.books.copies import Copies, Kept
+from dray.protocol.traffic.numbers import FAR, LEAP_MAX
 
 HONEST = ("M1", "M3")
 
@@ -148,6 +150,21 @@ def test_a_thief_writes_nothing_over_when_the_keeper_is_dead(trio: Trio) -> None
     trio.cut = {"M1"}
     say(trio, forged(next_turn(trio)), "M3")
     assert trio.keepers["M3"].kept.bookings == line("A", 1)
+
+
+@pytest.mark.parametrize("version", [FAR + 1, COUNT_MAX])
+def test_who_leads_does_not_bring_the_book_to_the_end_of_numbers(trio: Trio, version: int) -> None:
+    """Nobody could write it any more, when that one has gone."""
+    epoch = trio.keepers["M1"].kept.epoch
+    forgery = PlaceBooked(district="M1", epoch=epoch, version=version, bookings=line("A", version))
+    for name in ("M2", "M3"):
+        trio.deliver("M1", Send(name, forgery))
+    trio.carry()
+    trio.cut = {"M1"}
+    successor = trio.lead("M2")
+    successor.write(successor.kept.version + 1, line("A", 2))
+    trio.carry()
+    assert successor.counted == successor.kept.version == 2
 
 
 @pytest.mark.parametrize("seed", range(60))

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import pytest
 
+from dray.messages.base import COUNT_MAX
 from dray.messages.floor.traffic import HoldsAsked, PlaceBooking, PlaceGranted, PlaceWished
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving import wishes as correspondence
 from dray.protocol.traffic.driving.wishes import State, Wishes
+from dray.protocol.traffic.numbers import LEAP_MAX, OUTBID_MAX
 
 KEEPERS = ("M1", "M2", "M3")
 
@@ -42,6 +46,17 @@ class Correspondence:
         lines = (PlaceBooking(place="b3", number=number),)
         answer = PlaceGranted(district="D", epoch=epoch, life=1, upto=1, grants=lines)
         return self.wishes.on_granted(keeper, answer, 1.0)
+
+    def says_epoch(self) -> int:
+        """The epoch that it knows of, as it says its wish."""
+        self.out.clear()
+        self.wishes.say("D", (), WANTED, STATE, 1.0, anew=True)
+        (epoch,) = {
+            one.message.epoch
+            for one in self.out
+            if isinstance(one, Send) and isinstance(one.message, PlaceWished)
+        }
+        return epoch
 
     def told(self) -> list[str]:
         """To whom it has said a wish since this was asked last."""
@@ -77,6 +92,36 @@ def test_what_one_keeper_grants_under_an_epoch_that_nobody_else_has_told_is_not_
     assert vehicle.told() == [], "and not again for each such word"
     assert not vehicle.asked("M2", 4)
     assert vehicle.granted("M1", 3) == ("b3",)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_whatever_epoch_a_keeper_chooses_that_makes_it_its_turn_none_of_its_grants_is_believed(
+    seed: int,
+) -> None:
+    """M2 is the thief, hears what the others say, and speaks of any epoch. M1 begins a later one when the vehicle says that it knows of one."""
+    random, vehicle, present = Random(seed), Correspondence(knows=False), 3
+    for _ in range(300):
+        move = random.random()
+        chosen = min(max(present + random.choice((-3, 0, 1, 2, 3, 4, 1000, LEAP_MAX, 2**52)), 0), COUNT_MAX)
+        if move < 0.5:
+            turn = chosen - (chosen - 1) % 3
+            assert vehicle.granted("M2", random.choice((max(turn, 1), chosen)), random.randrange(9)) is None
+        elif move < 0.6:
+            vehicle.asked("M2", chosen, roll_call=random.random() < 0.5)
+        elif move < 0.8:
+            vehicle.asked(random.choice(("M1", "M3")), present)
+        elif move < 0.9:
+            assert vehicle.granted("M1", present) in (None, (), ("b3",))
+        elif (said := vehicle.says_epoch()) > present:
+            assert said <= present + OUTBID_MAX, "the keeper would not follow"
+            present = said + 3 - said % 3
+        missed = vehicle.wishes.take_missed("D")
+        assert missed is None or missed[0] == "M1"
+    present = max(present, vehicle.says_epoch())
+    present += 3 - present % 3
+    for keeper in ("M1", "M3"):
+        vehicle.asked(keeper, present)
+    assert vehicle.granted("M1", present, number=100) == ("b3",)
 
 
 def test_it_is_believed_when_another_one_tells_the_same_epoch() -> None:

@@ -59,7 +59,7 @@ class Sampler:
         What cannot be written is in the next sample.
         """
         totals, lanes = self._projection.totals(self._wall_s()), self._projection.traffic.totals()
-        sample = _difference(self._before, totals)
+        sample = added(self._before, totals)
         if sample.span_s <= 0:
             return
         try:
@@ -75,10 +75,11 @@ class Sampler:
             self._before, self._lanes_before = totals, lanes
 
 
-def _difference(before: KpiSample, after: KpiSample) -> KpiSample:
-    added = {
+def added(before: KpiSample, after: KpiSample) -> KpiSample:
+    """What has come between two totals."""
+    differences = {
         name: getattr(after, name) - getattr(before, name)
         for name in KpiSample.__struct_fields__
         if name not in AS_THEY_ARE
     }
-    return msgspec.structs.replace(after, **added)
+    return msgspec.structs.replace(after, **differences)

@@ -31,6 +31,9 @@ Cursor = Annotated[
 AT_ONCE = 50
 """Items that are encoded in one step of the event loop: some milliseconds, with all the bids that a task may have."""
 
+PIECE_BYTES = 2**16
+"""Of a body that is sent in pieces: to compress one takes some milliseconds."""
+
 PAGE = 100
 """Items per page when nobody asks for another number."""
 
@@ -78,6 +81,22 @@ def listing_in_turns(
                 before = b","
             await asyncio.sleep(0)
         yield b'],"next_cursor":' + msgspec.json.encode(next_cursor) + b"}"
+
+    return StreamingResponse(pieces(), media_type=Json.media_type)
+
+
+def in_turns(body: bytes) -> Response:
+    """JSON that is encoded already: one that is long is sent piece by piece, with others' turns between, and has no `ETag`.
+
+    To hash or compress all of it at once would hold the event loop for seconds.
+    """
+    if len(body) <= PIECE_BYTES:
+        return Json(body)
+
+    async def pieces() -> AsyncIterator[bytes]:
+        for at in range(0, len(body), PIECE_BYTES):
+            yield body[at : at + PIECE_BYTES]
+            await asyncio.sleep(0)
 
     return StreamingResponse(pieces(), media_type=Json.media_type)
 

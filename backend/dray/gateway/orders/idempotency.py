@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from http import HTTPStatus
@@ -38,20 +39,32 @@ def own_key(caller: Principal, key: str) -> str:
     return digest(f"{caller.kind} {caller.id} {key}")
 
 
+AtWork = dict[str, asyncio.Event]
+"""Keys whose requests are being answered, and what tells that one has been."""
+
+
 @asynccontextmanager
-async def alone(at_work: set[str], key: str) -> AsyncIterator[None]:
+async def alone(at_work: AtWork, key: str, *, waits: bool = False) -> AsyncIterator[None]:
     """Let only one request at a time work under a key.
 
+    Args:
+        at_work: keys whose requests are being answered.
+        key: of this request.
+        waits: wait until the key is free, for a person who cannot send again what a program can.
+
     Raises:
-        Problem: 409, another one does.
+        Problem: 409, another request works under the key, and this one does not wait.
     """
-    if key in at_work:
-        raise key_at_work()
-    at_work.add(key)
+    while key in at_work:
+        if not waits:
+            raise key_at_work()
+        await at_work[key].wait()
+    done = at_work[key] = asyncio.Event()
     try:
         yield
     finally:
-        at_work.discard(key)
+        del at_work[key]
+        done.set()
 
 
 def refuse_other_body(kept: KeptAnswer, fingerprint: str) -> None:

@@ -20,7 +20,7 @@ from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.drafts import OrderDraft, WorkDraft, nonsense
 from dray.gateway.orders.feasibility import OrderPreview, Situation, Wanted, preview
-from dray.gateway.orders.idempotency import alone, refuse_other_body
+from dray.gateway.orders.idempotency import AtWork, alone, refuse_other_body
 from dray.gateway.orders.order_ids import new_order_id, new_token
 from dray.gateway.orders.outbox import Outbox
 from dray.gateway.tracking.eta import History
@@ -71,7 +71,7 @@ class OrderPlacement:
     ) -> None:
         self._store, self._placing = store, placing
         self._projection, self._outbox, self._wall_s = projection, outbox, wall_s
-        self.keys_at_work: set[str] = set()
+        self.keys_at_work: AtWork = {}
         self._coming: Counter[str] = Counter()
         """How many are being written at this moment, by who has placed them."""
 

@@ -28,7 +28,7 @@ from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders.call_limits import AGAIN_S, refuse_beyond, refuse_full
-from dray.gateway.orders.idempotency import alone, key_at_work, refuse_other_body
+from dray.gateway.orders.idempotency import AtWork, alone, key_at_work, refuse_other_body
 from dray.gateway.orders.order_ids import new_transport_id
 from dray.gateway.orders.outbox import Reminders
 from dray.gateway.orders.transport_draft import WISH_S, TransportDraft
@@ -90,7 +90,7 @@ class PlainTransports:
         self._held: dict[str, float] = {}
         """Transports that are not to begin before then, in wall clock seconds."""
         self._news = asyncio.Event()
-        self._keys_at_work: set[str] = set()
+        self._keys_at_work: AtWork = {}
 
     # --- what people ask ---
 
@@ -100,8 +100,17 @@ class PlainTransports:
         caller: Principal,
         key: str | None,
         render: Callable[[TransportRow], bytes],
+        *,
+        waits: bool = False,
     ) -> tuple[KeptAnswer, bool]:
         """Take a transport, or find what was answered when it was asked for before.
+
+        Args:
+            draft: what is to be brought.
+            caller: who asks.
+            key: the Idempotency-Key; None for none.
+            render: writes the answer.
+            waits: wait for another request with the key that is being answered, and do not refuse this one.
 
         Returns:
             The answer, and whether it is that of an earlier request.
@@ -112,7 +121,8 @@ class PlainTransports:
         """
         body = f"transport {draft.text()}"
         fingerprint = hashlib.sha256(body.encode()).hexdigest()
-        async with alone(self._keys_at_work, key) if key else nullcontext(), self._store.write() as work:
+        turn = alone(self._keys_at_work, key, waits=waits) if key else nullcontext()
+        async with turn, self._store.write() as work:
             if key and (known := await work.transports.of_key(key)) is not None:
                 refuse_other_body(_kept(known), fingerprint)
                 return _kept(known), True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from http import HTTPStatus
 from typing import Annotated
 
@@ -13,7 +14,7 @@ from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import forbidden
 from dray.gateway.access.people_changes import may_give
-from dray.gateway.access.principal import Scope
+from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.access.tokens import new_id, new_key
 from dray.gateway.http.problems import FieldError, not_found, unusable
 from dray.gateway.http.provided import Now, Provided
@@ -23,7 +24,7 @@ from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, li
 from dray.gateway.http.shares import share_of
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.transports import OPEN_MAX as TRANSPORTS_MAX
-from dray.priorities import Priority
+from dray.priorities import TRANSPORT_WITHIN_S, Priority
 from dray.store import Store
 from dray.store.access.api_keys import OPEN_EACH_MAX, OPEN_MAX, ApiKey
 
@@ -166,7 +167,7 @@ async def make_key(
     now_s: Now,
     draft: KeyDraft,
 ) -> Json:
-    """Make a key for another system, or for a call button."""
+    """Make a key for another system, or for a call button. A key makes none that calls beyond its own limits, or works longer than itself."""
     scopes = tuple(dict.fromkeys(each.value for each in draft.scopes))
     places, items = tuple(dict.fromkeys(draft.places)), tuple(dict.fromkeys(draft.items))
     open_max = draft.open_max or OPEN_MAX
@@ -180,7 +181,6 @@ async def make_key(
         raise unusable(*faults)
     if not may_give(caller, frozenset(draft.scopes)):
         raise forbidden(f"{caller.name} lacks some of these scopes itself; leave them out")
-    token = new_key()
     key = ApiKey(
         id=new_id(),
         name=draft.name,
@@ -193,7 +193,9 @@ async def make_key(
         open_each_max=open_each_max,
         priority=priority.value,
     )
-    note.target = key.id
+    if beyond := _beyond(caller, key):
+        raise forbidden(f"{caller.name} may give no key that may more than itself: {', '.join(beyond)}")
+    note.target, token = key.id, new_key()
     async with store.write() as work:
         await work.api_keys.add(token, key)
     button = scopes == (Scope.TRANSPORTS_CALL.value,) and len(places) == 1
@@ -220,6 +222,24 @@ async def revoke_key(store: Provided[Store], note: Noted, now_s: Now, key: KeyId
     assert taken_back is not None  # noqa: S101 - keys are never removed
     note.detail["name"] = known.name
     return Json(_answer(taken_back))
+
+
+def _beyond(caller: Principal, key: ApiKey) -> list[str]:
+    """The fields in which a new key could do more than the key that makes it, or could do it longer."""
+    beyond, ends_s, limits = [], caller.expires_at_s, caller.calls
+    if caller.kind == "key" and ends_s is not None and (key.expires_at_s or math.inf) > ends_s:
+        beyond.append("days")
+    if limits is None or Scope.TRANSPORTS_CALL.value not in key.scopes.split():
+        return beyond
+    for field, own in (("places", limits.places), ("items", limits.items)):
+        given = set(getattr(key, field).split())
+        if own and not (given and given <= own):
+            beyond.append(field)
+    bounds = ("open_max", "open_each_max")
+    beyond += [field for field in bounds if getattr(key, field) > getattr(limits, field)]
+    if TRANSPORT_WITHIN_S[Priority(key.priority)] < TRANSPORT_WITHIN_S[limits.priority]:
+        beyond.append("priority")
+    return beyond
 
 
 def _faults_of(draft: KeyDraft, scopes: tuple[str, ...], projection: Projection) -> list[FieldError]:

@@ -106,18 +106,20 @@ class Scheduler:
     ) -> ScheduleRow | None:
         """Change one. When its calendar is another one, or it goes on after a pause, it begins with the first moment from now on.
 
-        Whoever changes what it asks for is its owner from then on, and so is who lets it go on when its owner may do nothing any more.
+        Whoever changes what it asks for, or by which calendar, is its owner from then on: what comes of that takes this one's share.
+        So is who lets it go on when its owner may do nothing any more.
 
         Returns:
             It as it is now; None when there is none.
 
         Raises:
-            Problem: as `define`; 412 it is not of this version any more, 428 no version is given.
+            Problem: as `define`, 403 also where it has ordered so far; 412 it is not of this version any more, 428 no version is given.
         """
         async with self._store.write() as work:
             row = await work.schedules.get(schedule)
             if row is None:
                 return None
+            _refuse_orders(row, by)
             check_version(row.revision, version, changed_since("schedule", row.id))
             is_orphan = row.owner in await work.schedules.owners_gone(self._wall_s())
             after = self._changed(row, change, by, is_orphan=is_orphan)
@@ -130,16 +132,17 @@ class Scheduler:
         self._news.set()
         return after
 
-    async def remove(self, schedule: str, version: str | None) -> bool:
+    async def remove(self, schedule: str, version: str | None, by: Principal) -> bool:
         """Forget one; what it has asked for already goes on. False when there is none.
 
         Raises:
-            Problem: 412 it is not of this version any more, 428 no version is given.
+            Problem: 403 it orders and this caller may not, 412 it is not of this version any more, 428 no version is given.
         """
         async with self._store.write() as work:
             row = await work.schedules.get(schedule)
             if row is None:
                 return False
+            _refuse_orders(row, by)
             check_version(row.revision, version, changed_since("schedule", row.id))
             if not await work.schedules.remove(row):
                 raise changed_since("schedule", row.id)
@@ -161,8 +164,7 @@ class Scheduler:
         after = msgspec.structs.replace(row, **fields, revision=row.revision + 1, by=by.name, at_s=now_s)
         if _asked(after) != _asked(row) or (is_orphan and change.paused is False):
             after = msgspec.structs.replace(after, owner=by.key)
-        if other_work or after.owner != row.owner:
-            _refuse_orders(after, by)
+        _refuse_orders(after, by)
         if _moments(after) != _moments(row):
             after = self._begun(after, now_s)
         wanted = None if change.skipped is None else [moment.timestamp() for moment in change.skipped]
@@ -315,8 +317,9 @@ def _moments(row: ScheduleRow) -> tuple[str, str, str, bool]:
     return row.calendar, row.time_zone, row.holidays, row.paused
 
 
-def _asked(row: ScheduleRow) -> tuple[str, str]:
-    return row.transport, row.order_draft
+def _asked(row: ScheduleRow) -> tuple[str, ...]:
+    """What it asks for, and how often."""
+    return row.transport, row.order_draft, row.calendar, row.time_zone, row.holidays
 
 
 def _kept_days(days: list[date]) -> str:
@@ -361,13 +364,13 @@ def _paused_line(row: ScheduleRow, now_s: float) -> AuditRow:
     )
 
 
-def _refuse_orders(row: ScheduleRow, owner: Principal) -> None:
-    """Refuse recurring orders of who may place none.
+def _refuse_orders(row: ScheduleRow, by: Principal) -> None:
+    """Refuse recurring orders, and whatever is changed of one, to who may place no orders.
 
     Raises:
         Problem: 403.
     """
-    if row.order_draft and not owner.may(Scope.ORDERS_WRITE):
+    if row.order_draft and not by.may(Scope.ORDERS_WRITE):
         raise forbidden(
             f"an order that recurs asks for the right {Scope.ORDERS_WRITE.value}; ask somebody who may place orders"
         )

@@ -3,7 +3,7 @@ import type { Box, ClosureView, Lane, ObstacleView, PlantFile } from "../../api/
 import type { Place, Roads } from "../../motion/roads";
 import type { Outline } from "../../selection/outline";
 import { type Heat, stepOf } from "../heat/heat";
-import { boxOnScreen, toScreenX, toScreenY } from "../surface/geometry";
+import { boxOnScreen, overlaps, type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, isInSight, setFont, textPx } from "./brush";
 import { drawChosenLane, drawClosures } from "./closures";
 import { drawObstacles } from "./obstacles";
@@ -96,21 +96,42 @@ function drawAreas(brush: Brush, plant: PlantFile): void {
   });
 }
 
-/** In the lower left corner of each area, above what stands there. */
+/** The name of an area, and where it stands on the screen. */
+interface AreaName {
+  readonly name: string;
+  readonly rect: Rect;
+}
+
+/** In the lower left corner of each area, else in another one in which no machine and no storage stands. */
+export function areaNames(brush: Brush, plant: PlantFile): AreaName[] {
+  const { ctx, view } = brush;
+  const px = textPx(view.scale, 0.9, 11, 16);
+  setFont(brush, px, 550);
+  const boxes = [...plant.machines, ...plant.storages, ...plant.warehouses].map(({ box }) => boxOnScreen(view, box));
+  return plant.areas.map(({ name, polygon }) => {
+    const [xs, ys] = [polygon.map((point) => toScreenX(view, point.x_m)), polygon.map((point) => toScreenY(view, point.y_m))];
+    const width = ctx.measureText(name).width;
+    const lefts = [Math.min(...xs) + 8, Math.max(...xs) - 8 - width];
+    const tops = [Math.max(...ys) - 4 - px, Math.min(...ys) + 4];
+    const rects = tops.flatMap((top) => lefts.map((left) => ({ left, right: left + width, top, bottom: top + px })));
+    const free = rects.find((rect) => !boxes.some((box) => overlaps(rect, box)));
+    return { name, rect: free ?? (rects[0] as Rect) };
+  });
+}
+
+/** Above what stands there. */
 function nameAreas(brush: Brush, plant: PlantFile): void {
-  const { ctx, view, palette } = brush;
-  setFont(brush, textPx(view.scale, 0.9, 11, 16), 550);
+  const { ctx, palette } = brush;
+  const names = areaNames(brush, plant);
   ctx.textAlign = "left";
   ctx.textBaseline = "bottom";
   ctx.lineWidth = 4;
   ctx.lineJoin = "round";
   ctx.strokeStyle = palette.floor;
   ctx.fillStyle = palette["ink-2"];
-  for (const { name, polygon } of plant.areas) {
-    const x = toScreenX(view, Math.min(...polygon.map((point) => point.x_m))) + 8;
-    const y = toScreenY(view, Math.min(...polygon.map((point) => point.y_m))) - 4;
-    ctx.strokeText(name, x, y);
-    ctx.fillText(name, x, y);
+  for (const { name, rect } of names) {
+    ctx.strokeText(name, rect.left, rect.bottom);
+    ctx.fillText(name, rect.left, rect.bottom);
   }
 }
 
@@ -202,8 +223,13 @@ function drawParkings(brush: Brush, plan: FloorPlan): void {
     ctx.fill();
     if (!detail.machineParts) continue;
     ctx.stroke();
-    write(brush, "P", x, y, textPx(view.scale, 0.85, 9, 22), "ink-2");
+    write(brush, "P", x, y, parkingSignPx(view.scale), "ink-2");
   }
+}
+
+/** How high the letter of a parking place is. */
+export function parkingSignPx(scale: number): number {
+  return textPx(scale, 0.85, 9, 22);
 }
 
 function drawChargers(brush: Brush, plant: PlantFile): void {

@@ -12,12 +12,12 @@ import { format, t } from "../../text";
 import { factoryTime } from "../../text/plant-time";
 import { type Detail, detailOf } from "./detail";
 import { type Brush, isInSight } from "./brush";
-import { drawFloor } from "./floor";
+import { areaNames, drawFloor, parkingSignPx } from "./floor";
 import { drawAges, drawChosenWay, drawLinks, drawWays } from "./lines";
 import { drawMachine } from "./machines";
 import { drawMark } from "./marks";
 import { drawDots, drawVehicle, drawVehicleLabels, lookOf, shortName } from "./vehicles";
-import { boxOnScreen, fitView, type Region, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "../surface/geometry";
+import { boxOnScreen, fitView, type Rect, type Region, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "../surface/geometry";
 import { groupsOf, URGENT_LAST } from "./groups";
 import type { Heat } from "../heat/heat";
 import { hasTraffic, heldAhead, heldLine, jamsOf, waitLines } from "../held/held";
@@ -367,7 +367,20 @@ export class PlantRenderer {
     );
     if (labels.length === 0) return;
     const walls = this.#walls.filter((box) => isInSight(brush, box)).map((box) => boxOnScreen(brush.view, box));
-    drawVehicleLabels(brush, labels, walls);
+    const areas = layers.areas ? areaNames(brush, this.plant).map(({ rect }) => rect) : [];
+    drawVehicleLabels(brush, labels, [...walls, ...areas, ...this.#parkingSigns(brush)]);
+  }
+
+  /** The letters at parking places, where there are any. */
+  #parkingSigns({ detail, view }: Brush): Rect[] {
+    if (!detail.machineParts) return [];
+    const half = parkingSignPx(view.scale) / 2;
+    return this.plant.parkings.flatMap(({ node }) => {
+      const at = this.#roads.places.get(node);
+      if (!at) return [];
+      const [x, y] = [toScreenX(view, at.x), toScreenY(view, at.y)];
+      return [{ left: x - half, right: x + half, top: y - half, bottom: y + half }];
+    });
   }
 
   #inSight(): ShownVehicle[] {

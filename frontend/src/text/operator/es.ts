@@ -155,7 +155,7 @@ export const es: Catalogue<typeof en> = {
 
   "handOver.now": "Ceder ahora",
   "handOver.to": "la asume {atv}",
-  "handOver.auction": "otros pujan por ella",
+  "handOver.auction": "otros ofertan por ella",
   "handOver.aboard": "Lleva producto a bordo: nadie más puede transportarlo",
   "handOver.keep": "Cediendo …",
   "handOver.leaving": "tocar para conservarla",
@@ -240,7 +240,7 @@ export const es: Catalogue<typeof en> = {
   "refusal.load_aboard": "lleva producto a bordo y nadie más puede transportarlo",
   "refusal.not_granted": "nadie lo ha autorizado",
   "refusal.not_trusted": "no confía en la autorización",
-  "refusal.expired": "la autorización ha caducado: déla otra vez",
+  "refusal.expired": "la autorización ha caducado: dela otra vez",
   "refusal.not_here": "está fuera de sus zonas",
 
   "cards.machines": "Máquinas que necesitan a alguien",

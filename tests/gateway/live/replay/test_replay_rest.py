@@ -15,6 +15,7 @@ from heartbeats import atv_heartbeat, events
 from wall_clock import NOW_S, Wall
 
 from dray.gateway.access.principal import Role
+from dray.gateway.live.frames import PORTION
 from dray.gateway.live.replay import recorder
 from dray.messages import Reason
 from dray.messages import Role as Part
@@ -139,7 +140,11 @@ async def test_what_is_kept_for_fewer_days_than_before_goes_little_by_little(
 async def test_a_gateway_that_keeps_nothing_has_the_picture_of_now_alone(url: str) -> None:
     async with gateway(url, replay_days=0) as house:
         await beat(house, 1)
-        assert (await house.get("/api/replay"))["atvs"]
+        placed = {(await house.place(reference=f"{number}"))["id"] for number in range(PORTION + 1)}
+        picture = await house.get("/api/replay")
+        assert picture["atvs"]
+        assert {order["id"] for order in picture["orders"]} == placed
+        assert (await house.get("/api/replay/film"))["snapshot"]["orders"] == picture["orders"]
         problem(await house.client.get("/api/replay", params={"at": at(NOW_S + 1)}), 404, "not-kept")
         assert (await house.get("/api/replay/overview"))["kept_from_at_s"] is None
 

@@ -7,17 +7,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
-from typing import cast
+from typing import Any, cast
 
 import msgspec
 from msgspec.structs import replace
 
 from dray.gateway.access.principal import Principal
-from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, PORTION, Delta, Snapshot
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.replay.film import Film, Picture
 from dray.gateway.live.replay.recorder import Mark, Recorder
 from dray.gateway.live.stream import audience_of, scope_of
+from dray.gateway.live.stream_scopes import WholeScope
 from dray.gateway.live.updates import Updates, array
 from dray.gateway.live.views.base import View
 from dray.store import Store
@@ -86,13 +87,26 @@ class ReplayReader:
         """The plant as it is now; but for those in `NOW`, of which there are few, as panels were told last, since all at once is a long step."""
         told = None if self._recorder is None else self._recorder.now()
         if told is None:
-            return Picture(msgspec.to_builtins(self._live.snapshot(0, now_s)), self._site)
+            line = await self._live_line(now_s)
+            return await asyncio.to_thread(Picture, line, self._site)
         fresh = {name: msgspec.to_builtins(getattr(self._live, name).views()) for name in NOW}
 
         def picture() -> Picture:
             return Picture(told.plain() | fresh, self._site)
 
         return await asyncio.to_thread(picture)
+
+    async def _live_line(self, now_s: float) -> dict[str, Any]:
+        """A snapshot of what is shown now, where nothing is recorded: in portions, with others' turns between."""
+        scope = WholeScope(self._live)
+        line: dict[str, Any] = msgspec.to_builtins(scope.snapshot(0, now_s, PORTION))
+        for collection, names in scope.rest(PORTION).items():
+            told = list(line[collection])
+            for at in range(0, len(names), PORTION):
+                await asyncio.sleep(0)
+                told += msgspec.to_builtins(scope.views(collection, names[at : at + PORTION]))
+            line[collection] = told
+        return line
 
     async def snapshot_now(self, who: Principal, now_s: float) -> bytes:
         """The same as somebody may see it, as JSON."""

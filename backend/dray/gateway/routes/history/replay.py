@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 from http import HTTPStatus
 from typing import Annotated
 
 import msgspec
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Response
 
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.principal import Scope
 from dray.gateway.http.problems import FieldError, Problem, not_found, unusable
 from dray.gateway.http.provided import Now, Provided
-from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.http.responses import Json, described, in_turns, problems
 from dray.gateway.live.frames import Snapshot
 from dray.gateway.live.replay.knowledge import (
     TELLING,
@@ -26,6 +27,7 @@ from dray.gateway.live.replay.reader import FilmView, OverviewView, ReplayReader
 from dray.gateway.live.replay.recorder import Mark
 from dray.gateway.live.views import FactoryView
 from dray.gateway.live.views.base import View
+from dray.gateway.live.visibility import goal_alias
 from dray.gateway.orders.drafts import Moment
 from dray.gateway.routes.history.events import Words
 from dray.store import Store
@@ -127,18 +129,18 @@ EXAMPLES = (
 @router.get("/replay", responses={200: described(Snapshot, "The picture"), **NOT_KEPT}, response_class=Json)
 async def get_picture(
     replay: Provided[ReplayReader], caller: Caller, now_s: Now, at: Moment | None = None
-) -> Json:
+) -> Response:
     """The plant as panels showed it `at` a moment, as the first frame of the stream would have told it; now without one.
 
     `at_s` of the answer is when that was told: where it is much earlier, nothing was recorded in between.
     """
     if at is None:
-        return Json(await replay.snapshot_now(caller, now_s))
+        return in_turns(await replay.snapshot_now(caller, now_s))
     at_s = at.timestamp()
     film = await replay.film(caller, at_s, at_s, 0.0)
     if film is None:
         raise _not_kept()
-    return Json(film.snapshot)
+    return in_turns(await asyncio.to_thread(msgspec.json.encode, film.snapshot))
 
 
 @router.get("/replay/film", responses={200: described(FilmView, "The film"), **NOT_KEPT}, response_class=Json)
@@ -149,7 +151,7 @@ async def get_film(
     since: Moment | None = None,
     until: Moment | None = None,
     every_s: Annotated[float, Query(ge=0, le=600, description="Wall seconds between two frames")] = 0.0,
-) -> Json:
+) -> Response:
     """The picture of a moment, and the frames after it: what lies closer together than `every_s` is one frame.
 
     An hour at most, and less where that is too much for one answer: `until_at_s` says how far it goes. Without `since` it is the
@@ -157,7 +159,8 @@ async def get_film(
     """
     if since is None:
         snapshot = msgspec.Raw(await replay.snapshot_now(caller, now_s))
-        return Json({"snapshot": snapshot, "frames": (), "until_at_s": now_s})
+        picture = {"snapshot": snapshot, "frames": (), "until_at_s": now_s}
+        return in_turns(await asyncio.to_thread(msgspec.json.encode, picture))
     since_s = since.timestamp()
     until_s = since_s if until is None else until.timestamp()
     if not since_s <= until_s <= since_s + FILM_MOST_S:
@@ -167,7 +170,7 @@ async def get_film(
     film = await replay.film(caller, since_s, until_s, every_s)
     if film is None:
         raise _not_kept()
-    return Json(film)
+    return in_turns(await asyncio.to_thread(msgspec.json.encode, film))
 
 
 @router.get(
@@ -201,11 +204,15 @@ async def get_overview(
 async def get_knowledge(
     replay: Provided[ReplayReader],
     store: Provided[Store],
+    caller: Caller,
     now_s: Now,
     agent: str,
     at: Moment | None = None,
 ) -> Json:
-    """What an agent knew at a moment of its transports, beside what had really happened by then; now without a moment."""
+    """What an agent knew at a moment of its transports, beside what had really happened by then; now without a moment.
+
+    Without `orders:read` goals have other names, as in `GET /api/events`.
+    """
     at_s = now_s if at is None else at.timestamp()
     picture = await replay.picture_now(now_s) if at is None else await replay.picture(at_s)
     if picture is None:
@@ -216,7 +223,11 @@ async def get_knowledge(
     async with store.read() as work:
         kinds = tuple(kind.__name__ for kind in TELLING)
         rows = await work.events.of_tasks(tuple(roles), kinds, EVENTS_MOST)
-    return Json(knowledge(picture, agent, at_s, roles, rows))
+    known = knowledge(picture, agent, at_s, roles, rows)
+    if not caller.may(Scope.ORDERS_READ):
+        items = tuple(msgspec.structs.replace(each, task=goal_alias(each.task)) for each in known.items)
+        known = msgspec.structs.replace(known, items=items)
+    return Json(known)
 
 
 @router.get("/spells", responses={200: described(SpellsView, "What they did")}, response_class=Json)

@@ -12,6 +12,7 @@ from fastapi import APIRouter, Depends, Header, Path, Response
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.csv_tables import Format, Row, table, with_csv
 from dray.gateway.http.problems import not_found, unusable
 from dray.gateway.http.provided import Now, Provided
@@ -178,6 +179,7 @@ COLUMNS = (
 )
 async def list_schedules(
     store: Provided[Store],
+    caller: Caller,
     now_s: Now,
     cursor: Cursor = None,
     limit: Limit = PAGE,
@@ -185,10 +187,10 @@ async def list_schedules(
 ) -> Response:
     """What is brought or ordered again and again: by which calendar, when next, and what came of it last.
 
-    As a table it has a row for each transport, and for each item of an order.
+    As a table it has a row for each transport, and for each item of an order. Without `orders:read` only one's own orders are listed.
     """
     async with store.read() as work:
-        rows = await work.schedules.all()
+        rows = [row for row in await work.schedules.all() if _may_see(row, caller)]
         gone = await work.schedules.owners_gone(now_s)
     if format == "csv":
         return table("recurring", COLUMNS, _rows(rows, gone))
@@ -248,12 +250,12 @@ async def preview_runs(now_s: Now, draft: PreviewDraft) -> Json:
     },
     response_class=Json,
 )
-async def get_schedule(store: Provided[Store], now_s: Now, schedule: ScheduleId) -> Json:
-    """One schedule; its `ETag` is for changing it."""
+async def get_schedule(store: Provided[Store], caller: Caller, now_s: Now, schedule: ScheduleId) -> Json:
+    """One schedule; its `ETag` is for changing it. Another's recurring order asks for `orders:read`, too."""
     async with store.read() as work:
         row = await work.schedules.get(schedule)
         gone = await work.schedules.owners_gone(now_s)
-    if row is None:
+    if row is None or not _may_see(row, caller):
         raise not_found("schedule", schedule, LISTED)
     return Json(_answer(row, gone), headers={"ETag": version_tag(row.revision)})
 
@@ -284,7 +286,8 @@ async def change_schedule(
 ) -> Json:
     """Change a schedule, leave out single moments, pause it or let it go on. What passes while it is paused is never made up for.
 
-    Whoever changes what it asks for is its owner from then on; so is who lets it go on when its owner was gone (`owner_gone`).
+    Whoever changes what it asks for, or its calendar, is its owner from then on; so is who lets it go on when its owner was gone
+    (`owner_gone`). Of one that orders nothing is changed without the right to place orders (`orders:write`).
     """
     note.target = schedule
     note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
@@ -308,13 +311,22 @@ async def change_schedule(
     },
 )
 async def remove_schedule(
-    scheduler: Provided[Scheduler], note: Noted, schedule: ScheduleId, if_match: IfMatch = None
+    scheduler: Provided[Scheduler],
+    caller: Caller,
+    note: Noted,
+    schedule: ScheduleId,
+    if_match: IfMatch = None,
 ) -> Response:
-    """Remove a schedule; what it has asked for already is done all the same."""
+    """Remove a schedule; what it has asked for already is done all the same. One that orders asks for the right to place orders, too."""
     note.target = schedule
-    if not await scheduler.remove(schedule, if_match):
+    if not await scheduler.remove(schedule, if_match, caller):
         raise not_found("schedule", schedule, LISTED)
     return Response(status_code=HTTPStatus.NO_CONTENT)
+
+
+def _may_see(row: ScheduleRow, caller: Principal) -> bool:
+    """Whether a caller may be told of it: an order names a customer, as orders do."""
+    return not row.order_draft or caller.may(Scope.ORDERS_READ) or row.owner == caller.key
 
 
 async def _answers(rows: Sequence[ScheduleRow], gone: frozenset[str]) -> AsyncIterator[ScheduleAnswer]:

@@ -137,10 +137,11 @@ async def call(
             # The same page, gone back to and sent with something else, is another call.
             own_key(caller, f"transport {form.get('key') or new_token()} {draft.text()}"),
             lambda row: msgspec.json.encode(transport_answer(row)),
+            waits=True,  # The second of two touches is shown what became of the first, a refusal too.
         )
     except (Problem, ValidationError) as error:
         if isinstance(error, Problem) and error.kind == AT_WORK:
-            return _back(token)  # The same touch twice: the other request is just doing it.
+            return _back(token)  # The same touch twice, and another gateway has taken it.
         note.result = "refused"
         reason = error.detail if isinstance(error, Problem) else error.errors()[0]["msg"]
         return await _shown(store, projection, panels, transports, request, caller, now_s, form, reason)

@@ -39,13 +39,8 @@ from dray.messages.floor.traffic import (
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.witness import Witness
+from dray.protocol.traffic.numbers import LEAP_MAX, OUTBID_MAX, is_version_believed
 from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
-
-LEAP_MAX = 2**20
-"""Nobody believes one keeper alone that the epoch is higher than the present one by more: there is an end of epochs (`Count`)."""
-
-VERSION_MAX = 2**40
-"""Nobody believes that a book has come so far: there is an end of numbers (`Count`)."""
 
 PATIENT_ROUNDS = 2
 """So often all others are asked before the answers of a majority are enough: what one has, the other must have, too."""
@@ -238,6 +233,8 @@ class Copies:
             Whether its epoch is believed.
         """
         joins = self.lost
+        if not is_version_believed(booked.version, self.kept.version):
+            return True
         if joins and not self._may_join(sender, booked):
             return True
         self.lost = False
@@ -378,15 +375,15 @@ class Copies:
         return promises
 
     def note_highest(self, epoch: int) -> None:
-        """Somebody has told of an epoch: the next turn of `me` is later."""
-        if epoch <= self.kept.epoch + LEAP_MAX:
+        """Somebody has told of an epoch: the next turn of `me` is later, but never so much later that others do not follow."""
+        if epoch <= self.kept.epoch + OUTBID_MAX:
             self._highest = max(self._highest, epoch)
 
     def on_told(self, sender: str, told: BookTold) -> None:
         """Somebody has answered."""
         self.note_highest(told.epoch)
         self._note(sender, told.epoch)
-        if told.version < VERSION_MAX:
+        if is_version_believed(told.version, self._highest_version):
             self._highest_version = max(self._highest_version, told.version)
         if sender != self.leader and not told.lost:
             self._elsewhere = told

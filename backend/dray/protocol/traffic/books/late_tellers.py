@@ -8,6 +8,7 @@ from dray.messages.floor.traffic import PlaceWished
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.reach import Reach
 from dray.protocol.traffic.books.roll_call import BESIDE_MAX
+from dray.protocol.traffic.numbers import FAR
 
 
 class LateTellers:
@@ -50,7 +51,7 @@ class LateTellers:
         if others and (not wish.holds or others > BESIDE_MAX):
             # It has nothing to tell that would not come as well after the roll call.
             return True
-        if not self._reach.may_hold(atv, wish.holds, now_s):
+        if wish.seen > FAR or not self._reach.may_hold(atv, wish.holds, now_s):
             self.unknown.add(atv)
             return False
         self.unknown.discard(atv)

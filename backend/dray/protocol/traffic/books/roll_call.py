@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.book import Book
+from dray.protocol.traffic.numbers import FAR
 
 ROLL_S = 6.0
 """A roll is called for so long at least: every vehicle beats in that time, also one that the plant file does not know."""
@@ -19,6 +20,9 @@ AGAIN_S, AGAIN_AT_MOST_S = 1.0, 5.0
 
 BESIDE_MAX = 3
 """Keys that tell under the name of one vehicle, beside the first: with so many the roll call is not over before people have seen to it."""
+
+RAISE_AGAIN_S = 30.0
+"""Once in so long one vehicle lets a roll be called anew, since it knows of a later epoch: whoever says ever later ones holds nobody up for ever."""
 
 QUIET_S = 6.0
 """When nobody new has told for so long the roll call stands still, and those that are missing are awaited by name: as long as
@@ -50,6 +54,8 @@ class RollCall:
         self._until_s = now_s + ROLL_S
         self._news_s = now_s
         """When somebody has told for the first time, last."""
+        self._raised_s: dict[str, float] = {}
+        """Vehicle -> when it has let it be called anew last."""
         self._asks: dict[str, tuple[float, float]] = {}
         """Vehicle -> when it is asked again, and how long after that once more."""
 
@@ -69,7 +75,13 @@ class RollCall:
 
     def note(self, atv: str, wish: PlaceWished, now_s: float, *, by_person: bool = False) -> bool:
         """A vehicle has told, or a person in its place; True when that counts."""
+        if wish.epoch > FAR or wish.seen > FAR:
+            # It lies: no book has come so far.
+            return False
         if wish.epoch > self.epoch:
+            if now_s - self._raised_s.get(atv, -RAISE_AGAIN_S) < RAISE_AGAIN_S:
+                return False
+            self._raised_s[atv] = now_s
             # The vehicle has known a later keeper: what was told under this epoch may have changed since.
             self.told, self.epoch = {}, self._next_turn(wish.epoch)
             self._by_people, self._beside = set(), {}

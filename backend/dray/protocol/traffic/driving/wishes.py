@@ -24,6 +24,7 @@ from dray.messages.floor.traffic import (
 )
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
+from dray.protocol.traffic.numbers import OUTBID_MAX
 
 WISH_AGAIN = "wish again"
 
@@ -417,7 +418,8 @@ class Wishes:
         if asked.roll_call:
             # Who calls it is alone with its epoch. What is told is no grant, and from now on no earlier one counts.
             line.words[sender] = max(line.words.get(sender, 0), asked.epoch)
-            line.epoch, line.turn = max(line.epoch, asked.epoch), 0
+            # Nor can it be so far that nobody else leads ever after: who leads begins a later one when it is told.
+            line.epoch, line.turn = max(line.epoch, min(asked.epoch, line.agreed + OUTBID_MAX)), 0
             return True
         if asked.epoch < line.epoch:
             return False

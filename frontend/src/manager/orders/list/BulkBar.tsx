@@ -10,9 +10,9 @@ const DEEDS = ["release", "revoke", "cancel"] as const;
 export function BulkBar({ orders, onDone }: { orders: readonly OrderView[]; onDone: () => void }) {
   const asking = useSignal<Deed | null>(null);
   const chosen = orders.filter(({ id }) => ticked.value.has(id));
-  const failed = orders.filter(({ id }) => refused.value.has(id));
+  const failed = refused.value;
   if (chosen.length === 0 && failed.length === 0) return null;
-  const able = (deed: Deed): string[] => chosen.filter((order) => isPossible(deed, order)).map(({ id }) => id);
+  const able = (deed: Deed): OrderView[] => chosen.filter((order) => isPossible(deed, order));
   const run = async (deed: Deed): Promise<void> => {
     asking.value = null;
     await doAll(deed, able(deed));
@@ -45,17 +45,22 @@ export function BulkBar({ orders, onDone }: { orders: readonly OrderView[]; onDo
           onYes={() => void run(sure)}
         />
       )}
-      {!busy && chosen.length > 0 && sure === null && (
-        <button type="button" class="button small" onClick={() => { ticked.value = new Set(); }}>
+      {!busy && sure === null && (
+        <button type="button" class="button small" onClick={() => {
+          ticked.value = new Set();
+          refused.value = [];
+        }}>
           {t("bulk.none")}
         </button>
       )}
       {failed.length > 0 && (
-        <ul class="complaint" role="alert">
-          {failed.map(({ id, reference }) => (
-            <li key={id}>{t("bulk.failed", { order: reference ?? id, reason: refused.value.get(id) ?? "" })}</li>
-          ))}
-        </ul>
+        <div role="alert">
+          <ul class="complaint">
+            {failed.map(({ order: { id, reference }, reason }) => (
+              <li key={id}>{t("bulk.failed", { order: reference ?? id, reason })}</li>
+            ))}
+          </ul>
+        </div>
       )}
     </section>
   );

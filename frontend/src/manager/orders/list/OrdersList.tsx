@@ -41,7 +41,7 @@ export function OrdersList() {
   const { again, failed, page, printing } = usePaged(async (said, place) => await fetchOrders({ ...queryOf(said), ...place }), newest);
   useEffect(() => () => {
     ticked.value = new Set();
-    refused.value = new Map();
+    refused.value = [];
   }, []);
   const orders = useComputed(() => {
     const shown = (page.value?.items ?? []).map((order): OrderView => world.value?.orders.get(order.id) ?? order);

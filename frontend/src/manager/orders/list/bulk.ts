@@ -18,8 +18,8 @@ const AT_ONCE = 4;
 
 /** Ids of those whose box is ticked. */
 export const ticked = signal<ReadonlySet<string>>(new Set());
-/** What did not work, by order. */
-export const refused = signal<ReadonlyMap<string, string>>(new Map());
+/** With which orders it did not work, and why: told also when their rows are in the list no more. */
+export const refused = signal<readonly { readonly order: OrderView; readonly reason: string }[]>([]);
 /** How many are done of how many; null when nothing runs. */
 export const running = signal<{ readonly done: number; readonly of: number } | null>(null);
 
@@ -42,17 +42,17 @@ export function isPossible(deed: Deed, order: OrderView): boolean {
   }
 }
 
-export async function doAll(deed: Deed, orders: readonly string[]): Promise<void> {
+export async function doAll(deed: Deed, orders: readonly OrderView[]): Promise<void> {
   const left = [...orders];
-  const failed = new Map<string, string>();
+  const failed: { order: OrderView; reason: string }[] = [];
   running.value = { done: 0, of: orders.length };
   const work = async (): Promise<void> => {
     for (let order = left.shift(); order !== undefined; order = left.shift()) {
       try {
-        await RUN[deed](order);
-        tick(order, false);
+        await RUN[deed](order.id);
+        tick(order.id, false);
       } catch (error) {
-        failed.set(order, problemText(error));
+        failed.push({ order, reason: problemText(error) });
       }
       running.value = { done: (running.value?.done ?? 0) + 1, of: orders.length };
     }

@@ -2,12 +2,14 @@ import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { changeOrder, type OrderChange } from "../../../api/client";
 import { Problem } from "../../../api/problem";
-import type { OrderAnswer } from "../../../api/types";
+import type { OrderAnswer, OrderView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
 import { world } from "../../../stream/stream";
 import { format, t } from "../../../text/views/order";
+import { HERE, Linked } from "../../parts/Linked";
 import { problemText } from "../../problem-text";
 import { names } from "../../state";
+import { addressOf } from "../../views";
 import { PrioritySelect } from "../PrioritySelect";
 import { isClosed } from "../progress";
 import { changeOf, leastOf, type Written, writtenOf } from "./change";
@@ -91,13 +93,7 @@ export function ChangeCard({ kept, onChanged }: { kept: OrderAnswer; onChanged: 
           <input id={`${id}-reference`} autoComplete="off" maxLength={80} value={reference} onInput={(event) => { edit({ reference: event.currentTarget.value }); }} />
         </div>
         <p class="muted" role="status">
-          {wrong
-            ? t("change.wrong")
-            : costs === null
-              ? t("change.hint")
-              : costs.length === 0
-                ? t("change.passesNobody")
-                : t("change.passes", { orders: format.list(costs.slice(0, 3)), n: format.count(costs.length) })}
+          {wrong ? t("change.wrong") : costs === null ? t("change.hint") : costs.length === 0 ? t("change.passesNobody") : <Passed orders={costs} />}
         </p>
         <div class="form-actions">
           <button type="button" class="button" disabled={busy.value || change === null} onClick={undo}>
@@ -115,4 +111,14 @@ export function ChangeCard({ kept, onChanged }: { kept: OrderAnswer; onChanged: 
       )}
     </Card>
   );
+}
+
+/** As many are named. */
+const NAMED = 3;
+
+/** Whom a change would let wait, with the ways to the first of them. */
+function Passed({ orders }: { orders: readonly OrderView[] }) {
+  const first = orders.slice(0, NAMED);
+  const links = first.map(({ id, reference }) => ({ href: addressOf(id), text: reference ?? id }));
+  return <Linked text={t("change.passes", { orders: format.list(first.map(() => HERE)), n: format.count(orders.length) })} links={links} />;
 }

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { Card } from "../../../parts/Card";
 import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/views/order";
+import { usePrinting } from "../../parts/paper/printing";
 import { names, orderName } from "../../state";
 import { addressOf } from "../../views";
 import { type Estimate, heightOf, leftOf, linesOf, type Move, movesOf, stepsOf, timeOf, topOf } from "./estimates";
@@ -20,9 +21,10 @@ interface Props {
 /** How the expected time has moved, as a band, and below it why. */
 export function EstimatesCard({ deliveredS, dueS, estimates, untilS }: Props) {
   const all = useSignal(false);
+  const printing = usePrinting();
   if (estimates.length === 0) return null;
   const moves = movesOf(estimates);
-  const hidden = all.value ? 0 : Math.max(0, moves.length - AT_FIRST);
+  const hidden = all.value || printing.value ? 0 : Math.max(0, moves.length - AT_FIRST);
   const shown = moves.slice(hidden);
   return (
     <Card title={t("estimates.title")} class="order-estimates">

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { Tag } from "../../../parts/Tag";
 import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/views/order";
+import { usePrinting } from "../../parts/paper/printing";
 import { MomentLink } from "../../replay/MomentLink";
 import { chooseTransport, chosenTransport, FILTERS, wantedEvents, wantEvents } from "./address";
 import { isProblem, isWanted, type Moment, momentText } from "./moments";
@@ -13,8 +14,9 @@ const AT_FIRST = 40;
 export function Moments({ moments, partly }: { moments: readonly Moment[]; partly: string }) {
   const chosen = chosenTransport.value;
   const all = useSignal(false);
+  const printing = usePrinting();
   const fitting = moments.filter((moment) => isWanted(moment, wantedEvents.value)).reverse();
-  const shown = all.value ? fitting : fitting.slice(0, AT_FIRST);
+  const shown = all.value || printing.value ? fitting : fitting.slice(0, AT_FIRST);
   return (
     <section class="card order-moments" aria-labelledby="order-moments">
       <header class="card-head">

@@ -8,7 +8,7 @@ import { CsvLink } from "../../parts/filters/CsvLink";
 import { Sure } from "../../parts/Sure";
 import { problemText } from "../../problem-text";
 import { useRefreshed } from "../../refreshed";
-import { names } from "../../state";
+import { names, orderName } from "../../state";
 import { addressOf, addressOfTransport } from "../../views";
 import { calendarText } from "./calendar-text";
 import { shown } from "./draft";
@@ -176,7 +176,7 @@ function Last({ schedule: { last, missed_at, time_zone } }: { schedule: Schedule
       )}
       {last?.order != null && (
         <small class="line">
-          <a href={addressOf(last.order)}>{last.order}</a>
+          <a href={addressOf(last.order)}>{orderName(last.order)}</a>
         </small>
       )}
       {last?.refused != null && <small class="line complaint">{t("recurring.refused", { reason: last.refused })}</small>}

@@ -121,7 +121,7 @@ export const panel: Catalogue<typeof english> = {
 
   "tell.open": "Befehl…",
   "tell.hint": "Was {id} gesagt wird",
-  "tell.noEmergency": "Kein Nothalt: wann und wo es steht, entscheidet das Fahrzeug.",
+  "tell.noEmergency": "Kein Not-Halt: wann und wo es steht, entscheidet das Fahrzeug.",
   "tell.stop": "Stopp",
   "tell.acknowledge": "Fehler behoben",
   "tell.resume": "Weiter",
@@ -139,7 +139,7 @@ export const panel: Catalogue<typeof english> = {
   "tell.refused": "{id} lehnt ab: {reason}.",
   "tell.failed": "Nicht getan: {reason}",
   "pause.open": "Bereich anhalten…",
-  "pause.hint": "Niemand fährt hinein, und alle Fahrzeuge darin halten, bis es weitergeht. Kein Nothalt.",
+  "pause.hint": "Niemand fährt hinein, und alle Fahrzeuge darin halten, bis es weitergeht. Kein Not-Halt.",
   "pause.area": "Bereich",
   "pause.do": "Anhalten",
   "pause.goOn": "Weiterfahren lassen",

@@ -133,7 +133,7 @@ export const auction: Catalogue<typeof english> = {
   "refusal.command.faulty": "sus sensores aún comunican un problema",
   "refusal.command.not_granted": "nadie lo ha autorizado",
   "refusal.command.not_trusted": "no confía en la autorización",
-  "refusal.command.expired": "la autorización ha caducado: déla otra vez",
+  "refusal.command.expired": "la autorización ha caducado: dela otra vez",
   "refusal.command.not_here": "está en otro lugar",
   "refusal.command.not_supported": "eso no es posible aquí",
   "refusal.command.speed_out_of_range": "no puede ir a esa velocidad",

@@ -24,7 +24,7 @@ export const orders: Catalogue<typeof english> = {
   "orders.revoke": "Retirar",
   "orders.revokeSure": "¿Retirarlo? Lo que ha llegado queda entregado; las piezas hechas van al próximo pedido de ese producto.",
   "orders.revokeDo": "Retirar el pedido",
-  "orders.revokeNot": "Dejarlo publicado",
+  "orders.revokeNot": "Dejarlo lanzado",
   "orders.revokeFailed": "No retirado: {reason}",
   "orders.customer": "Cliente",
   "orders.reference": "Referencia",

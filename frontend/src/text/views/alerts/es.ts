@@ -85,7 +85,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.atv_stopped": "Vehículo detenido",
   "alertLog.is.atv_battery": "Batería baja",
   "alertLog.is.access_point": "Punto de acceso perdido",
-  "alertLog.is.atv_mesh": "Vehículo sin WLAN",
+  "alertLog.is.atv_mesh": "Vehículo sin wifi",
   "alerts.goods.by": "{by} va hacia allí",
   "alerts.goods.open": "A la tarjeta del operario",
   "alerts.awaited.open": "{atv} no está en la planta…",

@@ -21,7 +21,7 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.transport": "ein Transport",
   "recurring.order": "ein Auftrag",
   "recurring.customer": "Kunde",
-  "recurring.reference": "Referenz (optional)",
+  "recurring.reference": "Zeichen (optional)",
   "recurring.dueH": "Fällig nach so vielen Stunden (optional)",
   "recurring.lines": "Was bestellt wird",
   "recurring.productOf": "Produkt in Zeile {row}",

@@ -20,7 +20,7 @@ export const scenario: Catalogue<typeof en> = {
   "scenario.step.contracted": "Contratados el primario y el secundario",
   "scenario.step.under_way": "En camino",
   "scenario.step.loading": "Recoge su carga",
-  "scenario.step.wlan_cut": "WLAN cortada",
+  "scenario.step.wlan_cut": "Wifi cortada",
   "scenario.step.switched_off": "Apagado",
   "scenario.step.way_blocked": "Camino bloqueado",
   "scenario.step.load_shifted": "Carga desplazada",

@@ -1,0 +1,50 @@
+"""The field *Find*: what is in sight already stays where it is, and what is not comes into sight."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from drawn_words import Word, watch_words, words_of
+from manager_kit import choose
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+
+NEAR = 5
+"""Steps of the button, until most of the plant is out of sight."""
+
+
+def place_of(page: Page, machine: str) -> Word | None:
+    return next((word for word in words_of(page) if word.text == machine), None)
+
+
+def test_find_moves_the_map_only_to_what_is_out_of_sight(quiet: Any, open_page: OpenPage) -> None:
+    page = open_page("about:blank", visits=quiet.url)
+    watch_words(page)
+    page.goto(quiet.url)
+    expect(page.locator(".card.factory")).to_be_visible()
+    page.wait_for_function("window.drawnWords('#plant-map').some(([text]) => text === 'M8')")
+    before = place_of(page, "M8")
+    choose(page, "M8")
+    expect(page.locator(".card.machine")).to_contain_text("M8")
+    assert place_of(page, "M8") == before
+    # Near to what is in the middle, it is out of sight.
+    for _ in range(NEAR):
+        page.get_by_role("button", name="Zoom in").click()
+    page.wait_for_function("!window.drawnWords('#plant-map').some(([text]) => text === 'M1')")
+    choose(page, "M1")
+    page.wait_for_function("window.drawnWords('#plant-map').some(([text]) => text === 'M1')")
+    found, around = place_of(page, "M1"), page.locator("#plant-map").bounding_box()
+    assert found is not None
+    assert around is not None
+    assert 0 <= found.left < found.right <= around["width"]
+    assert 0 <= found.top < found.bottom <= around["height"]
+
+
+def test_the_menu_of_a_person_leads_to_the_page_of_an_operator(quiet: Any, open_page: OpenPage) -> None:
+    page = open_page(quiet.url)
+    page.locator("button.person").click()
+    page.get_by_role("link", name="Operator").click()
+    page.wait_for_url(f"{quiet.url}/operator")
+    expect(page.locator("#stops")).to_be_visible()
