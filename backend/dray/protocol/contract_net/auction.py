@@ -129,7 +129,6 @@ class Auction:
         place: where the circle of those who are asked has its middle.
         audience: the bus keys that reach everybody within a radius (m).
         rules: patience and reach.
-        life: its agent's.
         assessor: what is asked of a bid beside its price.
         candidates: bids to ask before announcing anything, cheapest first.
         numbers: of its awards; by default from 1 on.

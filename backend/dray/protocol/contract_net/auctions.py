@@ -25,7 +25,6 @@ class Auctions:
         coordinator: who asks.
         place: where it stands.
         audience: for a task's work and a radius (m), the bus keys of those to ask.
-        life: its agent's.
         arrivals: how heartbeats arrive at the coordinator; None where it follows nobody.
         incarnation: how often the coordinator was started.
         assessor: what is asked of bids beside their price.

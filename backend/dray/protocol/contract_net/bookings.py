@@ -18,11 +18,7 @@ WORDS_KEPT = 256
 
 
 class Bookings:
-    """Of one dock.
-
-    Args:
-        life: its agent's.
-    """
+    """Of one dock."""
 
     def __init__(self, life: Life) -> None:
         self._life = life

@@ -47,7 +47,6 @@ class Departures:
         node: where vehicles stand at it.
         subscriptions: whose heartbeats are heard.
         bookings: what its body is told.
-        life: its agent's.
         left: called with a vehicle that has left.
     """
 

@@ -80,7 +80,6 @@ class Door:
     """The door of one dock.
 
     Args:
-        life: its agent's.
         patience_s: so long the body may take to open it.
         departures: of this dock.
         is_told_of: whether it is still waited for what a vehicle has to tell of a load that it was let in to take, though it is not wanted any more.

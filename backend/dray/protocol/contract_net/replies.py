@@ -65,9 +65,6 @@ class Refusals:
     """Why one contractor did not bid, put on record once: the coordinator is not bothered with it.
 
     A task is announced until somebody takes it. Who goes on refusing it for the same reason has said so.
-
-    Args:
-        life: its agent's.
     """
 
     def __init__(self, life: Life) -> None:

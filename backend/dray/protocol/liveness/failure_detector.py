@@ -118,7 +118,6 @@ class HeartbeatSubscriptions:
 
     Args:
         key_of: the bus key of an agent's heartbeats.
-        life: its agent's.
 
     Attributes:
         hearing: how heartbeats have arrived so far, over all that were followed.

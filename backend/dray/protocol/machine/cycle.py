@@ -26,7 +26,6 @@ class Cycle:
         goals: what is to be made.
         supply: what is at hand.
         documents: what is known of what is to be made.
-        life: its agent's.
 
     Attributes:
         product: what is being made; empty for nothing.

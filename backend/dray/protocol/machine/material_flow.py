@@ -59,7 +59,6 @@ class MaterialFlow(TransportFlow):
         goals: what it makes.
         supply: its buffers and goods.
         rules: patience and reach of its auctions.
-        life: its agent's.
         owner: the machine.
         incarnation: how often it has been started.
         tells_node: others' plant files do not know where it stands: every transport says so.

@@ -59,7 +59,6 @@ class StatusReport:
         keys: of its plant.
         timer: numbers heartbeats.
         goals, supply, flow, cycle, documents, breakdown, commands, probation, bookkeeping: the machine's parts.
-        life: its agent's.
 
     Attributes:
         status: as it was told last.

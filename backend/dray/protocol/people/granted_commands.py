@@ -31,7 +31,6 @@ class GrantedCommands(Generic[C]):
         authority: whom it obeys.
         attempt: carries a command out, or says why not; called with (command, grant, now_s).
         detail: what stands beside a refusal.
-        life: its agent's.
     """
 
     def __init__(

@@ -10,7 +10,7 @@ class ServiceState:
     """Of one agent.
 
     Attributes:
-        life: its agent's.
+        out: set until somebody puts it into service again.
     """
 
     def __init__(self) -> None:

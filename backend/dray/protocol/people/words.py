@@ -19,7 +19,6 @@ class PassedWords:
 
     Args:
         granted: whose words may be passed on.
-        life: its agent's.
     """
 
     def __init__(self, granted: GrantedCommands[MachineCommand], life: Life) -> None:

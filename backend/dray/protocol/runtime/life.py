@@ -24,7 +24,6 @@ class Life:
 
     Attributes:
         effects: of this step, in their order.
-        life: its agent's.
         unwritten: what the agent is bound by has changed in this step.
     """
 

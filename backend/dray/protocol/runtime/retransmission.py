@@ -40,7 +40,6 @@ class Retransmitter:
 
     Args:
         alarm: names the alarms, ``(alarm, about)``. Whoever owns them calls `wake` when one has come.
-        life: its agent's.
         every_s: how long an answer is waited for.
         most: how often a message is said without an answer; `FOR_EVER` for no bound.
     """

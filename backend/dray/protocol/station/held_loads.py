@@ -48,7 +48,6 @@ class HeldLoads:
         held: its transports that are held.
         aboard: things for it that failed vehicles have on board.
         authority: whom it obeys.
-        life: its agent's.
 
     Attributes:
         message_handlers, alarms: for the agent's tables.

@@ -24,7 +24,6 @@ class OrderChanges:
 
     Args:
         book: all orders and goals.
-        life: its agent's.
         end: follows a goal no longer, whatever has become of it.
         deliver: called with a goal of which all that is wanted has arrived.
         done: called with a goal of which nothing is wanted any more, and that is followed no longer.

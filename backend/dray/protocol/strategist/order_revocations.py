@@ -22,7 +22,6 @@ class OrderRevocations:
     Args:
         book: all orders and goals.
         parts: goals of parts.
-        life: its agent's.
         end: follows a goal no longer, whatever has become of it.
         end_if_done: ends an order of which no goal is open any more.
         has_ended: called with an order that was dropped, or will not be begun, and the last release of which that holds.

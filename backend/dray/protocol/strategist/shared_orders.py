@@ -38,7 +38,6 @@ class SharedOrders:
         keys: the plant's bus keys.
         book: the orders that it holds.
         auctions: of their goals.
-        life: its agent's.
         shutdown: of the strategist: one that was asked to leave says no more that it is there, and claims nothing.
         agent, incarnation, others: who it is, how often it was started, and who the others are.
         handlers: what it does with what is said of orders that it holds.

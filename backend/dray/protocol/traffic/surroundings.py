@@ -37,7 +37,6 @@ class Surroundings:
         me: the vehicle: what is said of itself is no traffic.
         places: which districts there are, which lie side by side, and who keeps their books.
         key_of: the bus key on which a district is told.
-        life: its agent's.
     """
 
     def __init__(self, me: str, places: Places, key_of: Callable[[str], str], life: Life) -> None:

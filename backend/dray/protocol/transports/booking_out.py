@@ -6,7 +6,7 @@ A vehicle that was let in to load is listened to.
     it names the task no more, and was heard at it until then       it has left without, unless it has such a load on board
     it names the task no more, after a time in which it was not     its coordinator is asked, as long as it takes: it says whether the
     heard (this agent was down, or deaf)                            load was fetched, or that it cannot know. In doubt it is booked
-                                                                    life: its agent's.
+                                                                    out: nothing is promised that may not lie there
 
 The question is `StockReserved`, which a coordinator that counts on the pieces no more answers with `StockFreed`.
 """
@@ -33,7 +33,6 @@ class BookingOut:
     Args:
         subscriptions: whose heartbeats are heard.
         bookings: what its body is told.
-        life: its agent's.
         left: called with a vehicle that has left without its load.
     """
 

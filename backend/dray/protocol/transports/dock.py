@@ -38,7 +38,6 @@ class Dock:
         stock: what lies there.
         door: its door.
         departures: those who are not wanted at it any more.
-        life: its agent's.
 
     Attributes:
         counts: whether the coordinator's body counts what vehicles bring and take.

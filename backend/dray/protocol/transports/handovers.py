@@ -32,7 +32,6 @@ class Handovers:
         goal_of: what the gate has counted of a goal, by its name; None for what no goal wants.
         dock: where loads come and go.
         bookings: what a body that does not count is told.
-        life: its agent's.
         ask: called with a goal of which the gate may have counted more than is known, and now_s.
         settled: called when a transport has ended well, with its task, its carrier, the pieces that were counted, and now_s.
 

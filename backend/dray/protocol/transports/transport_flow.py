@@ -83,7 +83,6 @@ class TransportFlow:
         items: what may be brought to it.
         stock: what lies there.
         rules: patience and reach of its auctions.
-        life: its agent's.
         owner: its agent.
         incarnation: how often that was started.
 

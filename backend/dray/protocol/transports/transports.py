@@ -92,7 +92,6 @@ class Transports(Coordinator):
         place: where it stands.
         audience: for a task's work and a radius (m), the bus keys of those to ask.
         rules: the auction's patience and reach.
-        life: its agent's.
         subscriptions: which heartbeats it hears.
         assessor: what it asks of bids beside their price, and what it has learned of its carriers.
         contracted: called when a task has got its primary, another one, or is without one again.

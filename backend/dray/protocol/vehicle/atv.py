@@ -75,7 +75,6 @@ class CellSubscription:
     Args:
         plant: its cells.
         keys: the plant's bus keys.
-        life: its agent's.
     """
 
     __slots__ = ("_cell", "_keys", "_life", "_plant")

@@ -59,7 +59,6 @@ class Bidder:
         probation: of the vehicle.
         charging: of the vehicle: whether its battery lets it work.
         waits: what the vehicle has learned of places; announcements tell of them, too.
-        life: its agent's.
     """
 
     def __init__(

@@ -26,7 +26,6 @@ class ClosureHandling(ClosureListener):
         trusts: whose signatures count.
         contracts: of the vehicle.
         idle: where it goes without work.
-        life: its agent's.
     """
 
     def __init__(

@@ -94,7 +94,6 @@ class Contracts:
         probation: transports that it has to do well before it takes long ones.
         driver: the vehicle's place on the lanes.
         charging: of the vehicle.
-        life: its agent's.
         owner: the vehicle.
 
     Attributes:

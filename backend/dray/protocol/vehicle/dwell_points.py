@@ -72,7 +72,6 @@ class DwellPoints:
         plant: where the dwell points are.
         vehicle_type: id of the vehicle's type, for its ways.
         keys: the plant's bus keys.
-        life: its agent's.
     """
 
     def __init__(self, atv: str, plant: Plant, vehicle_type: str, keys: Keys, life: Life) -> None:

@@ -31,7 +31,6 @@ class SilentVehicles:
         obstacles: what it knows to lie on lanes.
         subscriptions: whose heartbeats it hears.
         tell_gone: called with the ends of a lane, and now_s: what was there is gone.
-        life: its agent's.
         keys: of the plant.
     """
 

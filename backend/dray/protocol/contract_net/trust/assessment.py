@@ -23,7 +23,6 @@ class Assessor:
 
     Args:
         plant: where the ways are.
-        life: its agent's.
 
     Attributes:
         reliability: what was learned of every contractor.

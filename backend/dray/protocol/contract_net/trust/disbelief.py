@@ -14,11 +14,7 @@ from dray.protocol.runtime.throttle import Throttle
 
 
 class Disbelief:
-    """Tells contractors that they are not believed.
-
-    Args:
-        life: its agent's.
-    """
+    """Tells contractors that they are not believed."""
 
     def __init__(self, life: Life) -> None:
         self._life = life
@@ -50,11 +46,7 @@ class Disbelief:
 
 
 class Reproach:
-    """What a contractor does when it hears that it is not believed: it goes on, and leaves it to people.
-
-    Args:
-        life: its agent's.
-    """
+    """What a contractor does when it hears that it is not believed: it goes on, and leaves it to people."""
 
     def __init__(self, life: Life) -> None:
         self._life = life

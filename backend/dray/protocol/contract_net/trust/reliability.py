@@ -95,11 +95,7 @@ class Rating:
 
 
 class Reliability:
-    """The ratings that one coordinator has of its contractors.
-
-    Args:
-        life: its agent's.
-    """
+    """The ratings that one coordinator has of its contractors."""
 
     def __init__(self, life: Life) -> None:
         self._life = life

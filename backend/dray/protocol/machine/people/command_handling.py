@@ -73,7 +73,6 @@ class MachineCommandHandling:
         goods: those that wait for a word.
         held: its transports that are held.
         running: what can be done with its agent where that runs.
-        life: its agent's.
 
     Attributes:
         service: whether it is out of service.

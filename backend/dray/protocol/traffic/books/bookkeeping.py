@@ -64,7 +64,6 @@ class Bookkeeping:
         traffic: of the plant; None where vehicles drive without right of way.
         trusts: whose word counts when people carry vehicles away.
         subscriptions: to whose heartbeats the agent listens.
-        life: its agent's.
         carried_away: called with a vehicle of which it is believed that people have carried it away.
     """
 

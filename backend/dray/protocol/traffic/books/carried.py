@@ -15,9 +15,6 @@ from dray.protocol.traffic.books.book import Book
 class Carried:
     """Of one district.
 
-    Args:
-        life: its agent's.
-
     Attributes:
         unaware: vehicles that were carried away, and were not heard to know of it.
     """

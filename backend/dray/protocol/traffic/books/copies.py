@@ -66,7 +66,6 @@ class Copies:
         me: the keeper.
         keepers: all of them, in the order of their turns; `me` is one of them.
         kept: what an earlier life has left; None when it is lost, or there was none.
-        life: its agent's.
         is_signed: whether a vehicle's wish is signed by the key that it names.
 
     Attributes:

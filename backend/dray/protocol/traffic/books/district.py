@@ -60,11 +60,7 @@ REFUSED_OFTEN = 5
 
 
 class Refusals:
-    """Of one agent's copies.
-
-    Args:
-        life: its agent's.
-    """
+    """Of one agent's copies."""
 
     def __init__(self, life: Life) -> None:
         self._life = life
@@ -91,7 +87,6 @@ class District:
         reach: how much of the floor one vehicle may have.
         report: what is told of them to other vehicles.
         impostors: tells people of those that speak in a vehicle's name.
-        life: its agent's.
         is_signed: whether a vehicle's wish is signed by the key that it names.
     """
 

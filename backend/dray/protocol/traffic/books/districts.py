@@ -27,7 +27,6 @@ class Districts:
         neighbours: what is known of the vehicles.
         impostors: tells people of those that speak in a vehicle's name.
         key_of: the bus key on which a district is told.
-        life: its agent's.
         is_signed: whether a vehicle's wish is signed by the key that it names.
 
     Attributes:

@@ -22,7 +22,6 @@ class FloorReport:
         district: its name.
         key: where it is told.
         neighbours: what is known of the vehicles.
-        life: its agent's.
 
     Attributes:
         due_s: when it must be said again.

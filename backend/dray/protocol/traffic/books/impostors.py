@@ -10,11 +10,7 @@ ANOTHERS_KEY = "a wish that is not signed by the vehicle that holds places in th
 
 
 class Impostors:
-    """Of one agent's books.
-
-    Args:
-        life: its agent's.
-    """
+    """Of one agent's books."""
 
     def __init__(self, life: Life) -> None:
         self._life = life

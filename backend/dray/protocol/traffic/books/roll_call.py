@@ -36,7 +36,6 @@ class RollCall:
         district: whose book is lost.
         next_turn: the next epoch after a given one under which this keeper may lead.
         now_s: when it begins.
-        life: its agent's.
 
     Attributes:
         told: vehicle -> what it has told.

@@ -83,7 +83,6 @@ class RightOfWay:
 
     Args:
         atv: the vehicle.
-        life: its agent's.
         places, ways: of the plant.
         surroundings: what is known of others.
         node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.

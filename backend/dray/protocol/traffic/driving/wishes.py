@@ -161,7 +161,6 @@ class Wishes:
     """The correspondence of one vehicle with the keepers of all districts.
 
     Args:
-        life: its agent's.
         keepers_of: district -> its keepers, in the order of their turns.
         sign: signs what it says.
 

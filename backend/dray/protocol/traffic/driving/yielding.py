@@ -59,7 +59,6 @@ class Yielding:
         atv: the vehicle.
         ways: of the plant.
         outlook: what it knows of others.
-        life: its agent's.
     """
 
     def __init__(self, atv: str, ways: Ways, outlook: Outlook, life: Life) -> None:

@@ -38,7 +38,6 @@ class Driver:
     Args:
         plant: where the lanes are.
         vehicle_type: id of the vehicle's type.
-        life: its agent's.
         first_order: ways and actions are numbered from here on.
     """
 

@@ -54,7 +54,6 @@ class ReservedDriver(Driver):
         plant: where the lanes are.
         vehicle_type: id of the vehicle's type.
         traffic: of the plant.
-        life: its agent's.
         first_order: ways and actions are numbered from here on.
 
     Attributes:

@@ -39,7 +39,6 @@ class AloneAmongOthers:
 
     Args:
         plant: whose machines and storages may keep books.
-        life: its agent's.
         raise_problem: tells that the vehicle stands until a person has seen to it.
     """
 
@@ -115,7 +114,6 @@ class TrafficHandling:
     Args:
         driver: who drives with right of way.
         owner: the vehicle.
-        life: its agent's.
     """
 
     def __init__(self, driver: ReservedDriver, owner: Vehicle, life: Life) -> None:

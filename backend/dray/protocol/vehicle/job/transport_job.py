@@ -66,7 +66,6 @@ class TransportJob:
         contract: what it is bound to.
         plant, vehicle_type: for ways and handling times.
         driver: the vehicle's place on the lanes.
-        life: its agent's.
 
     Attributes:
         due_s: when it now expects to hand over (plant clock).

@@ -40,11 +40,7 @@ class Waiting:
 
 
 class Assistance:
-    """What keeps one vehicle from going on.
-
-    Args:
-        life: its agent's.
-    """
+    """What keeps one vehicle from going on."""
 
     def __init__(self, life: Life) -> None:
         self._life = life

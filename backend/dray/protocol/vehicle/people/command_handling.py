@@ -28,7 +28,6 @@ class CommandHandling:
         trouble: what its sensors report, and what people promise to help with.
         driver: keeps to a speed limit.
         charging: when it charges.
-        life: its agent's.
     """
 
     def __init__(

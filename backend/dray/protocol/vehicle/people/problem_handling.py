@@ -88,7 +88,6 @@ class ProblemHandling:
         driver: of the vehicle.
         contracts: of the vehicle.
         commands: what people have told it, and what it asks them for.
-        life: its agent's.
 
     Attributes:
         messages: by the type of a message, what to call with (sender, message, now_s).
