@@ -21,6 +21,7 @@ from dray.gateway.access.tokens import new_id, new_key
 from dray.messages import Event, Message, TransportOrdered, TransportState, TransportWait
 from dray.messages.fact import TransportProgressed
 from dray.plant import Plant, default_plant
+from dray.priorities import Priority
 from dray.store import open_store
 from dray.store.access.api_keys import ApiKey
 from dray_sim.bench.rest_work.house import AGAIN_S, WRITTEN_WITHIN_S, Client, House, open_house, until_all
@@ -261,6 +262,7 @@ async def button(port: int, database_url: str) -> Client:
                 id=new_id(),
                 name="Call button",
                 scopes=Scope.TRANSPORTS_CALL.value,
+                priority=Priority.URGENT.value,
                 created_at_s=time.time(),
             )
             await access.api_keys.add(token, key)
