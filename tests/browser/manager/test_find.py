@@ -15,6 +15,10 @@ NEAR = 5
 """Steps of the button, until most of the plant is out of sight."""
 
 
+SHIFT_PX = 20.0
+"""A map that is not moved fits itself into the page, whose cards change, and draws what is chosen larger."""
+
+
 def place_of(page: Page, machine: str) -> Word | None:
     return next((word for word in words_of(page) if word.text == machine), None)
 
@@ -24,20 +28,25 @@ def test_find_moves_the_map_only_to_what_is_out_of_sight(quiet: Any, open_page: 
     watch_words(page)
     page.goto(quiet.url)
     expect(page.locator(".card.factory")).to_be_visible()
-    page.wait_for_function("window.drawnWords('#plant-map').some(([text]) => text === 'M8')")
-    before = place_of(page, "M8")
-    choose(page, "M8")
-    expect(page.locator(".card.machine")).to_contain_text("M8")
-    assert place_of(page, "M8") == before
+    page.wait_for_function("() => window.drawnWords('#plant-map').some(([text]) => text === 'M1')")
+    before, around = place_of(page, "M1"), page.locator("#plant-map").bounding_box()
+    assert before is not None
+    assert around is not None
+    assert abs((before.left + before.right) / 2 - around["width"] / 2) > 3 * SHIFT_PX, "else nothing is shown"
+    choose(page, "M1")
+    expect(page.locator(".card.machine")).to_contain_text("M1")
+    after = place_of(page, "M1")
+    assert after is not None
+    assert abs(after.left - before.left) < SHIFT_PX
+    assert abs(after.top - before.top) < SHIFT_PX
     # Near to what is in the middle, it is out of sight.
     for _ in range(NEAR):
         page.get_by_role("button", name="Zoom in").click()
-    page.wait_for_function("!window.drawnWords('#plant-map').some(([text]) => text === 'M1')")
-    choose(page, "M1")
-    page.wait_for_function("window.drawnWords('#plant-map').some(([text]) => text === 'M1')")
-    found, around = place_of(page, "M1"), page.locator("#plant-map").bounding_box()
+    page.wait_for_function("() => !window.drawnWords('#plant-map').some(([text]) => text === 'M2')")
+    choose(page, "M2")
+    page.wait_for_function("() => window.drawnWords('#plant-map').some(([text]) => text === 'M2')")
+    found = place_of(page, "M2")
     assert found is not None
-    assert around is not None
     assert 0 <= found.left < found.right <= around["width"]
     assert 0 <= found.top < found.bottom <= around["height"]
 

@@ -101,7 +101,7 @@ def test_the_past_fits_and_can_be_read_by_everybody(
     expect(page.locator(".strip-row .doing").first).to_be_visible(timeout=30_000)
     for width in (390, 1024, 1440):
         page.set_viewport_size({"width": width, "height": 900})
-        page.wait_for_function("document.documentElement.scrollWidth <= innerWidth")
+        page.wait_for_function("() => document.documentElement.scrollWidth <= innerWidth")
         for theme in THEMES:
             page.emulate_media(color_scheme=theme)
             # It is audited as it is shown.

@@ -102,6 +102,6 @@ def test_the_report_fits_and_can_be_read_by_everybody(
     for width, theme in looks:
         page.set_viewport_size({"width": width, "height": 900})
         page.emulate_media(color_scheme=theme)
-        page.wait_for_function("document.documentElement.scrollWidth <= innerWidth")
+        page.wait_for_function("() => document.documentElement.scrollWidth <= innerWidth")
         # It is audited as it is shown.
         screenshot(page, f"shift-report-{width}-{theme}-{locale[:2]}")
