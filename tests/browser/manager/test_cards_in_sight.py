@@ -40,7 +40,16 @@ SHOWN_OVER = (
 )
 """Not by what lies at that point: a sign lets a pointer through."""
 
-LAPTOPS_PX = ((1440, 900), (1240, 800), (1280, 800), (1366, 768), (1536, 864))
+LAPTOPS_PX = (
+    (1440, 900),
+    (1200, 800),
+    (1240, 800),
+    (1280, 800),
+    (1366, 768),
+    (1536, 864),
+    (1920, 1080),
+    (2560, 1440),
+)
 
 TOPS = "all => new Set(all.map(each => each.getBoundingClientRect().top)).size"
 

@@ -130,8 +130,14 @@ def test_from_a_lif_file_to_a_played_shift(
     page.get_by_label("Hours").fill("0.25")
     page.get_by_label("Hours").press("Tab")
     page.get_by_role("button", name="Play a shift here").click()
+    expect(page.get_by_role("progressbar")).to_be_visible()
     expect(page.get_by_text("Bottleneck:")).to_be_visible(timeout=PLAYED_MS)
+    expect(page.get_by_role("progressbar")).to_have_count(0)
     expect(page.locator(".ed-figures div")).to_have_count(4)
+    # Of what the number of transports is, which Figures tell of the running plant's own hours; and how one drives by this file.
+    expect(page.locator(".ed-figures")).to_contain_text("handed over an hour, on average")
+    expect(page.locator(".ed-play")).to_contain_text("own orders and figures are others.")
+    expect(page.locator(".ed-next")).to_contain_text("dray up --plant FILE")
     screenshot(page, "editor-4-played")
     page.locator(".top select").select_option("de")
     expect(page.locator(".ed-play p").filter(has_text="Engpass:")).to_have_text(
