@@ -8,7 +8,7 @@ from pathlib import Path
 
 import ezdxf
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from dray.plant import load_plant
 from dray.plant.exchange.lif_export import export_lif
@@ -74,6 +74,14 @@ def lies_on(page: Page, *, width_m: float, height_m: float) -> None:
     assert (box["width"], box["height"]) == pytest.approx((right - left, bottom - top), abs=2.0)
 
 
+def hold_look(route: Route, held: list[Route]) -> None:
+    """Keep a question back how far a shift is."""
+    if route.request.method == "GET":
+        held.append(route)
+    else:
+        route.continue_()
+
+
 @pytest.mark.slow
 def test_from_a_lif_file_to_a_played_shift(
     workshop: str, open_page: OpenPage, screenshot: Screenshot, lif_file: Path
@@ -129,8 +137,14 @@ def test_from_a_lif_file_to_a_played_shift(
     screenshot(page, "editor-3-drawn")
     page.get_by_label("Hours").fill("0.25")
     page.get_by_label("Hours").press("Tab")
+    held: list[Route] = []
+    # How far it is nobody hears before the bar was seen.
+    page.route("**/play", lambda route: hold_look(route, held))
     page.get_by_role("button", name="Play a shift here").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
+    page.unroute("**/play")
+    for look in held:
+        look.continue_()
     expect(page.get_by_text("Bottleneck:")).to_be_visible(timeout=PLAYED_MS)
     expect(page.get_by_role("progressbar")).to_have_count(0)
     expect(page.locator(".ed-figures div")).to_have_count(4)

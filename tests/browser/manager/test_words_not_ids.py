@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -55,15 +55,18 @@ VIEWS = (
 
 
 @pytest.fixture(scope="module")
-def factory(quiet: Any) -> Any:
+def factory(start_dray: Callable[..., Any]) -> Iterator[Any]:
     """An order is at work in it, and a manager has told a vehicle all kinds of things."""
+    dray = start_dray("--speed", "20", "--no-demand", stepped=True)
+    dray.advance(5.0)
     wanted = {"customer": "Muster GmbH", "reference": REFERENCE}
-    quiet.ask("/api/orders", wanted | {"items": [{"product": "gear-unit-g1", "quantity": 12}]})
-    quiet.advance(60.0)
-    with quiet.going():
+    dray.ask("/api/orders", wanted | {"items": [{"product": "gear-unit-g1", "quantity": 12}]})
+    dray.advance(60.0)
+    with dray.going():
         for command in COMMANDS:
-            quiet.ask("/api/atvs/ATV2/commands", command)
-    return quiet
+            dray.ask("/api/atvs/ATV2/commands", command)
+    yield dray
+    assert dray.stop() == 0, dray.output()
 
 
 def internal(page: Page) -> list[str]:
