@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.timers import Timers, spread_frac
 
 
@@ -23,7 +23,7 @@ def test_heartbeats_are_numbered_from_1() -> None:
 def test_the_first_interval_is_shorter_by_a_part_that_follows_from_the_name() -> None:
     life = Life()
     pulse = HeartbeatTimer("ATV3", life)
-    pulse.at_once(10.0)
+    life.beat_soon(10.0)
     second_s = beat(pulse, life.timers, 10.0)
     assert second_s == 10.0 + 5.0 * (0.5 + spread_frac("ATV3") / 2)
     assert beat(pulse, life.timers, second_s) == second_s + 5.0
@@ -32,9 +32,9 @@ def test_the_first_interval_is_shorter_by_a_part_that_follows_from_the_name() ->
 def test_a_change_brings_the_next_heartbeat_forward() -> None:
     life = Life()
     pulse = HeartbeatTimer("ATV3", life)
-    pulse.at_once(10.0)
+    life.beat_soon(10.0)
     beat(pulse, life.timers, 10.0)
-    pulse.at_once(11.0)
+    life.beat_soon(11.0)
     assert beat(pulse, life.timers, 11.0) == 16.0
 
 

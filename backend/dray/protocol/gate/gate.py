@@ -50,7 +50,8 @@ from dray.protocol.people.words import PassedWords
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Send
-from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.life import BEAT
 from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
@@ -133,7 +134,7 @@ class DeliveryGate(AgentBase):
             self._take_up(goal, body.arrived, now_s)
         for order in self._orders.lost():
             self._say_lost(order.order, order.lost_by, now_s)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _take_up(self, goal: GateGoal, arrived: dict[str, int], now_s: float) -> None:
         """Count what has come while the agent was away; the body is told again what it may not have heard."""
@@ -196,7 +197,7 @@ class DeliveryGate(AgentBase):
         if report.arrived > goal.arrived:
             goal = self._count(goal, report.arrived, report.vehicle)
         if self._people:
-            self._heartbeat_timer.at_once(now_s)
+            self._life.beat_soon(now_s)
         self._tell(goal, report.admitted, now_s)
 
     def _count(self, goal: GateGoal, arrived: int, vehicle: str) -> GateGoal:

@@ -59,7 +59,8 @@ from dray.protocol.machine.supply import Supply
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Leave, Subscribe
-from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.life import BEAT
 from dray.protocol.runtime.running import ALONE, Running
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
@@ -221,7 +222,7 @@ class Machine(AgentBase):
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)
         self._bookkeeping.start(memory, now_s, dock_answers=self._flow.door.answers)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
         self.pursue(now_s)
 
     def _restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
@@ -254,7 +255,7 @@ class Machine(AgentBase):
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         if isinstance(body, WorkcellState) and self._commands.sense(body):
-            self._heartbeat_timer.at_once(now_s)
+            self._life.beat_soon(now_s)
         if not isinstance(body, WorkcellState) or self._cycle.product not in ("", body.cycling):
             return  # A body elsewhere may not have heard of the cycle yet, whose material is used up here.
         if self._supply.sense(body.stock, body.seq):
@@ -273,7 +274,7 @@ class Machine(AgentBase):
     def _prepare_to_leave(self, now_s: float) -> None:
         self._flow.drop_needs()
         self._breakdown.update_call(now_s, expected=False)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _is_held(self) -> bool:
         return self._flow.is_held
@@ -288,7 +289,7 @@ class Machine(AgentBase):
     def _cycle_failed(self, _report: CycleFailed, now_s: float) -> None:
         # The senses put the stock right at the next beat; then it is tried again.
         self._cycle.failed()
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         is_news = self._supply.change(report.item, report.change, report.seq)
@@ -316,7 +317,7 @@ class Machine(AgentBase):
         """Something is known now, or decided, that the next life must know and others should."""
         self._life.commit()
         self.pursue(now_s)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     @property
     def speed_frac(self) -> float:
@@ -373,10 +374,6 @@ class Machine(AgentBase):
         self._goals_changed(now_s)
         self._life.commit()
 
-    def beat_soon(self, now_s: float) -> None:
-        """The heartbeat tells something new."""
-        self._heartbeat_timer.at_once(now_s)
-
     def _on_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
         if not self._shutdown.begun:
             self._flow.offer(sender, message, now_s)
@@ -418,4 +415,4 @@ class Machine(AgentBase):
     def _goals_changed(self, now_s: float) -> None:
         self._supply.goals_changed()
         self.pursue(now_s)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)

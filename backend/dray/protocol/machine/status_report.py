@@ -157,7 +157,7 @@ class StatusReport:
         self.status = status
         fact = MachineStatusChanged(status=status, product=self._cycle.product, reason=reason)
         self._life.record(fact)
-        self._timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _present(self) -> tuple[MachineStatus, str]:
         if self._breakdown.problem:

@@ -23,7 +23,8 @@ from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.operator.commitment import Commitment
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.life import BEAT
 
 LINGER_S = 30.0
 """So long somebody is there whose tablet is not: a page is loaded again, a gateway started, a dead spot crossed in less."""
@@ -84,7 +85,7 @@ class Operator(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         self._life.subscribe(self._keys.all_calls)
         self._sense(body, now_s)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         if not isinstance(body, DutyState):
@@ -97,7 +98,7 @@ class Operator(AgentBase):
         elif was_there:
             self._lingers_until_s = now_s + LINGER_S
             self._life.alarm(GONE, self._lingers_until_s)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _duty_changed(self, report: DutyChanged, now_s: float) -> None:
         self._sense(report.state, now_s)
@@ -172,7 +173,7 @@ class Operator(AgentBase):
         was = taken.call, taken.until_s
         taken.confirm(call, now_s)
         if (taken.call, taken.until_s) != was:
-            self._heartbeat_timer.at_once(now_s)
+            self._life.beat_soon(now_s)
 
     def _renew(self, call: HelpCall, now_s: float) -> None:
         wait_s = (self._commitment.until_s or now_s) - now_s
@@ -198,7 +199,7 @@ class Operator(AgentBase):
                 taken.settle()
             elif now_s >= taken.give_up_s:
                 self._give_back(CallAnswer.DECLINE)
-                self._heartbeat_timer.at_once(now_s)
+                self._life.beat_soon(now_s)
             else:
                 self._say_taken(now_s)
         self._show(tuple(shown for call, _ in self._calls.values() if (shown := self._shown_as(call))))
@@ -245,7 +246,7 @@ class Operator(AgentBase):
                 self._take(call, report.wait_s or 0.0, now_s)
         elif taken.call == call.call:
             self._give_back(report.answer)
-            self._heartbeat_timer.at_once(now_s)
+            self._life.beat_soon(now_s)
         else:
             self._declined[call.call] = True
             self._answer(call.call, call.caller, report.answer)
@@ -254,7 +255,7 @@ class Operator(AgentBase):
     def _take(self, call: HelpCall, wait_s: float, now_s: float) -> None:
         self._commitment.take(call, now_s + wait_s, now_s)
         self._say_taken(now_s)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _say_taken(self, now_s: float) -> None:
         taken = self._commitment
@@ -272,7 +273,7 @@ class Operator(AgentBase):
         self._commitment.clear()
         if not self._duty.there:
             self._life.alarm(GONE, max(now_s, self._lingers_until_s))
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _answer(self, call: str, caller: str, answer: CallAnswer, wait_s: float | None = None) -> None:
         said = CallAnswered(call=call, operator=self.id, answer=answer, wait_s=wait_s)

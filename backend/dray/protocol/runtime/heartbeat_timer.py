@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.timers import spread_frac
-
-BEAT = "beat"
 
 
 class HeartbeatTimer:
@@ -23,10 +21,6 @@ class HeartbeatTimer:
         self._life = life
         self.seq = 0
         """The number of the newest heartbeat of this life."""
-
-    def at_once(self, now_s: float) -> None:
-        """Send a heartbeat at the end of this step, because the status has changed."""
-        self._life.alarm(BEAT, now_s)
 
     def count(self) -> int:
         """Count one more heartbeat. Returns its number."""

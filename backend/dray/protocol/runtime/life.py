@@ -18,6 +18,9 @@ from dray.protocol.runtime.events import (
 )
 from dray.protocol.runtime.timers import Timers
 
+BEAT = "beat"
+"""Alarm: the next heartbeat is due."""
+
 
 class Life:
     """One life of an agent.
@@ -68,6 +71,10 @@ class Life:
         Called as often as anything changes; what is written is how things stand when the step ends.
         """
         self.unwritten = True
+
+    def beat_soon(self, now_s: float) -> None:
+        """Send a heartbeat at the end of this step, because it tells something new."""
+        self.timers.set(BEAT, now_s)
 
     def alarm(self, name: Hashable, at_s: float) -> None:
         """Sound `name` at `at_s`; one that is set already is moved."""

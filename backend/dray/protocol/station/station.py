@@ -27,7 +27,8 @@ from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Instruct, Subscribe
-from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.life import BEAT
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.station.held_loads import HeldLoads
@@ -165,12 +166,12 @@ class Station(AgentBase):
             self._flow.recover(not memory, now_s)
         self._go_on(now_s)
         self._bookkeeping.start(memory, now_s, dock_answers=self._flow.door.answers)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         state = self._storage(body)
         if self._held_loads.sense(state):
-            self._heartbeat_timer.at_once(now_s)
+            self._life.beat_soon(now_s)
         was, self._uncounted = self._uncounted, state.uncounted
         if self._book.sense(state.stock, state.seq) or was != state.uncounted:
             self._go_on(now_s)
@@ -219,7 +220,7 @@ class Station(AgentBase):
 
     def _prepare_to_leave(self, now_s: float) -> None:
         self._flow.drop_needs()
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _is_held(self) -> bool:
         return self._issuing.is_held or self._flow.is_held
@@ -232,10 +233,6 @@ class Station(AgentBase):
     def pursue(self, now_s: float) -> None:
         """Do whatever the present state asks for."""
         self._go_on(now_s)
-
-    def beat_soon(self, now_s: float) -> None:
-        """The heartbeat tells something new."""
-        self._heartbeat_timer.at_once(now_s)
 
     def _on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to unload what was brought here, or to load for another place."""
@@ -254,7 +251,7 @@ class Station(AgentBase):
         self._held_loads.on_command(sender, command, now_s)
         self._life.commit()
         self._go_on(now_s)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _on_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
         if not self._shutdown.begun:
@@ -289,7 +286,7 @@ class Station(AgentBase):
         )
         if levels != self._told:
             self._told = levels
-            self._heartbeat_timer.at_once(now_s)
+            self._life.beat_soon(now_s)
         if (reserved := self._book.memories()) != self._written:
             self._written = reserved
             self._life.commit()

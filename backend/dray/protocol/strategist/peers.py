@@ -50,7 +50,7 @@ class Peers:
         self._heard_s = dict.fromkeys(self._heard_s, now_s)
         self._life.subscribe(self._keys.all_strategist_heartbeats)
         self._life.effects += [Subscribe(self._keys.events(other)) for other in self._heard_s]
-        self._rhythm.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def beat(self, now_s: float) -> None:
         """Say that this one is there."""

@@ -20,8 +20,7 @@ from dray.messages.fact import GoodsDelivered, OrderTakenOver
 from dray.messages.gate import GoalHeld, OrderHeld
 from dray.messages.keys import Keys
 from dray.protocol.runtime.events import Commit
-from dray.protocol.runtime.heartbeat_timer import BEAT
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork

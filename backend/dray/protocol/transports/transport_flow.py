@@ -69,9 +69,6 @@ class FlowOwner(Protocol):
     def pursue(self, now_s: float) -> None:
         """Something has come or gone: go on with what can be done now."""
 
-    def beat_soon(self, now_s: float) -> None:
-        """The heartbeat tells something new."""
-
 
 class TransportFlow:
     """The transports to one place.
@@ -143,7 +140,7 @@ class TransportFlow:
             task_of=self.tasks.get,
             may_be_fetched=self._may_be_fetched,
             starve=self.withdraw,
-            changed=owner.beat_soon,
+            changed=life.beat_soon,
             resized=self._resize,
         )
         self.held = HeldTransports(plant, self.tasks)
@@ -304,7 +301,7 @@ class TransportFlow:
     def on_dock_ready(self, report: DockReady, now_s: float) -> None:
         """The body has opened the dock for a vehicle."""
         self._dock.on_ready(report.vehicle, now_s)
-        self._owner.beat_soon(now_s)
+        self._life.beat_soon(now_s)
 
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away: it is inside no more, and waits for nothing here."""
@@ -336,7 +333,7 @@ class TransportFlow:
     def _announce(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         self.tasks.open(task, work, deadline_s, now_s)
         self._life.commit()
-        self._owner.beat_soon(now_s)
+        self._life.beat_soon(now_s)
 
     def _drop(self, need: Need) -> None:
         """Nothing is needed any more for which nobody was hired yet."""
@@ -412,7 +409,7 @@ class TransportFlow:
 
     def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
         self._life.commit()
-        self._owner.beat_soon(now_s)
+        self._life.beat_soon(now_s)
         if task.is_held:
             # What was set aside for it others may need meanwhile.
             self.sourcing.on_task_closed(task, fetched=False)
@@ -428,7 +425,7 @@ class TransportFlow:
         self._note_lost(task, now_s)
         self.called.on_lost(task)
         self._life.commit()
-        self._owner.beat_soon(now_s)
+        self._life.beat_soon(now_s)
         self._owner.pursue(now_s)
 
     def cancel(self, task: OpenTask) -> None:
@@ -451,7 +448,7 @@ class TransportFlow:
         self._life.commit()
         self._note_delivered(task, carrier, counted, now_s)
         self.called.on_settled(task, counted)
-        self._owner.beat_soon(now_s)
+        self._life.beat_soon(now_s)
         self._owner.pursue(now_s)
 
     # --- what a machine adds: the default is a place that neither makes nor uses anything ---

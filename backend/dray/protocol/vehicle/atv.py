@@ -49,8 +49,8 @@ from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
@@ -211,7 +211,7 @@ class Atv(AgentBase):
         if self._contracts.job is None:
             self._idle.start(self.battery_frac, now_s)
         self.update_status(now_s, "started")
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _memory(self) -> Note:
         job = self._contracts.job
@@ -257,7 +257,7 @@ class Atv(AgentBase):
             self._idle.stay(now_s)
         else:
             self._contracts.job.give_back(Reason.GRACEFUL_SHUTDOWN, now_s)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _is_held(self) -> bool:
         job = self._contracts.job
@@ -287,7 +287,7 @@ class Atv(AgentBase):
         else:
             self._idle.arrived()
             self.update_status(now_s, self._idle.dwell_point)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     def _action_done(self, report: ActionDone, now_s: float) -> None:
         if self._idle.action_done(report.order, now_s):
@@ -321,7 +321,7 @@ class Atv(AgentBase):
         self.obstacles.tell(now_s)
         if report.link is Link.MESH:
             self._contracts.standby.resign(Reason.ON_MESH)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     # --- what its contracts ask and tell (`dray.protocol.vehicle.contracts.Owner`) ---
 
@@ -377,9 +377,6 @@ class Atv(AgentBase):
         self._life.commit()
         self.update_status(now_s, "said to have been carried away")
 
-    def beat_soon(self, now_s: float) -> None:
-        self._heartbeat_timer.at_once(now_s)
-
     def _objection(self, sender: str, message: Message) -> str:
         return objection(sender, message, self._contracts.coordinator_of)
 
@@ -392,7 +389,7 @@ class Atv(AgentBase):
         self._idle.wake(name, self.battery_frac, now_s)
         self.update_status(now_s, self._idle.dwell_point)
         if self._driver.way is not way:
-            self._heartbeat_timer.at_once(now_s)
+            self._life.beat_soon(now_s)
 
     def _may_rest(self) -> bool:
         return self._contracts.job is None and not self._is_stuck and not self._shutdown.begun
@@ -421,7 +418,7 @@ class Atv(AgentBase):
             elif command.kind is CommandKind.PUT_IN and not self.is_busy:
                 self._contracts.seek(now_s)
         self.update_status(now_s, command.kind.value)
-        self._heartbeat_timer.at_once(now_s)
+        self._life.beat_soon(now_s)
 
     # --- what others see ---
 
@@ -432,4 +429,4 @@ class Atv(AgentBase):
         if status is not self._status:
             self._status = status
             self._life.record(AtvStatusChanged(status=status, reason=reason))
-            self._heartbeat_timer.at_once(now_s)
+            self._life.beat_soon(now_s)

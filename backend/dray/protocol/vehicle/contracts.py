@@ -80,9 +80,6 @@ class Owner(Protocol):
     def note_ended(self, reason: str, now_s: float) -> None:
         """Look for what comes next: the contract has ended."""
 
-    def beat_soon(self, now_s: float) -> None:
-        """Send the next heartbeat at once."""
-
 
 class Contracts:
     """The contracts of one vehicle.
@@ -239,7 +236,7 @@ class Contracts:
         elif award.role is Role.SECONDARY:
             self.standby.watch(award, sender, now_s)
             self._life.effects.append(accept(sender, award, self._promised_s, now_s))
-            self._owner.beat_soon(now_s)
+            self._life.beat_soon(now_s)
         else:
             contract = _contract(award, sender, answer)
             accepted = accept(sender, award, contract.promised_s, now_s)
@@ -364,7 +361,7 @@ class Contracts:
             self._note_wait(job, phase, now_s)
         if (why := self._owner.gives_back) is not None:
             job.give_back(why, now_s)
-        self._owner.beat_soon(now_s)
+        self._life.beat_soon(now_s)
         if job.ended:
             self._end_job(job, now_s)
         elif job.memory() != memory:

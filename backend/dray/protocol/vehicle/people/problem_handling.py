@@ -36,9 +36,6 @@ class Owner(Protocol):
     def update_status(self, now_s: float, reason: str) -> None:
         """Work the status out anew, and tell the reason if it has changed."""
 
-    def beat_soon(self, now_s: float) -> None:
-        """Send the next heartbeat at once."""
-
     @property
     def is_busy(self) -> bool:
         """Whether it has a task."""
@@ -147,7 +144,7 @@ class ProblemHandling:
             assistance.ask(job.waiting(now_s), usual_s, now_s)
         self._contracts.standby.resign(Reason.PROBLEM)
         self._owner.update_status(now_s, report.reason)
-        self._owner.beat_soon(now_s)
+        self._life.beat_soon(now_s)
 
     def note_doubled(self, now_s: float) -> None:
         """Somebody else speaks under its name: stop until a person has seen to it, and that one has been quiet for a while."""
@@ -176,7 +173,7 @@ class ProblemHandling:
 
     def _not_coming(self, since_s: float, now_s: float) -> None:
         if self._assistance.not_coming(since_s):
-            self._owner.beat_soon(now_s)
+            self._life.beat_soon(now_s)
 
     def end_problem(self, reason: str, now_s: float) -> None:
         """One of the vehicle's own is over, unless another one has replaced it since."""
