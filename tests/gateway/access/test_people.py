@@ -10,6 +10,7 @@ from answers import problem
 from fake_bus import PLANT
 from gateway_kit import PASSWORD, PIN, House
 from login_kit import BROWSER, try_in
+from wall_clock import NOW_S
 
 from dray.gateway.access.keys import KNOWN_S
 from dray.gateway.access.principal import Role, Scope
@@ -213,3 +214,14 @@ async def test_a_page_that_somebody_may_not_see_leads_to_the_one_that_they_may(h
     page = await ana.get("/editor", headers=BROWSER)
     assert (page.status_code, page.headers["location"]) == (303, "/")
     problem(await ana.get("/editor"), 403, "not-allowed")
+
+
+@pytest.mark.parametrize("bound", [{"expires_at_s": NOW_S + 1000.0}, {"places": "M8"}, {"items": "shaft"}])
+async def test_a_key_that_is_bound_decides_on_nobody(house: House, bound: dict[str, Any]) -> None:
+    """Whoever has stolen it is somebody without end or bounds otherwise."""
+    free, bounded = [house.visitor(**(await house.key(*Scope, **each))[1]) for each in ({}, bound)]
+    problem(await bounded.post("/api/people", json=NEW), 403, "not-allowed")
+    assert (await free.post("/api/people", json=NEW)).status_code == 201
+    problem(await bounded.post("/api/people/ana/link"), 403, "not-allowed")
+    problem(await bounded.post("/api/people/ana/disable"), 403, "not-allowed")
+    assert (await free.post("/api/people/ana/link")).status_code < 300

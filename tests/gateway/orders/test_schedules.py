@@ -482,7 +482,7 @@ async def test_who_may_place_no_orders_changes_nothing_of_anothers_that_recurs(
     problem(answer, 403, "not-allowed")
     assert await house.get(place) == before
     # Who may place orders may.
-    _, header = await house.key(Scope.FLOOR_WRITE, Scope.ORDERS_WRITE)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.ORDERS_WRITE, Scope.ORDERS_READ)
     visitor = house.visitor(**header)
     if change is None:
         answer = await visitor.delete(place, headers=version)
@@ -503,5 +503,8 @@ async def test_who_may_read_no_orders_is_told_of_no_others_that_recur(house: Hou
     rows = csv.DictReader(io.StringIO((await visitor.get(PATH, params={"format": "csv"})).text))
     assert {row["name"] for row in rows} == {"Shafts", "Own"}
     assert (await visitor.get(f"{PATH}/{own['id']}")).status_code == 200
-    problem(await visitor.get(f"{PATH}/{others['id']}"), 404, "unknown-schedule")
+    place, version = f"{PATH}/{others['id']}", {"If-Match": "*"}
+    problem(await visitor.get(place), 404, "unknown-schedule")
+    problem(await visitor.patch(place, json={"name": "Mine"}, headers=version), 404, "unknown-schedule")
+    problem(await visitor.delete(place, headers=version), 404, "unknown-schedule")
     assert len((await house.get(PATH))["items"]) == 3

@@ -265,25 +265,35 @@ def test_that_a_vehicle_goes_on_with_its_thing_is_known_to_the_next_life() -> No
     assert (brief.stranded, brief.primary) == (msgspec.UNSET, "ATV1")
 
 
-def beats_without_contract(rig: StorageRig, first: int, load: str) -> None:
+def beats_without_contract(rig: StorageRig, first: int, load: str, node: str = "a1") -> None:
     """ATV1 tells of no task, for a minute."""
     for seq in range(first, first + 60):
         heartbeat = msgspec.structs.replace(
-            rhb("ATV1", seq, rig.now_s), load=load, load_quantity=1 if load else 0
+            rhb("ATV1", seq, rig.now_s), load=load, load_quantity=1 if load else 0, node=node
         )
         rig.on_message("ATV1", heartbeat)
         rig.run(rig.now_s + 1.0)
 
 
-def test_a_vehicle_that_has_forgotten_its_transport_and_has_the_thing_on_board_waits_for_a_person() -> None:
+@pytest.mark.parametrize("restart", [False, True], ids=["in one life", "in the next life"])
+def test_a_vehicle_that_has_forgotten_its_transport_and_has_the_thing_on_board_waits_for_a_person(
+    restart: bool,
+) -> None:
     rig = with_thing_aboard()
     beats_without_contract(rig, 2, THING)
     assert {each.epoch for each in published(rig.all, TaskAnnounced)} == {1}
     assert (call := published(rig.all, HelpCall)[-1]).goods == THING_TASK
     assert call.state is not CallState.ENDED
+    # It brings the thing to a storage by itself, and people are sent there.
+    beats_without_contract(rig, 100, THING, "b3")
+    [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
+    assert isinstance(brief.stranded, StrandedGoods)
+    assert brief.stranded.node == "b3"
     # A person takes it off first, and says so then.
-    beats_without_contract(rig, 100, "")
-    assert {each.epoch for each in published(rig.all, TaskAnnounced)} == {1}
+    if restart:
+        rig = restarted(rig)
+    beats_without_contract(rig, 200, "")
+    assert {each.epoch for each in published(rig.all, TaskAnnounced)} <= {1}
     assert thing_word(rig, MachineCommandKind.FETCH_GOODS, "b2") is None
     rig.run(rig.now_s + 200.0)
     work = published(rig.all, TaskAnnounced)[-1].work

@@ -306,6 +306,12 @@ async def _known(work: Work, person: str, caller: Principal) -> Person:
 
 
 def _decides(caller: Principal, role: str) -> None:
+    if caller.kind == "key" and (
+        caller.expires_at_s is not None or (caller.calls and (caller.calls.places or caller.calls.items))
+    ):
+        raise forbidden(
+            f"{caller.name} ends, or is bound to places or materials, and a person is not; ask somebody who is not so bound"
+        )
     if not may_decide_on(caller, role):
         raise forbidden(f"a {role} may do more than {caller.name}; only who may do all that decides on them")
 

@@ -120,6 +120,8 @@ class Scheduler:
             if row is None:
                 return None
             _refuse_orders(row, by)
+            if not may_see(row, by):
+                return None
             check_version(row.revision, version, changed_since("schedule", row.id))
             is_orphan = row.owner in await work.schedules.owners_gone(self._wall_s())
             after = self._changed(row, change, by, is_orphan=is_orphan)
@@ -143,6 +145,8 @@ class Scheduler:
             if row is None:
                 return False
             _refuse_orders(row, by)
+            if not may_see(row, by):
+                return False
             check_version(row.revision, version, changed_since("schedule", row.id))
             if not await work.schedules.remove(row):
                 raise changed_since("schedule", row.id)
@@ -362,6 +366,11 @@ def _paused_line(row: ScheduleRow, now_s: float) -> AuditRow:
         result="done",
         detail={"schedule": row.name, "paused": True, "owner_gone": row.owner},
     )
+
+
+def may_see(row: ScheduleRow, caller: Principal) -> bool:
+    """Whether a caller may be told of it: an order names a customer, as orders do."""
+    return not row.order_draft or caller.may(Scope.ORDERS_READ) or row.owner == caller.key
 
 
 def _refuse_orders(row: ScheduleRow, by: Principal) -> None:

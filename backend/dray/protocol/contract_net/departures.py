@@ -47,7 +47,7 @@ class Departures:
         node: where vehicles stand at it.
         subscriptions: whose heartbeats are heard.
         bookings: what its body is told.
-        left: called with a vehicle that has left.
+        left: called with a vehicle that has left, and the task for which it was watched; empty where nobody knows for which.
     """
 
     def __init__(

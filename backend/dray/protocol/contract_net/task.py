@@ -285,6 +285,7 @@ class OpenTask:
             recovered=self.recovered,
             least_epoch=self.least_epoch,
             stranded=self.stranded,
+            left_aboard=self.contract.left_aboard,
             disputes=self.disputes,
             held=self.is_held,
         )

@@ -44,7 +44,7 @@ class GoalDocuments:
 
     Args:
         goals: what it makes.
-        life: its agent's; its alarms are named the name `READ_AGAIN`.
+        life: its agent's; its alarm is named `READ_AGAIN`.
         changed: called with the time when a document has been read.
 
     Attributes:

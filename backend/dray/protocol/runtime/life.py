@@ -27,6 +27,7 @@ class Life:
 
     Attributes:
         effects: of this step, in their order.
+        timers: the agent's alarms.
         unwritten: what the agent is bound by has changed in this step.
     """
 

@@ -24,7 +24,7 @@ class Peers:
         incarnation: how often that one was started.
         others: all other strategists of the plant.
         keys: the plant's bus keys.
-        life: its agent's; its alarms are named that of a heartbeat timer.
+        life: its agent's; its alarm is named `BEAT`.
         orders: how many orders the strategist has in work.
     """
 

@@ -158,7 +158,10 @@ class Failover:
                 self.aboard.goes_on(task)
         elif task.contract.unnamed_s == NEVER_S:
             task.contract.unnamed_s = now_s
-        elif now_s - task.contract.unnamed_s > UNNAMED_S and not task.contract.left_aboard:
+        elif task.contract.left_aboard:
+            if heartbeat.load == THING:
+                self.aboard.note_place(task, heartbeat.node)
+        elif now_s - task.contract.unnamed_s > UNNAMED_S:
             self.replace(task, Reason.FORGOTTEN, now_s)
 
     def objection(self, task: OpenTask, sender: str, message: TakenOver, now_s: float) -> Reason | None:

@@ -84,7 +84,14 @@ class LeftAboard:
         """Their carrier is well again; harmless when it was."""
         if task.state is TaskState.STRANDED:
             task.states.enter(TaskState.IN_TRANSIT)
+            task.contract.left_aboard = False
             self.forget(task)
+
+    def note_place(self, task: OpenTask, node: str) -> None:
+        """Their carrier drives about with them and has forgotten the task: this is where they are now."""
+        if task.stranded is not None and task.stranded.node != node:
+            task.stranded = replace(task.stranded, node=node)
+            self._life.commit()
 
     def forget(self, task: OpenTask) -> None:
         """They wait no more: somebody has them on board who can go on, or they are back."""

@@ -7,6 +7,7 @@ have the administrator's: nobody else could do more.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import multiprocessing
 import os
@@ -224,14 +225,19 @@ async def tracking_flood(target: Target) -> None:
     products = list(default_plant().products)
     items = [{"product": products[at % len(products)], "quantity": 1} for at in range(MAX_ITEMS)]
     order = json.dumps({"customer": "a customer", "items": items}).encode()
-    while True:
-        if answer := await _ask(target, "POST", "/api/orders", order):
-            break
-        await asyncio.sleep(1.0)  # Others attack meanwhile: it was turned away.
-    placed = json.loads(answer)
-    page = placed["tracking_url"].partition("/track/")[2]
+    page = ""
+    while not page:
+        with contextlib.suppress(OSError, ValueError):  # Others attack meanwhile: it may be turned away.
+            placed = json.loads(await _ask(target, "POST", "/api/orders", order))
+            page = placed.get("tracking_url", "").partition("/track/")[2]
+        await _pause()
     paths = [("GET", path + token, b"") for token in ("x" * 32, page) for path in ("/api/track/", "/track/")]
     await _each(2 * WORKERS, lambda worker: _ask_all(target, _turned(paths, worker)))
+
+
+async def _pause() -> None:
+    """Between two tries."""
+    await asyncio.sleep(1.0)
 
 
 async def lists_flood(target: Target) -> None:

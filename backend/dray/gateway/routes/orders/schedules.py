@@ -12,7 +12,6 @@ from fastapi import APIRouter, Depends, Header, Path, Response
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
-from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.csv_tables import Format, Row, table, with_csv
 from dray.gateway.http.problems import not_found, unusable
 from dray.gateway.http.provided import Now, Provided
@@ -32,7 +31,7 @@ from dray.gateway.http.responses import (
 from dray.gateway.http.versions import version_tag
 from dray.gateway.schedules.calendar import Calendar, CalendarError
 from dray.gateway.schedules.drafts import PreviewDraft, ScheduleChange, ScheduleDraft
-from dray.gateway.schedules.scheduler import Scheduler, calendar_of, days_of, skipped_of
+from dray.gateway.schedules.scheduler import Scheduler, calendar_of, days_of, may_see, skipped_of
 from dray.store import Store
 from dray.store.orders.schedules import ScheduleRow
 
@@ -190,7 +189,7 @@ async def list_schedules(
     As a table it has a row for each transport, and for each item of an order. Without `orders:read` only one's own orders are listed.
     """
     async with store.read() as work:
-        rows = [row for row in await work.schedules.all() if _may_see(row, caller)]
+        rows = [row for row in await work.schedules.all() if may_see(row, caller)]
         gone = await work.schedules.owners_gone(now_s)
     if format == "csv":
         return table("recurring", COLUMNS, _rows(rows, gone))
@@ -255,7 +254,7 @@ async def get_schedule(store: Provided[Store], caller: Caller, now_s: Now, sched
     async with store.read() as work:
         row = await work.schedules.get(schedule)
         gone = await work.schedules.owners_gone(now_s)
-    if row is None or not _may_see(row, caller):
+    if row is None or not may_see(row, caller):
         raise not_found("schedule", schedule, LISTED)
     return Json(_answer(row, gone), headers={"ETag": version_tag(row.revision)})
 
@@ -322,11 +321,6 @@ async def remove_schedule(
     if not await scheduler.remove(schedule, if_match, caller):
         raise not_found("schedule", schedule, LISTED)
     return Response(status_code=HTTPStatus.NO_CONTENT)
-
-
-def _may_see(row: ScheduleRow, caller: Principal) -> bool:
-    """Whether a caller may be told of it: an order names a customer, as orders do."""
-    return not row.order_draft or caller.may(Scope.ORDERS_READ) or row.owner == caller.key
 
 
 async def _answers(rows: Sequence[ScheduleRow], gone: frozenset[str]) -> AsyncIterator[ScheduleAnswer]:

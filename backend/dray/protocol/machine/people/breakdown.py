@@ -65,7 +65,7 @@ class Breakdown:
         incarnation: of its agent.
         plant: the plant it stands in.
         goals: what waits for it.
-        life: its agent's; its alarms are named the name `PATIENCE_OVER`.
+        life: its agent's; its alarm is named `PATIENCE_OVER`.
 
     Attributes:
         problem: in words; empty for none.

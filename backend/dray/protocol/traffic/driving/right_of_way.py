@@ -83,6 +83,7 @@ class RightOfWay:
 
     Args:
         atv: the vehicle.
+        incarnation: how often its agent was started.
         places, ways: of the plant.
         surroundings: what is known of others.
         node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.

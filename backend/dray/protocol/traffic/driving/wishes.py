@@ -161,6 +161,7 @@ class Wishes:
     """The correspondence of one vehicle with the keepers of all districts.
 
     Args:
+        incarnation: how often the vehicle's agent was started.
         keepers_of: district -> its keepers, in the order of their turns.
         sign: signs what it says.
 
