@@ -12,7 +12,7 @@ from dray.protocol.runtime.events import NEVER_S, Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.turns import ASK_S, DOUBT_S, SILENT_AFTER, Turns
-from dray.protocol.traffic.numbers import FAR, LEAP_MAX
+from dray.protocol.traffic.numbers import FAR, LEAP_MAX, VERSION_LEAP
 
 MOST = FAR // 2 + LEAP_MAX
 """The latest epoch that is believed when one alone tells it."""
@@ -170,6 +170,10 @@ def test_one_that_remembers_does_not_bring_the_roll_call_to_the_end_of_numbers()
     caller.on_told("M3", told_of(0, lost=True))
     assert caller.needs_roll_call
     assert caller.next_turn(0) < MOST
+    told = BookTold(district="M1", epoch=0, lost=False, kept_epoch=0, version=FAR, bookings=())
+    for _ in range(9):
+        caller.on_told("M2", told)
+    assert caller.end_roll_call(3) < FAR // 2 + VERSION_LEAP
 
 
 def test_whoever_is_lost_takes_no_book_from_the_end_of_numbers() -> None:
