@@ -181,6 +181,16 @@ def test_what_two_vehicles_tell_of_a_later_epoch_is_believed_however_late_it_is(
     assert fleet.is_over(RAISE_AGAIN_S)
 
 
+def test_two_vehicles_together_do_not_bring_a_roll_call_to_the_end_of_numbers() -> None:
+    fleet = Fleet("ATV1")
+    for thief in ("ATV8", "ATV9"):
+        assert not fleet.tell(thief, 0.0, epoch=FAR)
+    for second in range(int(ROLL_S) + 1):
+        fleet.talk(float(second))
+    assert fleet.is_over(ROLL_S)
+    assert fleet.roll.epoch <= FAR // 2 + OUTBID_MAX + 3
+
+
 @pytest.mark.parametrize("seen", [FAR // 2, FAR - 1, FAR])
 def test_after_one_has_told_of_a_version_near_the_end_of_numbers_honest_ones_are_heard_in_the_next_roll_call(
     seen: int,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.book import Book
-from dray.protocol.traffic.numbers import FAR, OUTBID_MAX, highest_believed
+from dray.protocol.traffic.numbers import ALONE_MAX, FAR, OUTBID_MAX, highest_believed
 
 ROLL_S = 6.0
 """A roll is called for so long at least: every vehicle beats in that time, also one that the plant file does not know."""
@@ -86,7 +86,8 @@ class RollCall:
             # The vehicle has known a later keeper: what was told under this epoch may have changed since. Alone it is not believed how much
             # later: the roll would be called under an epoch that no other one follows, or at the end of numbers.
             self._later[atv] = wish.epoch
-            known = max((self.epoch, *(epoch for other, epoch in self._later.items() if other != atv)))
+            others = (epoch for other, epoch in self._later.items() if other != atv)
+            known = max(self.epoch, min(max(others, default=0), ALONE_MAX))
             self.told, self.epoch = {}, self._next_turn(min(wish.epoch, known + OUTBID_MAX))
             self._by_people, self._beside = set(), {}
             self._asks, self._news_s = {}, now_s
