@@ -12,6 +12,10 @@ from dray.protocol.runtime.events import NEVER_S, Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.turns import ASK_S, DOUBT_S, SILENT_AFTER, Turns
+from dray.protocol.traffic.numbers import FAR, LEAP_MAX, VERSION_LEAP
+
+MOST = FAR // 2 + LEAP_MAX
+"""The latest epoch that is believed when one alone tells it."""
 
 
 def test_what_a_majority_has_counts() -> None:
@@ -139,6 +143,62 @@ def test_whoever_is_lost_takes_no_book_that_may_lack_what_it_has_promised(told: 
     lost.on_booked("M1", PlaceBooked(district="M1", epoch=3, version=4, bookings=line("A", 4)), silent=True)
     assert lost.lost
     assert life.effects == []
+
+
+@pytest.mark.parametrize("epoch", [3, 3 * 2**18, 3 * 2**40])
+def test_a_roll_is_called_under_a_later_epoch_than_any_that_is_remembered(epoch: int) -> None:
+    """M1 remembers it, and vehicles that were started again know nothing of it."""
+    trio = Trio()
+    remembers, caller = trio.keepers["M1"], Copies("M1", "M2", NAMES, None, trio.lives["M2"])
+    remembers.kept = Kept(epoch, epoch, 4, line("A", 4))
+    trio.keepers |= {"M2": caller, "M3": Copies("M1", "M3", NAMES, None, trio.lives["M3"])}
+    for name in ("M2", "M3"):
+        trio.keepers[name].ask()
+    trio.carry()
+    called = caller.next_turn(0)
+    assert called > epoch
+    version = caller.end_roll_call(called)
+    caller.write(version + 1, line("A", version + 1))
+    trio.carry()
+    assert caller.counted == version + 1 == 5
+    assert trio.keepers["M3"].kept.bookings == line("A", 5)
+
+
+def test_one_that_remembers_does_not_bring_the_roll_call_to_the_end_of_numbers() -> None:
+    caller = Copies("M1", "M1", NAMES, None, Life())
+    caller.on_told("M2", told_of(FAR, lost=False))
+    caller.on_told("M3", told_of(0, lost=True))
+    assert caller.needs_roll_call
+    assert caller.next_turn(0) < MOST
+    told = BookTold(district="M1", epoch=0, lost=False, kept_epoch=0, version=FAR, bookings=())
+    for _ in range(9):
+        caller.on_told("M2", told)
+    assert caller.end_roll_call(3) < FAR // 2 + VERSION_LEAP
+
+
+def test_whoever_is_lost_takes_no_book_from_the_end_of_numbers() -> None:
+    """Whoever has stolen the certificate of the other one that is lost has told of that epoch before, too."""
+    lost = Copies("M1", "M3", NAMES, None, Life())
+    epoch = FAR - FAR % 3
+    lost.on_told("M1", told_of(epoch, lost=True))
+    lost.on_told("M2", told_of(5, lost=False))
+    lost.on_booked("M1", PlaceBooked(district="M1", epoch=epoch, version=4, bookings=()), silent=True)
+    assert lost.lost
+    assert lost.kept == Kept()
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "least", "most"),
+    [(FAR, 5, 5, MOST), (5, 8, 8, 8), (MOST + 7, MOST + 9, MOST + 9, MOST + 9)],
+)
+def test_of_two_that_remember_one_alone_does_not_bring_a_lost_one_to_the_end_of_numbers(
+    one: int, other: int, least: int, most: int
+) -> None:
+    lost = Copies("M1", "M3", NAMES, None, Life())
+    lost.on_told("M1", told_of(one, lost=False))
+    lost.on_told("M2", told_of(other, lost=False))
+    assert not lost.lost
+    assert least <= lost.kept.epoch <= most
 
 
 def test_one_keeper_alone_is_its_own_majority() -> None:

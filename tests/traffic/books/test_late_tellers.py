@@ -11,6 +11,7 @@ from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.late_tellers import LateTellers
 from dray.protocol.traffic.books.reach import Reach
 from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.numbers import FAR, VERSION_LEAP
 
 STRANGER = "ATV77"
 
@@ -52,6 +53,15 @@ def test_who_says_to_have_seen_what_is_beyond_all_numbers_does_not_move_the_book
     forged = msgspec.structs.replace(wish(HERE), key=b"k" * 32, seen=COUNT_MAX)
     assert not late.on_wish("ATV1", forged, book, 0.0)
     assert (book.version, book.bookings) == (0, ())
+
+
+def test_one_that_says_to_have_seen_the_last_version_that_is_believed_leaves_room_above(
+    late: LateTellers,
+) -> None:
+    book = Book(version=7)
+    forged = msgspec.structs.replace(wish(HERE), key=b"k" * 32, seen=FAR)
+    assert late.on_wish("ATV1", forged, book, 0.0)
+    assert FAR // 2 <= book.version < FAR // 2 + VERSION_LEAP
 
 
 def test_a_book_that_was_not_made_from_a_roll_call_knows_what_is_held(late: LateTellers) -> None:

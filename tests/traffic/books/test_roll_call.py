@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import pytest
+
 from dray.messages.base import COUNT_MAX
 from dray.messages.floor.traffic import HoldsAsked, PlaceWished
 from dray.protocol.runtime.events import Send
@@ -16,7 +18,10 @@ from dray.protocol.traffic.books.roll_call import (
     WAVE,
     RollCall,
 )
+from dray.protocol.traffic.driving.wishes import NO_EPOCH, State, Wishes
+from dray.protocol.traffic.numbers import FAR, OUTBID_MAX, VERSION_LEAP
 
+KEEPERS = ("M1", "M2", "M3")
 FLEET = tuple(f"ATV{number}" for number in range(1, 451))
 
 
@@ -110,3 +115,101 @@ def test_nobody_is_awaited_by_name_as_long_as_others_go_on_telling() -> None:
     assert list(call.roll.awaited(FLEET, 99.0 + QUIET_S)) == list(FLEET[100:])
     assert not call.tell(FLEET[0], 104.0)
     assert list(call.roll.awaited(FLEET, 99.0 + QUIET_S)) == list(FLEET[100:])
+
+
+class Fleet(Call):
+    """Honest vehicles that are asked, and answer as they do; M1 calls the roll."""
+
+    def __init__(self, *names: str, knows: int = NO_EPOCH) -> None:
+        super().__init__()
+        self.names = names
+        self.lives = {name: Life() for name in names}
+        self.wishes = {name: Wishes(1, {"M1": KEEPERS}, life) for name, life in self.lives.items()}
+        for wishes in self.wishes.values():
+            for keeper in KEEPERS if knows != NO_EPOCH else ():
+                wishes.on_holds_asked(keeper, HoldsAsked(district="M1", epoch=knows))
+
+    def talk(self, now_s: float) -> None:
+        """Everybody is asked who has not told, and what it says is heard."""
+        self.life.effects.clear()
+        self.roll.call(self.names, now_s)
+        for asked in [one for one in self.out if isinstance(one, Send)]:
+            assert isinstance(asked.message, HoldsAsked)
+            wishes, epoch = self.wishes[asked.to], asked.message.epoch
+            assert wishes.on_holds_asked("M1", asked.message)
+            state = State((0, 0.0, asked.to), stands=True, docked=False, avoid=(), chain=())
+            wishes.say("M1", (), (), state, now_s, anew=True, to="M1", epoch=epoch)
+            said, self.lives[asked.to].effects[:] = list(self.lives[asked.to].effects), []
+            for one in said:
+                assert isinstance(one, Send)
+                if one.to == "M1":
+                    assert isinstance(one.message, PlaceWished)
+                    self.roll.note(asked.to, one.message, now_s)
+
+    def is_over(self, now_s: float) -> bool:
+        return self.roll.is_over(lambda: self.names, now_s)
+
+
+@pytest.mark.parametrize("epoch", [2**18, 2**40, FAR - 1, FAR])
+@pytest.mark.parametrize("knows", [NO_EPOCH, 3])
+def test_a_roll_call_ends_whatever_epoch_one_vehicle_tells(epoch: int, knows: int) -> None:
+    fleet = Fleet("ATV1", "ATV2", knows=knows)
+    fleet.talk(0.0)
+    assert not fleet.tell("ATV9", 0.5, epoch=epoch)
+    for second in range(1, int(ROLL_S) + 2):
+        fleet.talk(float(second))
+    assert fleet.is_over(ROLL_S + 1.0)
+    assert 3 < fleet.roll.epoch <= 3 + OUTBID_MAX + 3
+
+
+def test_a_vehicle_that_was_started_again_tells_under_however_late_an_epoch_the_roll_is_called() -> None:
+    fleet = Fleet("ATV1")
+    fleet.roll.epoch = 2**19
+    fleet.talk(0.0)
+    assert fleet.is_over(ROLL_S)
+
+
+@pytest.mark.parametrize("epoch", [2**19, 2**40, FAR // 2])
+def test_what_two_vehicles_tell_of_a_later_epoch_is_believed_however_late_it_is(epoch: int) -> None:
+    """A thief has brought it so far, in however long a time."""
+    fleet = Fleet("ATV1", "ATV2", "ATV3", knows=epoch)
+    for second in range(4):
+        fleet.talk(float(second))
+    assert fleet.roll.epoch > epoch
+    for second in range(4, int(RAISE_AGAIN_S)):
+        fleet.talk(float(second))
+    assert fleet.is_over(RAISE_AGAIN_S)
+
+
+def test_two_vehicles_together_do_not_bring_a_roll_call_to_the_end_of_numbers() -> None:
+    fleet = Fleet("ATV1")
+    for thief in ("ATV8", "ATV9"):
+        assert not fleet.tell(thief, 0.0, epoch=FAR)
+    for second in range(int(ROLL_S) + 1):
+        fleet.talk(float(second))
+    assert fleet.is_over(ROLL_S)
+    assert fleet.roll.epoch <= FAR // 2 + OUTBID_MAX + 3
+
+
+@pytest.mark.parametrize("seen", [FAR // 2, FAR - 1, FAR])
+def test_after_one_has_told_of_a_version_near_the_end_of_numbers_honest_ones_are_heard_in_the_next_roll_call(
+    seen: int,
+) -> None:
+    first, second = Call(), Call()
+    assert first.tell("ATV1", 1.0, seen=seen)
+    assert first.tell("ATV2", 1.0, seen=7)
+    version = first.roll.book(lambda _atv, _holds: True).version
+    assert FAR // 2 <= version < FAR // 2 + VERSION_LEAP
+    granted = version + 1000
+    assert second.tell("ATV2", 1.0, seen=granted)
+    assert second.roll.book(lambda _atv, _holds: True).version == granted
+    assert second.tell("ATV1", 1.0, seen=FAR)
+    assert second.roll.book(lambda _atv, _holds: True).version < granted + VERSION_LEAP
+
+
+def test_of_what_several_have_told_beyond_what_one_alone_is_believed_the_highest_counts() -> None:
+    """A thief has said the most that is believed, and then what it has seen was granted."""
+    call, most = Call(), FAR // 2 + VERSION_LEAP
+    assert call.tell("ATV1", 1.0, seen=most + 7)
+    assert call.tell("ATV2", 1.0, seen=most + 9)
+    assert call.roll.book(lambda _atv, _holds: True).version == most + 9

@@ -14,6 +14,8 @@ from dray.messages.base import COUNT_MAX
 from dray.messages.fact import BookRefused
 from dray.messages.floor.traffic import (
     BookAsked,
+    BookKept,
+    BookTold,
     HoldsAsked,
     PlaceBooked,
     PlaceBooking,
@@ -23,13 +25,13 @@ from dray.messages.floor.traffic import (
 )
 from dray.messages.keys import Keys
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Record, Send
+from dray.protocol.runtime.events import Ignore, Record, Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
 from dray.protocol.traffic.books.district import OUTBID_S, REFUSED_OFTEN, District
-from dray.protocol.traffic.books.turns import DOUBT_S
+from dray.protocol.traffic.books.turns import BEYOND_NUMBERS, DOUBT_S
 from dray.protocol.traffic.driving.wishes import State, Wishes
-from dray.protocol.traffic.numbers import LEAP_MAX, OUTBID_MAX
+from dray.protocol.traffic.numbers import FAR, LEAP_MAX, OUTBID_MAX
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.traffic_map import TrafficMap
 
@@ -253,6 +255,8 @@ def test_after_a_thief_has_called_the_roll_under_whatever_epoch_a_vehicle_is_gra
 
     epoch = next_turn(keepers, SECOND) + leap
     assert wishes.on_holds_asked(SECOND, HoldsAsked(district=NAME, epoch=epoch, roll_call=True))
+    wishes.say(NAME, (), ((HERE,),), state, keepers.now_s, anew=True, to=SECOND, epoch=epoch)
+    life.effects.clear()
     keepers.run(10.0 + OUTBID_S)
     wishes.say(NAME, (), ((HERE,),), state, keepers.now_s)
     has = talk()
@@ -264,7 +268,8 @@ def test_after_a_thief_has_called_the_roll_under_whatever_epoch_a_vehicle_is_gra
     assert keepers.leaders == [FIRST]
 
 
-def test_people_are_told_of_a_keeper_that_goes_on_to_take_places_from_vehicles_without_their_word() -> None:
+@pytest.mark.parametrize("version", [11, COUNT_MAX], ids=["it takes a place", "no book has come so far"])
+def test_people_are_told_of_a_keeper_that_goes_on_to_write_what_nobody_copies(version: int) -> None:
     keepers = Keepers()
     epoch = keepers.district(FIRST).copies.kept.epoch
     told: list[object] = []
@@ -278,9 +283,30 @@ def test_people_are_told_of_a_keeper_that_goes_on_to_take_places_from_vehicles_w
     line = PlaceBooking(place=HERE, number=10, atv="ATV2", mark=b"a key")
     write(10, line)
     for _ in range(REFUSED_OFTEN - 1):
-        write(11)
+        write(version)
     assert told == []
     assert keepers.district(SECOND).copies.kept.bookings == (line,)
     for _ in range(3):
-        write(11)
+        write(version)
     assert told == [BookRefused(FIRST)]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        BookKept(district=NAME, epoch=FAR + 1, version=1),
+        BookAsked(district=NAME, epoch=FAR + 1),
+        BookTold(district=NAME, epoch=COUNT_MAX, lost=False, kept_epoch=0, version=0, bookings=()),
+        BookTold(district=NAME, epoch=3, lost=False, kept_epoch=COUNT_MAX, version=0, bookings=()),
+        PlaceBooked(district=NAME, epoch=FAR + 4 - FAR % 3, version=10**6, bookings=()),
+    ],
+    ids=lambda said: type(said).__name__,
+)
+def test_no_keeper_is_heard_that_tells_of_an_epoch_to_which_no_book_has_come(said: Message) -> None:
+    keepers = Keepers()
+    keepers.run(10.0)
+    before = keepers.district(THIRD).copies.kept
+    keepers.books[THIRD].handlers({})[type(said)](SECOND, said, keepers.now_s)
+    effects = keepers.lives[THIRD].effects
+    assert [one.reason for one in effects if isinstance(one, Ignore)] == [BEYOND_NUMBERS]
+    assert keepers.district(THIRD).copies.kept == before

@@ -42,21 +42,23 @@ class Correspondence:
     def asked(self, keeper: str, epoch: int, *, roll_call: bool = False) -> bool:
         return self.wishes.on_holds_asked(keeper, HoldsAsked(district="D", epoch=epoch, roll_call=roll_call))
 
-    def granted(self, keeper: str, epoch: int, number: int = 1) -> tuple[str, ...] | None:
+    def granted(self, keeper: str, epoch: int, number: int = 1, upto: int = 1) -> tuple[str, ...] | None:
         lines = (PlaceBooking(place="b3", number=number),)
-        answer = PlaceGranted(district="D", epoch=epoch, life=1, upto=1, grants=lines)
+        answer = PlaceGranted(district="D", epoch=epoch, life=1, upto=upto, grants=lines)
         return self.wishes.on_granted(keeper, answer, 1.0)
 
     def says_epoch(self) -> int:
         """The epoch that it knows of, as it says its wish."""
+        return self.says().epoch
+
+    def says(self) -> PlaceWished:
         self.out.clear()
         self.wishes.say("D", (), WANTED, STATE, 1.0, anew=True)
-        (epoch,) = {
-            one.message.epoch
-            for one in self.out
-            if isinstance(one, Send) and isinstance(one.message, PlaceWished)
-        }
-        return epoch
+        said, *to_others = [
+            one.message for one in self.out if isinstance(one, Send) and isinstance(one.message, PlaceWished)
+        ]
+        assert all(wish is said for wish in to_others)
+        return said
 
     def told(self) -> list[str]:
         """To whom it has said a wish since this was asked last."""
@@ -107,21 +109,23 @@ def test_whatever_epoch_a_keeper_chooses_that_makes_it_its_turn_none_of_its_gran
             turn = chosen - (chosen - 1) % 3
             assert vehicle.granted("M2", random.choice((max(turn, 1), chosen)), random.randrange(9)) is None
         elif move < 0.6:
-            vehicle.asked("M2", chosen, roll_call=random.random() < 0.5)
+            if vehicle.asked("M2", chosen, roll_call=(is_call := random.random() < 0.5)) and is_call:
+                vehicle.wishes.say("D", (), WANTED, STATE, 1.0, anew=True, to="M2", epoch=chosen)
         elif move < 0.8:
             vehicle.asked(random.choice(("M1", "M3")), present)
         elif move < 0.9:
             assert vehicle.granted("M1", present) in (None, (), ("b3",))
-        elif (said := vehicle.says_epoch()) > present:
-            assert said <= present + OUTBID_MAX, "the keeper would not follow"
-            present = said + 3 - said % 3
+        elif (later := vehicle.says_epoch()) > present:
+            assert later <= present + OUTBID_MAX, "the keeper would not follow"
+            present = later + 3 - later % 3
         missed = vehicle.wishes.take_missed("D")
         assert missed is None or missed[0] == "M1"
-    present = max(present, vehicle.says_epoch())
+    said = vehicle.says()
+    present = max(present, said.epoch)
     present += 3 - present % 3
     for keeper in ("M1", "M3"):
         vehicle.asked(keeper, present)
-    assert vehicle.granted("M1", present, number=100) == ("b3",)
+    assert vehicle.granted("M1", present, number=100, upto=said.seq) == ("b3",)
 
 
 def test_it_is_believed_when_another_one_tells_the_same_epoch() -> None:
@@ -148,6 +152,32 @@ def test_who_calls_the_roll_is_told_and_grants_nothing_before_another_one_tells_
     assert vehicle.granted("M2", 4) is None
     vehicle.asked("M3", 4)
     assert vehicle.granted("M2", 4) == ("b3",)
+
+
+def test_a_grant_that_was_on_its_way_while_a_roll_call_was_answered_is_void() -> None:
+    """The roll is called under an epoch that is much later than the one that the vehicle has heard of, and so is that of the grant."""
+    vehicle = Correspondence(knows=False)
+    late, called = 3 * OUTBID_MAX, 3 * OUTBID_MAX + 1
+    assert vehicle.asked("M2", called, roll_call=True)
+    vehicle.wishes.say("D", (), WANTED, STATE, 1.0, anew=True, to="M2", epoch=called)
+    vehicle.asked("M2", late)
+    vehicle.asked("M3", late)
+    assert vehicle.granted("M1", late) is None
+    vehicle.asked("M3", called)
+    assert vehicle.granted("M2", called, number=2, upto=2) == ("b3",)
+
+
+def test_nobody_but_who_calls_the_roll_is_told_its_epoch() -> None:
+    """Else whoever keeps the book would begin a later one for it, of which nobody has heard."""
+    vehicle = Correspondence()
+    called = 3 * LEAP_MAX + 1
+    vehicle.out.clear()
+    assert vehicle.asked("M2", called, roll_call=True)
+    vehicle.wishes.say("D", (), WANTED, STATE, 1.0, anew=True, to="M2", epoch=called)
+    vehicle.granted("M2", 3 * LEAP_MAX + 4)
+    said = [(one.to, one.message) for one in vehicle.out if isinstance(one, Send)]
+    epochs = {to: wish.epoch for to, wish in said if isinstance(wish, PlaceWished)}
+    assert epochs == {"M2": called, "M1": 3 + OUTBID_MAX, "M3": 3 + OUTBID_MAX}
 
 
 def test_one_that_has_nothing_there_answers_a_copy_that_asks_alone_and_no_keeper_that_takes_the_book_over() -> (

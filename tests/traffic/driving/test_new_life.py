@@ -130,17 +130,18 @@ def test_a_way_that_the_body_refuses_keeps_all_that_was_held() -> None:
     assert set(life.row.way.held) == {"c3"}
 
 
-def test_a_roll_call_is_answered_when_it_is_known_where_the_body_goes() -> None:
+@pytest.mark.parametrize("epoch", [4, 3 * 2**20 + 1])
+def test_a_roll_call_is_answered_under_its_epoch_when_it_is_known_where_the_body_goes(epoch: int) -> None:
     life = NewLife("b3", "m4-lane", drives_beyond=True)
     district = TRAFFIC.places.district_of["c3"]
     keeper = TRAFFIC.places.keepers_of[district][1]
-    asked = HoldsAsked(district=district, epoch=4, roll_call=True)
+    asked = HoldsAsked(district=district, epoch=epoch, roll_call=True)
     before = len(life.out)
     life.row.on_holds_asked(keeper, asked, 0.2)
     assert life.out[before:] == []
     life.row.on_reached(life.drives[0].order, 0, 1.0)
     life.row.on_holds_asked(keeper, asked, 1.2)
-    assert life.wish(district).epoch == 4
+    assert life.wish(district).epoch == epoch
 
 
 @pytest.mark.parametrize("held", [False, True])

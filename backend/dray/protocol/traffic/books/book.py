@@ -15,6 +15,7 @@ from collections.abc import Iterable
 
 from dray.errors import ProtocolViolation
 from dray.messages.floor.traffic import UNSIGNED, AllRemoved, PlaceBooking, PlaceWished, Removed
+from dray.protocol.traffic.numbers import highest_believed
 
 PEOPLE = b""
 """In place of a key's mark, where a person has said that a vehicle was carried away."""
@@ -100,7 +101,7 @@ class Book:
 
     def tell_late(self, atv: str, wish: PlaceWished) -> None:
         """A vehicle of which nobody knew was not asked in the roll call from which this book was made, and tells now."""
-        self.version = max(self.version, wish.seen)
+        self.version = highest_believed((wish.seen,), self.version)
         self.claim(atv, wish)
 
     def begin_life(self, atv: str, wish: PlaceWished) -> bool:

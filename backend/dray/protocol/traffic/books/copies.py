@@ -39,7 +39,13 @@ from dray.messages.floor.traffic import (
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.witness import Witness
-from dray.protocol.traffic.numbers import LEAP_MAX, OUTBID_MAX, is_version_believed
+from dray.protocol.traffic.numbers import (
+    LEAP_MAX,
+    OUTBID_MAX,
+    highest_believed,
+    is_version_believed,
+    most_believed,
+)
 from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 
 PATIENT_ROUNDS = 2
@@ -107,8 +113,8 @@ class Copies:
         self._began = 0
         self._elsewhere: BookTold | None = None
         """What the other copy has told last, while a book is not copied."""
-        self._highest_version = 0
-        """That anybody has told of."""
+        self._versions: dict[str, int] = {}
+        """Keeper -> the highest version that it has told."""
         self._told: dict[str, BookTold] = {}
         self._highest = 0
         """Epoch that anybody has told of."""
@@ -233,6 +239,7 @@ class Copies:
         """
         joins = self.lost
         if not is_version_believed(booked.version, self.kept.version):
+            self.refused += 1
             return True
         if joins and not self._may_join(sender, booked):
             return True
@@ -301,10 +308,15 @@ class Copies:
                 self.confirm(atv)
 
     def _may_join(self, sender: str, booked: PlaceBooked) -> bool:
-        """Whether a lost memory is made good by a book: its writer was lost, too, and all have told of no later epoch since."""
+        """Whether a lost memory is made good by a book: its writer was lost, too, and all have told of no later epoch since.
+
+        Nor does its writer alone bring the epoch near the end of numbers.
+        """
+        known = max((self._heard.get(other, 0) for other in self._others if other != sender), default=0)
         return (
             not self.needs_roll_call
             and sender in self._lost_too
+            and booked.epoch <= most_believed(known, LEAP_MAX)
             and all(self._heard.get(other, booked.epoch + 1) <= booked.epoch for other in self._others)
         )
 
@@ -382,8 +394,7 @@ class Copies:
         """Somebody has answered."""
         self.note_highest(told.epoch)
         self._note(sender, told.epoch)
-        if is_version_believed(told.version, self._highest_version):
-            self._highest_version = max(self._highest_version, told.version)
+        self._versions[sender] = max(self._versions.get(sender, 0), told.version)
         if sender != self.leader and not told.lost:
             self._elsewhere = told
         is_promise = bool(self._sought) and told.epoch == self._sought
@@ -425,7 +436,7 @@ class Copies:
             remember = [told for told in self._told.values() if not told.lost]
             if len(remember) >= self.majority or (remember and len(remember) == len(self._others)):
                 self.lost = False
-                epoch = max(told.epoch for told in remember)
+                epoch = highest_believed((told.epoch for told in remember), leap=LEAP_MAX)
                 self._take_newest(remember)
                 self.kept = msgspec.structs.replace(self.kept, epoch=epoch)
             else:
@@ -451,7 +462,9 @@ class Copies:
 
     def next_turn(self, epoch: int) -> int:
         """The next epoch after one, and after all that anybody has told of, that is this keeper's turn."""
-        epoch = max(epoch, self._highest) + 1
+        # A roll is called under an epoch above that of whoever remembers one: else it would never follow.
+        remembered = highest_believed(self._heard.values(), leap=LEAP_MAX) if self.needs_roll_call else 0
+        epoch = max(epoch, self._highest, remembered) + 1
         while self._keepers[epoch % len(self._keepers)] != self._me:
             epoch += 1
         return epoch
@@ -465,7 +478,7 @@ class Copies:
         self.lost, self.needs_roll_call, self.leads = False, False, True
         self.kept = Kept(epoch, epoch, 0, ())
         self._has, self._given_back, self.counted = {}, {}, 0
-        return self._highest_version
+        return highest_believed(self._versions.values())
 
     def _telling(self) -> BookTold:
         kept = self.kept

@@ -53,7 +53,9 @@ TICK_S = 1.0
 """A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
 
 
-TAKES_PLACES = "a book that takes a place from a vehicle without its word"
+NOT_COPIED = (
+    "a book that takes a place from a vehicle without its word, or with a version to which no book has come"
+)
 
 REFUSED_OFTEN = 5
 """In a row, a second apart: a keeper that has started again may have lost the word of a vehicle, which is asked for it."""
@@ -68,7 +70,7 @@ class Refusals:
 
     def tell(self, keeper: str, in_a_row: int, now_s: float) -> None:
         """A keeper's book was not copied, so often in a row."""
-        self._life.ignore(TAKES_PLACES)
+        self._life.ignore(NOT_COPIED)
         if in_a_row >= REFUSED_OFTEN and self._throttle.passes(keeper, now_s):
             self._life.record(BookRefused(keeper))
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.book import Book
-from dray.protocol.traffic.numbers import FAR
+from dray.protocol.traffic.numbers import ALONE_MAX, FAR, OUTBID_MAX, highest_believed
 
 ROLL_S = 6.0
 """A roll is called for so long at least: every vehicle beats in that time, also one that the plant file does not know."""
@@ -55,6 +55,8 @@ class RollCall:
         """When somebody has told for the first time, last."""
         self._raised_s: dict[str, float] = {}
         """Vehicle -> when it has let it be called anew last."""
+        self._later: dict[str, int] = {}
+        """Vehicle -> the latest epoch that it has told, of those that were later than this one."""
         self._asks: dict[str, tuple[float, float]] = {}
         """Vehicle -> when it is asked again, and how long after that once more."""
 
@@ -75,14 +77,18 @@ class RollCall:
     def note(self, atv: str, wish: PlaceWished, now_s: float, *, by_person: bool = False) -> bool:
         """A vehicle has told, or a person in its place; True when that counts."""
         if wish.epoch > FAR or wish.seen > FAR:
-            # It lies: no book has come so far.
+            # It lies: no book has come farther.
             return False
         if wish.epoch > self.epoch:
             if now_s - self._raised_s.get(atv, -RAISE_AGAIN_S) < RAISE_AGAIN_S:
                 return False
             self._raised_s[atv] = now_s
-            # The vehicle has known a later keeper: what was told under this epoch may have changed since.
-            self.told, self.epoch = {}, self._next_turn(wish.epoch)
+            # The vehicle has known a later keeper: what was told under this epoch may have changed since. Alone it is not believed how much
+            # later: the roll would be called under an epoch that no other one follows, or at the end of numbers.
+            self._later[atv] = wish.epoch
+            others = (epoch for other, epoch in self._later.items() if other != atv)
+            known = max(self.epoch, min(max(others, default=0), ALONE_MAX))
+            self.told, self.epoch = {}, self._next_turn(min(wish.epoch, known + OUTBID_MAX))
             self._by_people, self._beside = set(), {}
             self._asks, self._news_s = {}, now_s
             return False
@@ -155,7 +161,7 @@ class RollCall:
             may_hold: whether a vehicle is believed that it holds these places; else it has none.
             version: the highest of a copy that is known.
         """
-        book = Book(version=max((version, *(wish.seen for wish in self.told.values()))))
+        book = Book(version=highest_believed((wish.seen for wish in self.told.values()), version))
         for atv, wish in self.told.items():
             is_removed = atv in self._by_people
             book.remove(atv, wish.removal, None if is_removed else wish.mark)

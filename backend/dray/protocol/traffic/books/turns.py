@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dray.messages import Message
-from dray.messages.floor.traffic import PlaceBooked, PlaceWished
+from dray.messages.floor.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceWished
 from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.traffic.numbers import FAR
 
 NO_KEEPER = "the word of somebody who does not keep this book"
 NOT_ITS_TURN = "a book written by one whose turn it is not"
+BEYOND_NUMBERS = "an epoch to which no book has come"
 
 ASK_S = 0.5
 """Between two questions to a keeper whether it lives."""
@@ -105,6 +107,10 @@ class Turns:
             return NO_KEEPER
         if isinstance(message, PlaceBooked) and self.of(message.epoch) != sender:
             return NOT_ITS_TURN
+        if isinstance(message, PlaceBooked | BookKept | BookAsked | BookTold) and message.epoch > FAR:
+            return BEYOND_NUMBERS
+        if isinstance(message, BookTold) and message.kept_epoch > message.epoch:
+            return BEYOND_NUMBERS
         return ""
 
     def asked(self, epoch: int, now_s: float) -> tuple[str, ...]:

@@ -508,7 +508,7 @@ class RightOfWay:
         if not is_to_tell:
             return
         if asked.roll_call:
-            self._tell(asked.district, sender, now_s)
+            self._tell(asked, sender, now_s)
         else:
             self._settle(now_s, anew_in=asked.district)
 
@@ -655,11 +655,12 @@ class RightOfWay:
         self._surroundings.listen(() if self._is_in_no_hurry(now_s) else districts, now_s)
         self._look_again(now_s)
 
-    def _tell(self, district: str, keeper: str, now_s: float) -> None:
+    def _tell(self, asked: HoldsAsked, keeper: str, now_s: float) -> None:
         """Answer a roll call: how things stand in one district, and nothing else."""
+        district, state = asked.district, self._state(now_s)
         groups = self._groups_in(district, self._groups())
         holds = self._holds_in(district)
-        self.wishes.say(district, holds, groups, self._state(now_s), now_s, anew=True, to=keeper)
+        self.wishes.say(district, holds, groups, state, now_s, anew=True, to=keeper, epoch=asked.epoch)
 
     def _is_in_no_hurry(self, now_s: float) -> bool:
         """Whether it rests at its own place, and nobody has asked it for room: it need not know who is around."""

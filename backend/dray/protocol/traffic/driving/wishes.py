@@ -103,6 +103,7 @@ class _Line:
         "lives",
         "missed",
         "repeats_s",
+        "rolled",
         "said_s",
         "seen",
         "seq",
@@ -153,6 +154,8 @@ class _Line:
         self.said_s = 0.0
         self.repeats_s: dict[int, float] = {}
         """The first wish that said what was said last, and its repetitions -> when: an answer names the one that it answers."""
+        self.rolled = (NO_EPOCH, 0)
+        """The latest epoch under which it has answered a roll call, and the number of its newest answer to one."""
         self.lives = False
         """The keeper knows of something that is held, or wanted."""
 
@@ -208,8 +211,20 @@ class Wishes:
         *,
         anew: bool = False,
         to: str = "",
+        epoch: int = NO_EPOCH,
     ) -> None:
-        """Say how things stand, unless that is known already; `to` whoever has asked, else to the keeper of the book."""
+        """Say how things stand, unless that is known already.
+
+        Args:
+            district: whose keeper is to know.
+            holds: what it holds there.
+            groups: what it wants there, one group after the other.
+            state: what all its wishes have in common.
+            now_s: the time.
+            anew: also when it is known.
+            to: who has asked; empty for the keeper of the book.
+            epoch: under which a roll was called that this answers.
+        """
         line = self._lines.get(district)
         if line is None:
             if not holds and not groups and not anew:
@@ -221,7 +236,7 @@ class Wishes:
         line.content, line.groups = content, groups
         line.tries, line.turn, line.since = 0, 0, line.seq + 1
         line.repeats_s.clear()
-        self._send(district, line, holds, groups, state, now_s, to)
+        self._send(district, line, holds, groups, state, now_s, to, epoch)
 
     def repeat(
         self,
@@ -263,6 +278,7 @@ class Wishes:
         state: State,
         now_s: float,
         to: str = "",
+        epoch: int = NO_EPOCH,
     ) -> None:
         keepers = self._keepers_of[district]
         line.seq += 1
@@ -277,7 +293,7 @@ class Wishes:
             district=district,
             life=self.life,
             seq=line.seq,
-            epoch=line.epoch,
+            epoch=max(epoch, line.epoch),
             rank=state.rank,
             holds=holds,
             groups=groups,
@@ -290,7 +306,13 @@ class Wishes:
         )
         wish = self._sign(wish)
         self._mark = wish.mark
-        line.wish, line.asked_all, line.asks = wish, False, state.asks and bool(groups)
+        said = wish
+        if epoch != NO_EPOCH:
+            line.rolled = (max(line.rolled[0], epoch), line.seq)
+            if epoch > line.epoch:
+                # Nobody but who calls the roll is told an epoch which that one alone has told.
+                said = self._sign(msgspec.structs.replace(wish, epoch=line.epoch, key=b"", signature=b""))
+        line.wish, line.asked_all, line.asks = said, False, state.asks and bool(groups)
         for place in [
             one for one, number in line.confirmed.items() if number <= line.seen and one not in holds
         ]:
@@ -334,7 +356,7 @@ class Wishes:
         if not self._is_meant(granted):
             return None
         line = self._lines.setdefault(granted.district, _Line())
-        if granted.epoch < line.epoch:
+        if _is_over(line, granted):
             return None
         if not self._is_agreed(line, sender, granted.district, granted.epoch):
             line.missed = (sender, granted)
@@ -416,7 +438,8 @@ class Wishes:
             return False
         line = self._lines.setdefault(asked.district, _Line())
         if asked.roll_call:
-            # Who calls it is alone with its epoch. What is told is no grant, and from now on no earlier one counts.
+            # Who calls it is alone with its epoch. It is answered under that one (`say`), for it counts no other; what is told is no grant, and
+            # from now on no earlier one counts.
             line.words[sender] = max(line.words.get(sender, 0), asked.epoch)
             # Nor can it be so far that nobody else leads ever after: who leads begins a later one when it is told.
             line.epoch, line.turn = max(line.epoch, min(asked.epoch, line.agreed + OUTBID_MAX)), 0
@@ -465,6 +488,13 @@ class Wishes:
 def _witness(keepers: Sequence[str], epoch: int) -> str:
     """Whose word about what a book grants is asked for, beside that of the one who keeps it."""
     return keepers[(epoch + 1) % len(keepers)]
+
+
+def _is_over(line: _Line, granted: PlaceGranted) -> bool:
+    """Whether an answer is of an earlier epoch; or it was on its way when the vehicle told in a roll call that it does not hold this."""
+    rolled, answer = line.rolled
+    is_overtaken = granted.epoch < rolled and granted.upto < answer
+    return granted.epoch < line.epoch or (is_overtaken and bool(granted.grants))
 
 
 def _content(holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], state: State) -> object:
