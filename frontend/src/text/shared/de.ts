@@ -324,7 +324,7 @@ export const de: Catalogue<typeof en> = {
   "alerts.what.order_late": "Fällig {due}, nicht geliefert",
   "alerts.what.order_waits": "Auftrag wartet",
   "alerts.asks.look_at_server": "Nachsehen, ob Server und Netz nachkommen; eine Simulation langsamer laufen lassen",
-  "alerts.asks.add_vehicles": "Fahrzeuge oder Ladestationen dazunehmen, oder Aufträge später freigeben",
+  "alerts.asks.add_vehicles": "Fahrzeuge oder Ladestationen dazunehmen, oder Aufträge später starten",
   "alerts.asks.look_at_part": "Nachsehen, was sie gemeinsam haben: ein Teil des Netzes oder der Strom",
   "alerts.asks.look_at_machine": "Nachsehen, ob sie Strom und Netz hat",
   "alerts.asks.look_at_station": "Nachsehen, ob der Rechner seiner Station Strom und Netz hat, und sie neu starten",
