@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from drawn_words import Word, watch_words, words_of
+from drawn_words import Word, pictures_of, watch_words, words_of
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
@@ -56,8 +56,9 @@ def test_no_two_names_on_the_map_of_a_large_plant_stand_in_one_another(
         for zoom in ("all", "near"):
             page.get_by_role("button", name="Show the whole plant" if zoom == "all" else "Zoom in").click()
             for _ in range(LOOKS_EACH):
+                drawn = pictures_of(page)
                 large.advance(STEP_S)
-                words = words_of(page)
+                words = words_of(page, after=drawn)
                 seen += len(words)
                 wrong += [(width, zoom, *each) for each in overlapping(words)]
             screenshot(page, f"labels-{width}-{zoom}", audited=False)
