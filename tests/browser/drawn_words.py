@@ -8,12 +8,12 @@ from playwright.sync_api import Page
 
 WATCHED = """(() => {
     const pictures = new Map();
-    let cleared = 0;
+    const counts = new Map();
     const { clearRect, fillText } = CanvasRenderingContext2D.prototype;
     const whole = ({ canvas }, box) => box[0] === 0 && box[1] === 0 && box[2] > canvas.clientWidth - 1 && box[3] > canvas.clientHeight - 1;
     CanvasRenderingContext2D.prototype.clearRect = function (...box) {
         if (whole(this, box)) {
-            cleared += 1;
+            counts.set(this.canvas, (counts.get(this.canvas) ?? 0) + 1);
             pictures.set(this.canvas, []);
         }
         return clearRect.apply(this, box);
@@ -32,10 +32,11 @@ WATCHED = """(() => {
         pictures.get(this.canvas)?.push([text, ...edges]);
         return fillText.call(this, text, x, y, ...most);
     };
-    window.drawnPictures = () => cleared;
-    window.drawnWords = (within) => [...pictures]
+    const told = (of, within) => [...of]
         .filter(([canvas]) => canvas.isConnected && canvas.closest(within))
-        .flatMap(([, words]) => words);
+        .flatMap(([, said]) => said);
+    window.drawnPictures = (within) => told(counts, within).reduce((all, each) => all + each, 0);
+    window.drawnWords = (within) => told(pictures, within);
 })()"""
 """Notes what is written on a canvas since it was cleared as a whole, but for parts of a pixel; and how often one was."""
 
@@ -62,9 +63,9 @@ def watch_words(page: Page) -> None:
     page.add_init_script(WATCHED)
 
 
-def pictures_of(page: Page) -> int:
+def pictures_of(page: Page, within: str = "#plant-map") -> int:
     """How many there were: to be read before a deed, for `words_of` to tell what is drawn after it."""
-    return int(page.evaluate("window.drawnPictures()"))
+    return int(page.evaluate("within => window.drawnPictures(within)", within))
 
 
 def words_of(page: Page, within: str = "#plant-map", *, after: int | None = None) -> list[Word]:
@@ -76,5 +77,6 @@ def words_of(page: Page, within: str = "#plant-map", *, after: int | None = None
         after: as many pictures are too old; where it is given, a later one is waited for.
     """
     if after is not None:
-        page.wait_for_function("after => window.drawnPictures() > after", arg=after)
+        told = [within, after]
+        page.wait_for_function("([within, after]) => window.drawnPictures(within) > after", arg=told)
     return [Word(*each) for each in page.evaluate("within => window.drawnWords(within)", within)]
