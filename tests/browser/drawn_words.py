@@ -8,10 +8,14 @@ from playwright.sync_api import Page
 
 WATCHED = """(() => {
     const pictures = new Map();
+    const counts = new Map();
     const { clearRect, fillText } = CanvasRenderingContext2D.prototype;
-    const whole = ({ canvas }, box) => box[0] === 0 && box[1] === 0 && box[2] >= canvas.clientWidth && box[3] >= canvas.clientHeight;
+    const whole = ({ canvas }, box) => box[0] === 0 && box[1] === 0 && box[2] > canvas.clientWidth - 1 && box[3] > canvas.clientHeight - 1;
     CanvasRenderingContext2D.prototype.clearRect = function (...box) {
-        if (whole(this, box)) pictures.set(this.canvas, []);
+        if (whole(this, box)) {
+            counts.set(this.canvas, (counts.get(this.canvas) ?? 0) + 1);
+            pictures.set(this.canvas, []);
+        }
         return clearRect.apply(this, box);
     };
     CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...most) {
@@ -28,11 +32,13 @@ WATCHED = """(() => {
         pictures.get(this.canvas)?.push([text, ...edges]);
         return fillText.call(this, text, x, y, ...most);
     };
-    window.drawnWords = (within) => [...pictures]
+    const told = (of, within) => [...of]
         .filter(([canvas]) => canvas.isConnected && canvas.closest(within))
-        .flatMap(([, words]) => words);
+        .flatMap(([, said]) => said);
+    window.drawnPictures = (within) => told(counts, within).reduce((all, each) => all + each, 0);
+    window.drawnWords = (within) => told(pictures, within);
 })()"""
-"""Notes what is written on a canvas since it was cleared as a whole."""
+"""Notes what is written on a canvas since it was cleared as a whole, but for parts of a pixel; and how often one was."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +63,20 @@ def watch_words(page: Page) -> None:
     page.add_init_script(WATCHED)
 
 
-def words_of(page: Page, within: str = "#plant-map") -> list[Word]:
-    """What stands in the newest picture: of all its layers, read at one moment."""
+def pictures_of(page: Page, within: str = "#plant-map") -> int:
+    """How many there were: to be read before a deed, for `words_of` to tell what is drawn after it."""
+    return int(page.evaluate("within => window.drawnPictures(within)", within))
+
+
+def words_of(page: Page, within: str = "#plant-map", *, after: int | None = None) -> list[Word]:
+    """What stands in the newest picture: of all its layers, read at one moment.
+
+    Args:
+        page: where `watch_words` was called.
+        within: what the map stands in.
+        after: as many pictures are too old; where it is given, a later one is waited for.
+    """
+    if after is not None:
+        told = [within, after]
+        page.wait_for_function("([within, after]) => window.drawnPictures(within) > after", arg=told)
     return [Word(*each) for each in page.evaluate("within => window.drawnWords(within)", within)]

@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from complaints import Complaints
-from drawn_words import watch_words, words_of
+from drawn_words import pictures_of, watch_words, words_of
 from manager_kit import BEAT_S, GoingWall, as_manager, choose
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
@@ -59,6 +60,12 @@ class Fleet:
         fleet._telling = asyncio.create_task(fleet._tell())
         return fleet
 
+    async def leave(self, _house: House) -> None:
+        assert self._telling is not None
+        self._telling.cancel()
+        with suppress(asyncio.CancelledError):
+            await self._telling
+
     async def _tell(self) -> None:
         while True:
             for puppet in self._puppets:
@@ -76,8 +83,10 @@ def house(sqlite_url: str) -> Iterator[OpenHouse]:
 
 
 @pytest.fixture
-def fleet(house: OpenHouse) -> Fleet:
-    return house.do(Fleet.join)
+def fleet(house: OpenHouse) -> Iterator[Fleet]:
+    fleet = house.do(Fleet.join)
+    yield fleet
+    house.do(fleet.leave)
 
 
 @pytest.fixture
@@ -130,8 +139,11 @@ def test_a_manager_whose_panel_is_cut_off_reads_that_and_of_no_vehicle_that_it_i
     assert counts.inner_text() == said
     expect(vehicle.locator(".tag-alarm")).to_have_count(0)
     expect(vehicle.locator(".carrying")).to_have_count(0)
-    # On the map a silent vehicle has its age beside its name.
-    assert [word.text for word in words_of(page) if word.text.startswith("ATV5")] == ["ATV5"]
+    # On the map a silent vehicle has its age beside its name. Cut off, it is drawn anew for who looks elsewhere.
+    drawn = pictures_of(page)
+    page.get_by_role("button", name="Areas", exact=True).click()
+    words = words_of(page, after=drawn)
+    assert [word.text for word in words if word.text.startswith("ATV5")] == ["ATV5"]
     screenshot(page, "cut-off-manager")
     cable.plug_in()
     expect(page.locator(".banner")).to_have_count(0)

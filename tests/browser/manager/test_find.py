@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from drawn_words import Word, watch_words, words_of
+from drawn_words import Word, pictures_of, watch_words, words_of
 from manager_kit import choose
 from playwright.sync_api import Page, expect
 
@@ -19,8 +19,8 @@ SHIFT_PX = 20.0
 """A map that is not moved fits itself into the page, whose cards change, and draws what is chosen larger."""
 
 
-def place_of(page: Page, machine: str) -> Word | None:
-    return next((word for word in words_of(page) if word.text == machine), None)
+def place_of(page: Page, machine: str, *, after: int | None = None) -> Word | None:
+    return next((word for word in words_of(page, after=after) if word.text == machine), None)
 
 
 def test_find_moves_the_map_only_to_what_is_out_of_sight(quiet: Any, open_page: OpenPage) -> None:
@@ -33,9 +33,10 @@ def test_find_moves_the_map_only_to_what_is_out_of_sight(quiet: Any, open_page: 
     assert before is not None
     assert around is not None
     assert abs((before.left + before.right) / 2 - around["width"] / 2) > 3 * SHIFT_PX, "else nothing is shown"
+    drawn = pictures_of(page)
     choose(page, "M1")
     expect(page.locator(".card.machine")).to_contain_text("M1")
-    after = place_of(page, "M1")
+    after = place_of(page, "M1", after=drawn)
     assert after is not None
     assert abs(after.left - before.left) < SHIFT_PX
     assert abs(after.top - before.top) < SHIFT_PX

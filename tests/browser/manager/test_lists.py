@@ -118,19 +118,23 @@ def test_many_orders_are_cancelled_at_once_and_each_is_in_the_audit_log(
     bar.get_by_role("button", name="Cancel 3 orders").click()
     expect(rows).to_have_count(7)
     expect(bar).to_have_count(0)
-    cancelled = factory.ask("/api/orders?status=cancelled")["items"]
+    cancelled = factory.ask("/api/orders?status=cancelled&q=PO-01")["items"]
     assert sorted(order["reference"] for order in cancelled) == ["PO-011", "PO-012", "PO-013"]
     told = factory.ask("/api/audit?action=order.cancel")["items"]
-    assert {line["target"] for line in told} == {order["id"] for order in cancelled}
+    assert {line["target"] for line in told} >= {order["id"] for order in cancelled}
 
 
 def test_why_an_order_was_refused_is_told_also_when_its_row_is_gone(
     factory: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
 ) -> None:
-    page = open_page(f"{factory.url}/#orders?status=stored&q=PO-10&sort=reference")
-    rows = page.locator("tbody tr")
-    expect(rows).to_have_count(10)
-    gone = next(each["id"] for each in factory.ask("/api/orders?q=PO-104")["items"])
+    product = factory.ask("/api/products")["items"][0]["id"]
+    lines = [f"Hall E,OWN-{n},{product},2,false" for n in (1, 2)]
+    csv = "\n".join(["customer,reference,product,quantity,release", *lines])
+    factory.ask("/api/orders/import", {"csv": csv, "dry_run": False})
+    page = open_page(f"{factory.url}/#orders?status=stored&q=OWN-&sort=reference")
+    rows = page.locator("tbody tr").filter(has_text="OWN-")
+    expect(rows).to_have_count(2)
+    gone = next(each["id"] for each in factory.ask("/api/orders?q=OWN-1")["items"])
 
     def cancel_first(route: Route) -> None:
         """Somebody else is quicker."""
@@ -139,14 +143,15 @@ def test_why_an_order_was_refused_is_told_also_when_its_row_is_gone(
         route.continue_()
 
     page.route("**/api/orders/*/release", cancel_first)
-    for name in ("PO-104", "PO-105"):
+    for name in ("OWN-1", "OWN-2"):
         page.get_by_role("checkbox", name=f"Tick order {name}").check()
     bar = page.get_by_role("region", name="What to do with the ticked orders")
     bar.get_by_role("button", name="Publish 2").click()
-    expect(rows).to_have_count(8)
-    expect(bar.get_by_role("alert")).to_contain_text("Order PO-104: ")
+    expect(rows).to_have_count(0)
+    expect(bar.get_by_role("alert")).to_contain_text("Order OWN-1: ")
+    expect(bar.get_by_role("button")).to_have_count(1)
     screenshot(page, "orders-refused")
-    bar.get_by_role("button", name="Tick none").click()
+    bar.get_by_role("button", name="Close").click()
     expect(bar).to_have_count(0)
     # The browser tells of each refusal by itself.
     page.goto("about:blank")

@@ -6,10 +6,10 @@ export const HERE = "\uFFFC";
 interface Props {
   /** With `HERE` for each link, in their order. */
   text: string;
-  links: readonly { readonly href: string; readonly text: string }[];
+  links: readonly { readonly href: string; readonly text: string; readonly label: string }[];
 }
 
-/** A sentence in which links stand. */
+/** A sentence in which links stand. They open beside the page: what is written there stays. `label` says so. */
 export function Linked({ links, text }: Props) {
   return (
     <>
@@ -17,7 +17,7 @@ export function Linked({ links, text }: Props) {
         const before = links[index - 1];
         return (
           <Fragment key={index}>
-            {before !== undefined && <a class="link" href={before.href}>{before.text}</a>}
+            {before !== undefined && <a class="link" href={before.href} target="_blank" rel="noopener" aria-label={before.label}>{before.text}</a>}
             {piece}
           </Fragment>
         );

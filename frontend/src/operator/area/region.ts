@@ -1,6 +1,6 @@
 /** Which part of the floor an operator sees. Pure. */
 import type { Area, MachineSpec } from "../../api/types";
-import type { Region } from "../../plant/surface/geometry";
+import { isInside, type Region } from "../../plant/surface/geometry";
 
 /** The box around all of these areas; null without any. */
 export function regionOf(areas: readonly Area[]): Region | null {
@@ -15,16 +15,6 @@ export function regionOf(areas: readonly Area[]): Region | null {
 /** The area around a place; on a common border the first one. */
 export function areaAt(areas: readonly Area[], x_m: number, y_m: number): Area | undefined {
   return areas.find(({ polygon }) => isInside(polygon, x_m, y_m));
-}
-
-function isInside(polygon: Area["polygon"], x_m: number, y_m: number): boolean {
-  let inside = false;
-  polygon.forEach((a, i) => {
-    const b = polygon[(i + 1) % polygon.length] ?? a;
-    const crosses = a.y_m > y_m !== b.y_m > y_m;
-    if (crosses && x_m < a.x_m + ((y_m - a.y_m) * (b.x_m - a.x_m)) / (b.y_m - a.y_m)) inside = !inside;
-  });
-  return inside;
 }
 
 /** In a straight line: people walk where vehicles do not drive. */

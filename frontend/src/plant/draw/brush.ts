@@ -1,7 +1,7 @@
 /** What every drawing function gets: where to draw, how, and how much. */
 import type { Detail } from "./detail";
 import type { Box } from "../../api/types";
-import { boxOnScreen, overlaps, type Size, type View } from "../surface/geometry";
+import { boxOnScreen, overlaps, type Rect, type Size, type View } from "../surface/geometry";
 import type { Palette } from "./palette";
 
 export interface Brush {
@@ -13,10 +13,14 @@ export interface Brush {
 }
 
 /** Whether any of it would be seen: with room for a frame around it. */
-export function isInSight({ size, view }: Brush, box: Box): boolean {
+export function isInSight(brush: Brush, box: Box): boolean {
+  return isOnScreen(brush, boxOnScreen(brush.view, box));
+}
+
+/** The same of what is in pixels already. */
+export function isOnScreen({ size }: Brush, rect: Rect): boolean {
   const slack = 8;
-  const screen = { left: -slack, top: -slack, right: size.width + slack, bottom: size.height + slack };
-  return overlaps(boxOnScreen(view, box), screen);
+  return overlaps(rect, { left: -slack, top: -slack, right: size.width + slack, bottom: size.height + slack });
 }
 
 /** A name that grows with the zoom between two readable bounds. */

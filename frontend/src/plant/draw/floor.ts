@@ -3,7 +3,7 @@ import type { Box, ClosureView, Lane, ObstacleView, PlantFile } from "../../api/
 import type { Place, Roads } from "../../motion/roads";
 import type { Outline } from "../../selection/outline";
 import { type Heat, stepOf } from "../heat/heat";
-import { boxOnScreen, overlaps, type Rect, toScreenX, toScreenY } from "../surface/geometry";
+import { boxOnScreen, isInside, overlaps, type Rect, toFloorX, toFloorY, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, isInSight, setFont, textPx } from "./brush";
 import { drawChosenLane, drawClosures } from "./closures";
 import { drawObstacles } from "./obstacles";
@@ -12,7 +12,8 @@ import { drawOutline } from "./outline";
 export interface FloorPlan {
   readonly plant: PlantFile;
   readonly roads: Roads;
-  readonly showAreas: boolean;
+  /** The names of the areas, as `areaNames` places them; null where areas are not shown. */
+  readonly areas: readonly AreaName[] | null;
   readonly showLabels: boolean;
   readonly heat: Heat | null;
   /** Id of the chosen place. */
@@ -36,7 +37,7 @@ const PARKING_M = 2.1;
 
 export function drawFloor(brush: Brush, plan: FloorPlan): void {
   drawGround(brush, plan.plant);
-  if (plan.showAreas) drawAreas(brush, plan.plant);
+  if (plan.areas) drawAreas(brush, plan.plant);
   drawLanes(brush, plan);
   if (plan.heat) drawHeat(brush, plan, plan.heat);
   if (plan.lane) drawChosenLane(brush, plan.roads, plan.lane);
@@ -48,7 +49,7 @@ export function drawFloor(brush: Brush, plan: FloorPlan): void {
   for (const storage of plan.plant.storages) {
     drawBox(brush, storage.box, "panel", plan.showLabels ? storage.id : "", 0.95);
   }
-  if (plan.showAreas) nameAreas(brush, plan.plant);
+  if (plan.areas) nameAreas(brush, plan.areas);
   const { warehouses, storages, chargers } = plan.plant;
   const chosen = [...warehouses, ...storages, ...chargers].find(({ id }) => id === plan.chosen);
   if (chosen) drawFrame(brush, chosen.box);
@@ -97,32 +98,49 @@ function drawAreas(brush: Brush, plant: PlantFile): void {
 }
 
 /** The name of an area, and where it stands on the screen. */
-interface AreaName {
+export interface AreaName {
   readonly name: string;
   readonly rect: Rect;
 }
 
-/** In the lower left corner of each area, else in another one in which no machine and no storage stands. */
+/** From the edge of an area to its name. */
+const ASIDE_PX = 8;
+
+/**
+ * In the lower left corner of each area, else in another one: where no machine, no storage and no other area's name
+ * stands, and within the area, also where that is no rectangle.
+ */
 export function areaNames(brush: Brush, plant: PlantFile): AreaName[] {
   const { ctx, view } = brush;
-  const px = textPx(view.scale, 0.9, 11, 16);
+  const px = areaPx(view.scale);
   setFont(brush, px, 550);
-  const boxes = [...plant.machines, ...plant.storages, ...plant.warehouses].map(({ box }) => boxOnScreen(view, box));
+  const taken = [...plant.machines, ...plant.storages, ...plant.warehouses].map(({ box }) => boxOnScreen(view, box));
   return plant.areas.map(({ name, polygon }) => {
     const [xs, ys] = [polygon.map((point) => toScreenX(view, point.x_m)), polygon.map((point) => toScreenY(view, point.y_m))];
     const width = ctx.measureText(name).width;
-    const lefts = [Math.min(...xs) + 8, Math.max(...xs) - 8 - width];
-    const tops = [Math.max(...ys) - 4 - px, Math.min(...ys) + 4];
-    const rects = tops.flatMap((top) => lefts.map((left) => ({ left, right: left + width, top, bottom: top + px })));
-    const free = rects.find((rect) => !boxes.some((box) => overlaps(rect, box)));
-    return { name, rect: free ?? (rects[0] as Rect) };
+    const [least, most] = [Math.min(...xs), Math.max(...xs)];
+    // A name that is wider than its area would begin in the one to the left.
+    const lefts = [least + ASIDE_PX, ...(width + 2 * ASIDE_PX <= most - least ? [most - ASIDE_PX - width] : [])];
+    const lowest = Math.max(...ys) - 4 - px;
+    const at = (left: number, top: number): Rect => ({ left, right: left + width, top, bottom: top + px });
+    const rects = [lowest, Math.min(...ys) + 4].flatMap((top) => lefts.map((left) => at(left, top)));
+    const within = rects.filter(({ bottom, left, right, top }) =>
+      isInside(polygon, toFloorX(view, (left + right) / 2), toFloorY(view, (top + bottom) / 2)));
+    const free = within.find((rect) => !taken.some((other) => overlaps(rect, other)));
+    const rect = free ?? within[0] ?? at(least + ASIDE_PX, lowest);
+    taken.push(rect);
+    return { name, rect };
   });
 }
 
+function areaPx(scale: number): number {
+  return textPx(scale, 0.9, 11, 16);
+}
+
 /** Above what stands there. */
-function nameAreas(brush: Brush, plant: PlantFile): void {
-  const { ctx, palette } = brush;
-  const names = areaNames(brush, plant);
+function nameAreas(brush: Brush, names: readonly AreaName[]): void {
+  const { ctx, palette, view } = brush;
+  setFont(brush, areaPx(view.scale), 550);
   ctx.textAlign = "left";
   ctx.textBaseline = "bottom";
   ctx.lineWidth = 4;

@@ -11,8 +11,8 @@ import { toldOf, type Frame, type World } from "../../stream/world";
 import { format, t } from "../../text";
 import { factoryTime } from "../../text/plant-time";
 import { type Detail, detailOf } from "./detail";
-import { type Brush, isInSight } from "./brush";
-import { areaNames, drawFloor, parkingSignPx } from "./floor";
+import { type Brush, isInSight, isOnScreen } from "./brush";
+import { type AreaName, areaNames, drawFloor, parkingSignPx } from "./floor";
 import { drawAges, drawChosenWay, drawLinks, drawWays } from "./lines";
 import { drawMachine } from "./machines";
 import { drawMark } from "./marks";
@@ -91,6 +91,8 @@ export class PlantRenderer {
   #frame: number | null = null;
   #drawnAtMs = 0;
   #stale = { floor: true, machines: true };
+  /** As the floor was drawn last; null where areas are not shown. */
+  #areas: readonly AreaName[] | null = null;
 
   constructor({ home, plant }: Scene, canvases: Canvases, shown: Shown, presentS: () => number) {
     this.plant = plant;
@@ -240,10 +242,11 @@ export class PlantRenderer {
     const brush = this.#brush(this.#canvases.floor, detail);
     if (!brush) return;
     const { areas, labels } = this.#shown.layers;
+    this.#areas = areas ? areaNames(brush, this.plant) : null;
     drawFloor(brush, {
       plant: this.plant,
       roads: this.#roads,
-      showAreas: areas,
+      areas: this.#areas,
       showLabels: labels,
       heat: this.#shown.heat,
       chosen: this.#shown.place,
@@ -367,8 +370,8 @@ export class PlantRenderer {
     );
     if (labels.length === 0) return;
     const walls = this.#walls.filter((box) => isInSight(brush, box)).map((box) => boxOnScreen(brush.view, box));
-    const areas = layers.areas ? areaNames(brush, this.plant).map(({ rect }) => rect) : [];
-    drawVehicleLabels(brush, labels, [...walls, ...areas, ...this.#parkingSigns(brush)]);
+    const written = [...(this.#areas ?? []).map(({ rect }) => rect), ...this.#parkingSigns(brush)];
+    drawVehicleLabels(brush, labels, [...walls, ...written.filter((rect) => isOnScreen(brush, rect))]);
   }
 
   /** The letters at parking places, where there are any. */

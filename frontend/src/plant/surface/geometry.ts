@@ -1,5 +1,5 @@
 /** From metres on the floor (y up) to pixels on the screen (y down), and what lies under a finger. */
-import type { Box } from "../../api/types";
+import type { Area, Box } from "../../api/types";
 
 export interface Size {
   readonly width: number;
@@ -106,6 +106,17 @@ export function contains(rect: Rect, x: number, y: number, slack = 0): boolean {
     y >= rect.top - slack &&
     y <= rect.bottom + slack
   );
+}
+
+/** Whether a place on the floor is in an area. */
+export function isInside(polygon: Area["polygon"], x_m: number, y_m: number): boolean {
+  let inside = false;
+  polygon.forEach((a, i) => {
+    const b = polygon[(i + 1) % polygon.length] ?? a;
+    const crosses = a.y_m > y_m !== b.y_m > y_m;
+    if (crosses && x_m < a.x_m + ((y_m - a.y_m) * (b.x_m - a.x_m)) / (b.y_m - a.y_m)) inside = !inside;
+  });
+  return inside;
 }
 
 export function overlaps(a: Rect, b: Rect): boolean {

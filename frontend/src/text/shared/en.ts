@@ -321,7 +321,7 @@ export const en = {
   "alerts.what.order_late": "Due {due}, not delivered",
   "alerts.what.order_waits": "Order waits",
   "alerts.asks.look_at_server": "See whether the server and its network keep up; run a simulation slower",
-  "alerts.asks.add_vehicles": "Bring in vehicles or chargers, or release orders later",
+  "alerts.asks.add_vehicles": "Bring in vehicles or chargers, or publish orders later",
   "alerts.asks.look_at_part": "See what they share: a part of the network, or power",
   "alerts.asks.look_at_machine": "See whether it has power and network",
   "alerts.asks.look_at_station": "See whether the computer of its station has power and network, and start it again",

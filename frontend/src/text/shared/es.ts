@@ -324,7 +324,7 @@ export const es: Catalogue<typeof en> = {
   "alerts.what.order_late": "Para {due}, sin entregar",
   "alerts.what.order_waits": "El pedido espera",
   "alerts.asks.look_at_server": "Mirar si el servidor y su red dan abasto; ralentizar la simulación",
-  "alerts.asks.add_vehicles": "Añadir vehículos o cargadores, o liberar pedidos más tarde",
+  "alerts.asks.add_vehicles": "Añadir vehículos o cargadores, o lanzar pedidos más tarde",
   "alerts.asks.look_at_part": "Mirar qué comparten: una parte de la red o la corriente",
   "alerts.asks.look_at_machine": "Mirar si tiene corriente y red",
   "alerts.asks.look_at_station": "Mirar si el ordenador de su estación tiene corriente y red, y reiniciarla",

@@ -2,14 +2,15 @@ import { useSignal } from "@preact/signals";
 import type { OrderView } from "../../../api/types";
 import { format, n, t } from "../../../text/views/order";
 import { Sure } from "../../parts/Sure";
+import { isClosed } from "../progress";
 import { type Deed, doAll, isPossible, refused, running, ticked } from "./bulk";
 
 const DEEDS = ["release", "revoke", "cancel"] as const;
 
-/** What can be done to all orders whose box is ticked. Not there while none is. */
+/** What can be done to all orders whose box is ticked, and with which it did not work. Else it is not there. */
 export function BulkBar({ orders, onDone }: { orders: readonly OrderView[]; onDone: () => void }) {
   const asking = useSignal<Deed | null>(null);
-  const chosen = orders.filter(({ id }) => ticked.value.has(id));
+  const chosen = orders.filter((order) => ticked.value.has(order.id) && !isClosed(order));
   const failed = refused.value;
   if (chosen.length === 0 && failed.length === 0) return null;
   const able = (deed: Deed): OrderView[] => chosen.filter((order) => isPossible(deed, order));
@@ -18,13 +19,13 @@ export function BulkBar({ orders, onDone }: { orders: readonly OrderView[]; onDo
     await doAll(deed, able(deed));
     onDone();
   };
-  const sure = asking.value;
+  const sure = chosen.length > 0 ? asking.value : null;
   const busy = running.value;
   return (
     <section class="bulk-bar card" aria-label={t("bulk.label")}>
       {chosen.length > 0 && <b>{n("bulk.chosen", chosen.length, format.count(chosen.length))}</b>}
       {busy && <span role="status">{t("bulk.running", { done: format.count(busy.done), of: format.count(busy.of) })}</span>}
-      {!busy && sure === null && DEEDS.map((deed) => {
+      {!busy && sure === null && chosen.length > 0 && DEEDS.map((deed) => {
         const count = able(deed).length;
         return (
           <button key={deed} type="button" class="button small" disabled={count === 0} onClick={() => {
@@ -50,7 +51,7 @@ export function BulkBar({ orders, onDone }: { orders: readonly OrderView[]; onDo
           ticked.value = new Set();
           refused.value = [];
         }}>
-          {t("bulk.none")}
+          {t(chosen.length > 0 ? "bulk.none" : "bulk.dismiss")}
         </button>
       )}
       {failed.length > 0 && (

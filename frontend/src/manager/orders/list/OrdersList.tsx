@@ -22,7 +22,7 @@ import { inOrder, isClosed, stateOf } from "../progress";
 import { dragged, queueFailed, SoonerButton } from "../Queue";
 import { WaitsText } from "../WaitsText";
 import { BulkBar } from "./BulkBar";
-import { refused, tick, ticked } from "./bulk";
+import { forget, tick, ticked } from "./bulk";
 
 /** By which a column is sorted; the others are not. */
 const SORTED = ["", "reference", "customer", "", "", "", "due", ""] as const;
@@ -39,10 +39,7 @@ export async function load(): Promise<typeof OrdersList> {
 /** All orders there ever were, as the address asks for them; what the stream tells of them is newer than the page. */
 export function OrdersList() {
   const { again, failed, page, printing } = usePaged(async (said, place) => await fetchOrders({ ...queryOf(said), ...place }), newest);
-  useEffect(() => () => {
-    ticked.value = new Set();
-    refused.value = [];
-  }, []);
+  useEffect(() => forget, []);
   const orders = useComputed(() => {
     const shown = (page.value?.items ?? []).map((order): OrderView => world.value?.orders.get(order.id) ?? order);
     // Who was moved in the queue stands there at once, and not when the page is read again.

@@ -23,6 +23,16 @@ export const refused = signal<readonly { readonly order: OrderView; readonly rea
 /** How many are done of how many; null when nothing runs. */
 export const running = signal<{ readonly done: number; readonly of: number } | null>(null);
 
+/** Raised when the list is left: what a deed says that runs still is for nobody then. */
+let visit = 0;
+
+/** When the list is left. */
+export function forget(): void {
+  visit += 1;
+  ticked.value = new Set();
+  refused.value = [];
+}
+
 export function tick(order: string, on: boolean): void {
   const after = new Set(ticked.value);
   if (on) after.add(order);
@@ -45,6 +55,8 @@ export function isPossible(deed: Deed, order: OrderView): boolean {
 export async function doAll(deed: Deed, orders: readonly OrderView[]): Promise<void> {
   const left = [...orders];
   const failed: { order: OrderView; reason: string }[] = [];
+  const from = visit;
+  refused.value = [];
   running.value = { done: 0, of: orders.length };
   const work = async (): Promise<void> => {
     for (let order = left.shift(); order !== undefined; order = left.shift()) {
@@ -58,6 +70,6 @@ export async function doAll(deed: Deed, orders: readonly OrderView[]): Promise<v
     }
   };
   await Promise.all(Array.from({ length: AT_ONCE }, work));
-  refused.value = failed;
+  if (from === visit) refused.value = failed;
   running.value = null;
 }

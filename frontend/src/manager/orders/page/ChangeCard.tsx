@@ -119,6 +119,9 @@ const NAMED = 3;
 /** Whom a change would let wait, with the ways to the first of them. */
 function Passed({ orders }: { orders: readonly OrderView[] }) {
   const first = orders.slice(0, NAMED);
-  const links = first.map(({ id, reference }) => ({ href: addressOf(id), text: reference ?? id }));
+  const links = first.map(({ id, reference }) => {
+    const text = reference ?? id;
+    return { href: addressOf(id), text, label: t("change.newTab", { order: text }) };
+  });
   return <Linked text={t("change.passes", { orders: format.list(first.map(() => HERE)), n: format.count(orders.length) })} links={links} />;
 }

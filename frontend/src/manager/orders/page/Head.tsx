@@ -5,6 +5,7 @@ import { Tag } from "../../../parts/Tag";
 import { choose } from "../../../selection/selection";
 import { nowS } from "../../../stream/stream";
 import { format, t, word } from "../../../text/views/order";
+import { printPage } from "../../parts/paper/printing";
 import { names } from "../../state";
 import { go } from "../../views";
 import { OrderActions } from "../OrderActions";
@@ -39,7 +40,7 @@ export function Head({ order, story }: { order: OrderView; story: Story }) {
           <button type="button" class="button small" onClick={() => { choose({ kind: "order", id: order.id }); go("plant"); }}>
             {t("orderPage.show")}
           </button>
-          <button type="button" class="button small" onClick={() => { window.print(); }}>
+          <button type="button" class="button small" onClick={() => void printPage()}>
             {t("orderPage.print")}
           </button>
           <OrderActions order={order} all />

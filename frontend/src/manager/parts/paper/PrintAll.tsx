@@ -4,6 +4,7 @@ import { speakAlso } from "../../../text/speech";
 import { format, t, tables } from "../../../text/views/paper";
 import { problemText } from "../../problem-text";
 import type { PageOf } from "../pages/paged";
+import { drawn } from "./printing";
 import { readWhole } from "./whole";
 
 export interface Printing {
@@ -28,8 +29,7 @@ export function PrintAll({ fetchAfter, whole }: Printing) {
     failed.value = "";
     try {
       whole.value = await readWhole(fetchAfter, (rows) => { read.value = rows; });
-      // The rows stand there in the next picture.
-      await new Promise((shown) => { requestAnimationFrame(() => setTimeout(shown)); });
+      await drawn();
       print();
     } catch (error) {
       failed.value = t("paper.failed", { reason: problemText(error) });

@@ -14,7 +14,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.csv_cell_of_lines": "La celda ocupa {count} líneas. Escríbala en una o añada las comillas que faltan.",
   "rowFault.column_unnamed": "La columna {number} tiene celdas y no tiene nombre. Póngale uno o quítela.",
   "rowFault.placed_already": "{customer} ya tiene con esta referencia el pedido {order}, creado hace {minutes} min. Este sería otro.",
-  "rowFault.placed_twice": "{customer} tiene con esta referencia también el pedido {order}, creado hace {minutes} min. Cancele uno de los dos si se envió dos veces.",
+  "rowFault.placed_twice": "{customer} tiene con esta referencia también el pedido {order}, creado hace {minutes} min. Anule uno de los dos si se envió dos veces.",
   "rowFault.in_file_already": "El pedido de la fila {row} también tiene este cliente y esta referencia. Este sería otro. Escriba sus filas seguidas para que sean uno.",
   "rowFault.csv_empty": "El archivo está vacío. Empiece con una fila de nombres de columna: {columns}.",
   "rowFault.csv_too_wide": "El archivo tiene {count} columnas. Existen: {columns}.",

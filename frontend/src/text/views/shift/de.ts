@@ -113,7 +113,7 @@ export const shift: Catalogue<typeof en> = {
   "shift.f.orders_late": "Verspätet geliefert",
   "shift.def.orders_late": "Sie kamen nach ihrem Termin.",
   "shift.f.orders_open": "Am Ende offen",
-  "shift.def.orders_open": "Freigegeben, und weder geliefert noch storniert.",
+  "shift.def.orders_open": "Gestartet, und weder geliefert noch storniert.",
   "shift.f.orders_overdue": "Davon überfällig",
   "shift.def.orders_overdue": "Ihr Termin war am Ende vorbei.",
   "shift.f.transports": "Transporte",

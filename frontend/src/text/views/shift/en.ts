@@ -110,7 +110,7 @@ export const shift = {
   "shift.f.orders_late": "Delivered late",
   "shift.def.orders_late": "They came after their due time.",
   "shift.f.orders_open": "Open at the end",
-  "shift.def.orders_open": "Released, and neither delivered nor cancelled.",
+  "shift.def.orders_open": "Published, and neither delivered nor cancelled.",
   "shift.f.orders_overdue": "Of these overdue",
   "shift.def.orders_overdue": "Their due time was over at the end.",
   "shift.f.transports": "Transports",

@@ -113,7 +113,7 @@ export const shift: Catalogue<typeof en> = {
   "shift.f.orders_late": "Entregados tarde",
   "shift.def.orders_late": "Llegaron después de su plazo.",
   "shift.f.orders_open": "Abiertos al final",
-  "shift.def.orders_open": "Liberados, y ni entregados ni cancelados.",
+  "shift.def.orders_open": "Lanzados, y ni entregados ni anulados.",
   "shift.f.orders_overdue": "De ellos vencidos",
   "shift.def.orders_overdue": "Su plazo había pasado al final.",
   "shift.f.transports": "Transportes",

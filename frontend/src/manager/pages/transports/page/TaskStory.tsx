@@ -19,6 +19,7 @@ import { Moments } from "../../../orders/page/Moments";
 import { Legend, Told } from "../../../orders/page/OrderStory";
 import { loadOf, placeOf } from "../../../orders/page/moments";
 import { StoryFrame } from "../../../orders/page/StoryFrame";
+import { printPage } from "../../../parts/paper/printing";
 import { useRefreshed } from "../../../refreshed";
 import { placesOf } from "../../../state";
 import { addressOf, go, shownTransport } from "../../../views";
@@ -94,7 +95,7 @@ function Head({ story }: { story: Story }) {
               {ofOrders("orderPage.show")}
             </button>
           )}
-          <button type="button" class="button small" onClick={() => { window.print(); }}>
+          <button type="button" class="button small" onClick={() => void printPage()}>
             {ofOrders("orderPage.print")}
           </button>
         </div>

@@ -24,6 +24,7 @@ import { loadOf, placeOf } from "../../../orders/page/moments";
 import { StoryFrame } from "../../../orders/page/StoryFrame";
 import { Sure } from "../../../parts/Sure";
 import { problemText } from "../../../problem-text";
+import { printPage } from "../../../parts/paper/printing";
 import { useRefreshed } from "../../../refreshed";
 import { go, shownTransport } from "../../../views";
 import { canCallOff } from "../filter";
@@ -112,7 +113,7 @@ function Head({ onChanged, story, transport }: Props & { onChanged: () => void }
               {t("orderPage.show")}
             </button>
           )}
-          <button type="button" class="button small" onClick={() => { window.print(); }}>
+          <button type="button" class="button small" onClick={() => void printPage()}>
             {ofOrders("orderPage.print")}
           </button>
           {canCallOff(transport) && <CallOff key={id} transport={id} onDone={onChanged} />}
