@@ -142,9 +142,10 @@ def test_from_a_lif_file_to_a_played_shift(
     page.route("**/play", lambda route: hold_look(route, held))
     page.get_by_role("button", name="Play a shift here").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
-    page.unroute("**/play")
     for look in held:
         look.continue_()
+    held.clear()
+    page.unroute("**/play")
     expect(page.get_by_text("Bottleneck:")).to_be_visible(timeout=PLAYED_MS)
     expect(page.get_by_role("progressbar")).to_have_count(0)
     expect(page.locator(".ed-figures div")).to_have_count(4)
