@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 from dray.plant import Plant, PlantFile, default_plant
+from dray_sim.bodies.vehicle.odometer import Activity
 from dray_sim.plants.supplied import refilled_by_vehicles, straight_from_the_warehouse
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario
@@ -20,11 +22,44 @@ WAYS: Mapping[str, Callable[[PlantFile], PlantFile]] = {
 }
 
 
-async def _delivered(stage: Stage) -> float:
-    """Let the orders come in and be delivered. Returns the metres that vehicles have driven."""
+BUSY = (Activity.MOVING_EMPTY, Activity.MOVING_LOADED, Activity.HANDLING, Activity.WAITING)
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What a way of bringing material takes.
+
+    Attributes:
+        floor_m2: that storages stand on.
+        vehicles: at work, in the mean of the run.
+        metres_m: that all of them have driven.
+        energy_wh: that all of them have used, driving and standing.
+    """
+
+    floor_m2: float
+    vehicles: float
+    metres_m: float
+    energy_wh: float
+
+
+async def _delivered(stage: Stage) -> Cost:
+    """Let the orders come in and be delivered."""
     await stage.until_s(stage.shift.duration_s)
     await stage.settle(SETTLE_S)
-    return sum(vehicle.odometer().metres_m for vehicle in stage.factory.vehicles.values())
+    plant = stage.plant
+    busy_s = metres_m = energy_wh = 0.0
+    for name, vehicle in stage.factory.vehicles.items():
+        done, kind = vehicle.odometer(), plant.vehicle_types[plant.fleet[name].type]
+        busy_s += sum(done.seconds[each] for each in BUSY)
+        metres_m += done.metres_m
+        energy_wh += done.empty_m * kind.drive_wh_per_m + done.loaded_m * kind.loaded_wh_per_m
+        energy_wh += sum(done.seconds.values()) / 3600.0 * kind.idle_w
+    return Cost(
+        floor_m2=sum(each.box.width_m * each.box.depth_m for each in plant.file.storages),
+        vehicles=busy_s / stage.factory.clock.now_s(),
+        metres_m=metres_m,
+        energy_wh=energy_wh,
+    )
 
 
 def compared(seed: int, shift: Shift = SHIFT, plant: Plant | None = None) -> Findings:
@@ -45,20 +80,25 @@ def compared(seed: int, shift: Shift = SHIFT, plant: Plant | None = None) -> Fin
         tables=(
             Table(
                 "The same orders, with material brought in three ways",
-                ("", "transports", "metres", "messages", "transport p50", "p95", "starved", "delivered"),
+                (
+                    *("", "storages", "vehicles at work", "transports", "metres", "energy"),
+                    *("transport p50", "p95", "starved", "delivered"),
+                ),
                 tuple(_row(way, run) for way, run in zip(WAYS, runs, strict=True)),
             ),
         ),
     )
 
 
-def _row(way: str, played: Played[float]) -> tuple[str, ...]:
-    report = played.report
+def _row(way: str, played: Played[Cost]) -> tuple[str, ...]:
+    report, cost = played.report, played.told
     return (
         way,
+        "-" if cost is None else f"{cost.floor_m2:.0f} m2",
+        "-" if cost is None else f"{cost.vehicles:.1f}",
         f"{report.transports}",
-        "-" if played.told is None else f"{played.told:.0f}",
-        f"{report.messages}",
+        "-" if cost is None else f"{cost.metres_m:.0f}",
+        "-" if cost is None else f"{cost.energy_wh:.0f} Wh",
         f"{report.transport_p50_s:.0f} s",
         f"{report.transport_p95_s:.0f} s",
         f"{report.starvation_frac:.2%}",

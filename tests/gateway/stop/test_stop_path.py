@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from typing import Any
 
-import httpx
 import pytest
 from answers import problem
-from gateway_kit import ADMIN_TOKEN, AUTHORITY, BEARER, House, gateway
+from gateway_kit import ADMIN_TOKEN, AUTHORITY, House, gateway
 from heartbeats import atv_heartbeat
+from stop_way import STOP, Way, way
 from wall_clock import NOW_S
 
 from dray.adapters.security.signing import TrustedKeys
@@ -20,84 +18,15 @@ from dray.errors import UnavailableError
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import ADMIN, Role, Scope
 from dray.gateway.factory.commands import STOP_VALID_S
-from dray.gateway.http.hosts import Hosts
 from dray.gateway.http.problems import Problem
-from dray.gateway.live.timescale import TimeScale
 from dray.gateway.stop import sender as sender_module
-from dray.gateway.stop.endpoint import BODY_BYTES, StopEndpoint
-from dray.gateway.stop.recorder import StopRecorder
-from dray.gateway.stop.sender import StopSender
-from dray.messages import CommandAnswered, CommandKind, CommandRefusal, Message, VehicleCommand, signed_words
+from dray.gateway.stop.endpoint import BODY_BYTES
+from dray.messages import CommandAnswered, CommandKind, VehicleCommand, signed_words
 from dray.store import Store
 
 pytestmark = pytest.mark.anyio
 
-STOP = {"kind": "stop"}
 PANEL = "http://dray.test:8000"
-
-
-@dataclass
-class Way:
-    """The stop path of a house."""
-
-    house: House
-    sender: StopSender
-    client: httpx.AsyncClient
-
-    async def ask(self, atv: str = "ATV1", body: Any = STOP, **headers: str) -> httpx.Response:
-        return await self.client.post(f"/api/atvs/{atv}/commands", json=body, headers=headers)
-
-    def vehicle(self, atv: str = "ATV1", reason: str = "") -> list[VehicleCommand]:
-        """Let a vehicle join that answers every command; the commands that it will have heard."""
-        heard: list[VehicleCommand] = []
-
-        def receive(sender: str, message: Message) -> None:
-            if isinstance(message, VehicleCommand):
-                heard.append(message)
-                answer = CommandAnswered(
-                    command=message.command,
-                    done=not reason,
-                    reason=CommandRefusal(reason) if reason else None,
-                )
-                self.house.bus.tell(atv, sender, answer)
-
-        self.house.bus.join(atv, receive)
-        return heard
-
-    def states(self) -> list[str]:
-        """What panels show of the commands."""
-        return [each.state for each in self.house.projection.commands.views()]
-
-
-@asynccontextmanager
-async def way(house: House, timeout_s: float = 3.0) -> AsyncIterator[Way]:
-    recorder = StopRecorder(house.commands, house.access.audit_log)
-    sender = StopSender(
-        house.bus,
-        name="gateway-stop",
-        incarnation=1,
-        authority=AUTHORITY,
-        time=TimeScale(0.0, NOW_S),
-        wall_s=house.wall,
-        timeout_s=timeout_s,
-        ahead_s=house.commands.ahead_s,
-        sent=recorder.sent,
-        ended=recorder.ended,
-    )
-    endpoint = StopEndpoint(
-        sender,
-        remembered=house.access.remembered,
-        hosts=Hosts("dray.test"),
-        origin_port=8000,
-        public_url="https://dray.example.com",
-        wall_s=house.wall,
-    )
-    transport = httpx.ASGITransport(app=endpoint)
-    async with httpx.AsyncClient(
-        transport=transport, base_url="http://dray.test:8001", headers=BEARER
-    ) as client:
-        yield Way(house, sender, client)
-    sender.leave()
 
 
 @pytest.fixture
