@@ -31,7 +31,7 @@ from dray.body import (
     StockChanged,
     StorageState,
 )
-from dray.gate import GateState
+from dray.body.gate import GateState
 from dray.plant import default_plant, load_plant
 from dray.ports import Body
 from dray_sim.bodies.gate import Gate

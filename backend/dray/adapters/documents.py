@@ -18,7 +18,7 @@ from http.client import HTTPException
 from pathlib import Path
 
 from dray.body import BodyState, DocumentRead, Instruction, ReadDocument, Report
-from dray.document import Documents
+from dray.body.documents import Documents
 from dray.messages import Document, DocumentState
 from dray.ports import Body
 
@@ -48,7 +48,7 @@ for _handler in (
 
 
 class FetchedDocuments:
-    """Implements `dray.document.Documents`.
+    """Implements `dray.body.documents.Documents`.
 
     Args:
         folder: where they are laid ready; None where they are only verified.
@@ -59,7 +59,7 @@ class FetchedDocuments:
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="documents")
 
     def read(self, document: Document, told: Callable[[DocumentRead], None]) -> None:
-        """See `dray.document.Documents`."""
+        """See `dray.body.documents.Documents`."""
         loop = asyncio.get_running_loop()
         future = self._threads.submit(fetch, document, self._folder)
 

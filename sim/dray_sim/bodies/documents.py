@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.document import DocumentRead
+from dray.body.documents import DocumentRead
 from dray.messages import Document, DocumentState
 from dray.ports import Clock
 
@@ -13,7 +13,7 @@ FETCHED_S = 1.0
 
 
 class SimDocuments:
-    """Implements `dray.document.Documents`.
+    """Implements `dray.body.documents.Documents`.
 
     Args:
         clock: the plant's clock.
@@ -27,7 +27,7 @@ class SimDocuments:
         self.lies: dict[str, str | None] = {}
 
     def read(self, document: Document, told: Callable[[DocumentRead], None]) -> None:
-        """See `dray.document.Documents`."""
+        """See `dray.body.documents.Documents`."""
         self._clock.call_at(self._clock.now_s() + FETCHED_S, lambda: told(self._find(document)))
 
     def _find(self, document: Document) -> DocumentRead:

@@ -33,7 +33,7 @@ from dray.body import (
     StockChanged,
     WorkcellState,
 )
-from dray.document import Documents
+from dray.body.documents import Documents
 from dray.messages import NOTHING_KNOWN, THING, Problem
 from dray.plant import Plant
 from dray.plant.model import MachineSpec

@@ -11,7 +11,7 @@ from dray.adapters.opcua.link import OpcUaLink
 from dray.adapters.opcua.mapping_file import OpcUaMapping
 from dray.adapters.signals.signal import Sample, Value
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
-from dray.document import Documents
+from dray.body.documents import Documents
 from dray.plant import Plant
 from dray.ports import Body, Clock
 from dray_sim.bodies.workcell import SimWorkcell

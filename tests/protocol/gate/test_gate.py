@@ -7,7 +7,7 @@ from effects import instructed, remember, sent
 from rigs import Rig
 
 from dray.body import Admit, GateState, GoodsArrived
-from dray.gate import EVERY_RELEASE
+from dray.body.gate import EVERY_RELEASE
 from dray.memory import Memory
 from dray.messages import (
     AdmissionAsked,

@@ -8,7 +8,7 @@ from effects import facts, instructed, remember, sent
 from rigs import Rig
 
 from dray.body import Admit
-from dray.gate import EVERY_RELEASE
+from dray.body.gate import EVERY_RELEASE
 from dray.memory import Memory, ShutWord
 from dray.messages import (
     AdmissionAsked,

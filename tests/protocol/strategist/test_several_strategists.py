@@ -9,7 +9,7 @@ from rigs import StrategistRig
 from spoken import mhb
 
 from dray.body import Admit, GateState, GoodsArrived, HoldOrder
-from dray.gate import EVERY_RELEASE
+from dray.body.gate import EVERY_RELEASE
 from dray.messages import (
     Event,
     GoalClosed,

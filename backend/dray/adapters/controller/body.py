@@ -12,7 +12,7 @@ from dray.adapters.controller.letters import DO, TOLD, Done, Told, encode, from_
 from dray.adapters.remote_body.exchange import Part
 from dray.adapters.remote_body.exchanged import ExchangedBody
 from dray.body import Instruction, StorageState
-from dray.gate import GateState
+from dray.body.gate import GateState
 
 _log = logging.getLogger(__name__)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from dray.gate import EVERY_RELEASE
+from dray.body.gate import EVERY_RELEASE
 from dray.memory import GateGoal, GateOrder, Memory
 from dray.messages.gate import HELD_TOLD, GoalHeld, HeldOrder, OrderHeld
 from dray.protocol.gate.admissions import Admissions

@@ -23,7 +23,7 @@ from msgspec import UNSET
 from msgspec.structs import replace
 
 from dray.body import HoldOrder
-from dray.gate import EVERY_RELEASE
+from dray.body.gate import EVERY_RELEASE
 from dray.memory import Memory, OrderNoted
 from dray.messages import Event, GoalBrief, HolderChanged, OrderCancelled, OrderReleased, OrderRevoked
 from dray.messages.fact import MemoryLost, OrderDropped, OrderFulfilled, OrderReturned

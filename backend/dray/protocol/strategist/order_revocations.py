@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dray.body import Admit
-from dray.gate import EVERY_RELEASE
+from dray.body.gate import EVERY_RELEASE
 from dray.messages import CancellationTaken, OrderCancelled, OrderRevoked, Reason, RevocationTaken
 from dray.messages.fact import GoalWithdrawn, OrderDropped, Outcome
 from dray.protocol.runtime.life import Life

@@ -29,8 +29,8 @@ from collections.abc import Callable
 from typing import Any
 
 from dray.body import Admit, BodyState, GateState, GoodsArrived, Report
+from dray.body.gate import EVERY_RELEASE
 from dray.errors import ProtocolViolation
-from dray.gate import EVERY_RELEASE
 from dray.memory import Memory
 from dray.messages import (
     Accepted,

@@ -13,10 +13,10 @@ from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.vda5050.link import MqttLink
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.body import StorageState
+from dray.body.gate import GateState
 from dray.cli.runtime.bodies.broker import broker_of
 from dray.cli.runtime.bodies.embodied import REMIND_EVERY_S, Embodied, Embody
 from dray.cli.runtime.surroundings import Surroundings
-from dray.gate import GateState
 
 _log = logging.getLogger(__name__)
 

@@ -1,0 +1,14 @@
+"""What bodies of all kinds are told and tell."""
+
+from __future__ import annotations
+
+from dray.body.gate import Admit, GateState, GoodsArrived, HoldOrder
+from dray.body.operator import DutyState, OperatorReport, ShowCalls
+from dray.body.storage import StorageInstruction, StorageState
+from dray.body.vehicle import VehicleInstruction, VehicleReport, VehicleState
+from dray.body.workcell import WorkcellInstruction, WorkcellReport, WorkcellState
+from dray.messages.gate import OrderHeld
+
+Instruction = VehicleInstruction | WorkcellInstruction | StorageInstruction | Admit | HoldOrder | ShowCalls
+Report = VehicleReport | WorkcellReport | GoodsArrived | OrderHeld | OperatorReport
+BodyState = VehicleState | WorkcellState | StorageState | GateState | DutyState
