@@ -18,7 +18,9 @@ from fake_injector import FakeInjector
 from gateway_kit import House, gateway
 from wall_clock import NOW_S
 
-from dray.gateway.factory import carrying, closings, exclusions
+from dray.gateway.factory.carrying import Carrying
+from dray.gateway.factory.closings import Closings
+from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders import outbox
@@ -34,8 +36,8 @@ def nothing_is_repeated(request: pytest.FixtureRequest, monkeypatch: pytest.Monk
     """What agents do not answer is said once, however slow the machine is; a test of repetitions says its pauses."""
     if "url" in request.fixturenames:
         monkeypatch.setattr(outbox, "PAUSE_S", (3600.0, 3600.0))
-        for repeats in (carrying, closings, exclusions):
-            monkeypatch.setattr(repeats, "SAY_EVERY_S", 3600.0)
+        for repeats in (Carrying, Closings, Exclusions):
+            monkeypatch.setattr(repeats, "EVERY_S", 3600.0)
 
 
 @pytest.fixture

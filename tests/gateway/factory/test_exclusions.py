@@ -15,7 +15,7 @@ from heartbeats import atv_heartbeat, machine_heartbeat
 from wall_clock import NOW_S
 
 from dray.gateway.access.principal import Role, Scope
-from dray.gateway.factory.exclusions import SAY_EVERY_S
+from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import AtvView, MachineView, ShutOutView
@@ -24,6 +24,9 @@ from dray.messages.shutout import MAX_SHUT_OUT
 from dray.store.factory.exclusions import Exclusion
 
 pytestmark = pytest.mark.anyio
+
+EVERY_S = Exclusions.EVERY_S
+"""Outside tests."""
 
 
 WHY = {"reason": "accepts transports and does not move"}
@@ -139,7 +142,7 @@ async def test_the_list_is_said_again_and_again_and_nothing_where_nobody_ever_wa
     await house.exclusions.look()
     assert set(heard) == {ShutOut(DECIDED, ("ATV3",))}
     assert len(heard) >= 2
-    assert SAY_EVERY_S <= 5.0
+    assert EVERY_S <= 5.0
 
 
 async def test_it_outlives_a_restart_of_the_gateway_and_no_stop_is_given_again(url: str) -> None:

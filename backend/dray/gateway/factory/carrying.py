@@ -1,22 +1,19 @@
 """Carrying: which vehicles people have carried away and are putting back, in SQL, on the panels and on the bus.
 
-A word is on disk before it is told. Then the gateway says it again and again, each time with a grant that is good for a while, until the
-vehicle is heard. Whether it is believed is decided by those who keep the books of places (`dray.messages.floor.removal`); what they
+A word is said (`announced.py` says how) with a grant that is good for a while, until the vehicle is heard. Whether it is believed is decided by those who keep the books of places (`dray.messages.floor.removal`); what they
 have freed and kept they tell as facts.
 """
 
 from __future__ import annotations
 
-import asyncio
-import logging
 from collections.abc import Callable
 from http import HTTPStatus
 
 import msgspec
 
 from dray.adapters.security.signing import SigningKey
-from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal
+from dray.gateway.factory.announced import Announced
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
@@ -26,18 +23,12 @@ from dray.messages.floor.removal import MAX_REMOVALS
 from dray.protocol.liveness.suspicion import gone_s, interval_s
 from dray.store import Store
 from dray.store.factory.removals import RemovalRow
-from dray.supervision import keep_looking
-
-SAY_EVERY_S = 2.0
-"""Wall seconds between two times that the words are said."""
 
 GRANT_S = 60.0
 """Wall seconds for which a word that was said once is good."""
 
-_log = logging.getLogger(__name__)
 
-
-class Carrying:
+class Carrying(Announced):
     """Takes people's words, and tells them.
 
     Args:
@@ -49,6 +40,10 @@ class Carrying:
         wall_s: the wall clock.
     """
 
+    EVERY_S = 2.0
+
+    WHAT = "which vehicles were carried away"
+
     def __init__(
         self,
         store: Store,
@@ -59,19 +54,10 @@ class Carrying:
         time: TimeScale,
         wall_s: Callable[[], float],
     ) -> None:
-        self._store, self._projection, self._authority = store, projection, authority
-        self._say, self._time, self._wall_s = say, time, wall_s
+        super().__init__(store, wall_s)
+        self._projection, self._authority = projection, authority
+        self._say, self._time = say, time
         self._rows: list[RemovalRow] = []
-        self._looking = asyncio.Lock()
-        """An older look must not end after a newer one."""
-
-    async def restore(self) -> None:
-        """Restore what was said before the gateway was started.
-
-        Raises:
-            UnavailableError: the database cannot be read.
-        """
-        await self._read()
 
     async def carry_away(self, atv: str, by: Principal) -> None:
         """A vehicle is off the floor.
@@ -107,24 +93,6 @@ class Carrying:
                     f"{other.id} holds {node}; choose another place, or wait until it has driven on",
                 )
         await self._put(atv, node, by)
-
-    async def run(self) -> None:
-        """Look and say, until cancelled; while the database is away, what was read last."""
-        await keep_looking(self.look, SAY_EVERY_S, self._on_away, at_once=True)
-
-    def _on_away(self, error: UnavailableError) -> None:
-        _log.info("which vehicles were carried away elsewhere is not seen this time: %s", error)
-        self._say_all()
-
-    async def look(self) -> None:
-        """Read what people have said, end what is over, and say the rest.
-
-        Raises:
-            UnavailableError: the database cannot be read or written.
-        """
-        async with self._looking:
-            await self._read()
-            self._say_all()
 
     def _refuse_if_heard(self, atv: str) -> None:
         heard_s = self._heard_s(atv)
@@ -195,7 +163,8 @@ class Carrying:
             number=row.number, by=row.by, at_s=row.at_s, believed_at_s=believed_s, node=row.node
         )
 
-    def _say_all(self) -> None:
+    def say(self) -> None:
+        """Say what people have said of vehicles that are not back."""
         until_s = self._time.to_plant_s(self._wall_s()) + GRANT_S * self._time.speed
         removals = [
             self._authority.remove(

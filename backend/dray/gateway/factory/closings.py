@@ -1,14 +1,10 @@
 """Closings: what people have closed to vehicles, in SQL, on the panels and on the bus.
 
-A decision is on disk before it is told. From then on the gateway says the whole list again and again, signed: vehicles remember it
-while no gateway is there, and whoever was out of reach hears it soon. What was decided at other gateways is seen in SQL and told
-in the same way. A closure whose time has come is ended here, and by every vehicle itself.
+The list is signed (`announced.py` says how it is told). A closure whose time has come is ended here, and by every vehicle itself.
 """
 
 from __future__ import annotations
 
-import asyncio
-import logging
 from collections.abc import Callable, Iterable
 from http import HTTPStatus
 from secrets import token_hex
@@ -17,7 +13,7 @@ import msgspec
 from msgspec.structs import replace
 
 from dray.adapters.security.signing import SigningKey
-from dray.errors import UnavailableError
+from dray.gateway.factory.announced import Announced
 from dray.gateway.http.problems import Problem, not_found
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
@@ -28,12 +24,6 @@ from dray.plant import Plant
 from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of, shut_in
 from dray.store import Store
 from dray.store.factory.closures import ClosureRow
-from dray.supervision import keep_looking
-
-SAY_EVERY_S = 5.0
-"""Wall seconds between two times that the list is said: so long a vehicle that comes back may not know of a new closure."""
-
-_log = logging.getLogger(__name__)
 
 
 class Outlook(msgspec.Struct, frozen=True, kw_only=True):
@@ -45,7 +35,7 @@ class Outlook(msgspec.Struct, frozen=True, kw_only=True):
     """Vehicles that could not leave where they are."""
 
 
-class Closings:
+class Closings(Announced):
     """Takes decisions, and tells them.
 
     Args:
@@ -57,6 +47,11 @@ class Closings:
         wall_s: the wall clock.
     """
 
+    EVERY_S = 5.0
+    """So long a vehicle that comes back may not know of a new closure."""
+
+    WHAT = "what was closed"
+
     def __init__(
         self,
         store: Store,
@@ -67,26 +62,17 @@ class Closings:
         time: TimeScale,
         wall_s: Callable[[], float],
     ) -> None:
-        self._store, self._projection, self._authority = store, projection, authority
-        self._say, self._time, self._wall_s = say, time, wall_s
+        super().__init__(store, wall_s)
+        self._projection, self._authority = projection, authority
+        self._say, self._time = say, time
         self._said: Closures | None = None
         self._seen: tuple[int, Plant] | None = None
         """The number of the list that is shown, and the plant for which its lanes were worked out."""
-        self._looking = asyncio.Lock()
-        """An older look must not end after a newer one."""
 
     @property
     def now_s(self) -> float:
         """The wall clock."""
         return self._wall_s()
-
-    async def restore(self) -> None:
-        """Restore what was decided before the gateway was started.
-
-        Raises:
-            UnavailableError: the database cannot be read.
-        """
-        await self._read()
 
     async def close(self, wanted: ClosureRow) -> tuple[ClosureView, bool]:
         """Close something.
@@ -146,28 +132,10 @@ class Closings:
             shut_in=shut_in(plant, then, nodes),
         )
 
-    async def look(self) -> None:
-        """Read what is decided, end what is over, and tell it.
-
-        Raises:
-            UnavailableError: the database cannot be read or written.
-        """
-        async with self._looking:
-            await self._read()
-            self.say()
-
     def say(self) -> None:
         """Say the list, unless nothing was ever decided."""
         if self._said is not None:
             self._say(self._said)
-
-    async def run(self) -> None:
-        """Look and say, until cancelled; while the database is away, what was read last."""
-        await keep_looking(self.look, SAY_EVERY_S, self._on_away, at_once=True)
-
-    def _on_away(self, error: UnavailableError) -> None:
-        _log.info("what was closed elsewhere is not seen this time: %s", error)
-        self.say()
 
     async def _read(self) -> None:
         now_s = self._wall_s()
