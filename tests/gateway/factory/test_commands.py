@@ -241,7 +241,7 @@ async def test_a_vehicle_that_only_was_heard_can_be_stopped(house: House) -> Non
 
 
 async def test_too_many_waiting_commands_are_refused(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray.gateway.factory.commands.PENDING", 1)
+    monkeypatch.setattr("dray.gateway.factory.awaited.PENDING", 1)
     asked = asyncio.create_task(ask(house, STOP))
     command = (await house.bus.next_to("ATV1", VehicleCommand)).command
     answer = await ask(house, STOP, "ATV2")

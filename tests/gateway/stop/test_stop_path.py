@@ -17,9 +17,9 @@ from dray.adapters.security.signing import TrustedKeys
 from dray.errors import UnavailableError
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import ADMIN, Role, Scope
+from dray.gateway.factory import awaited
 from dray.gateway.factory.commands import STOP_VALID_S
 from dray.gateway.http.problems import Problem
-from dray.gateway.stop import sender as sender_module
 from dray.gateway.stop.endpoint import BODY_BYTES
 from dray.messages import CommandAnswered, CommandKind, VehicleCommand, signed_words
 from dray.store import Store
@@ -229,7 +229,7 @@ async def test_what_is_asked_by_a_strange_name_or_is_no_stop_is_refused(stops: W
 
 
 async def test_one_caller_cannot_fill_the_desk(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sender_module, "PENDING_EACH", 3)
+    monkeypatch.setattr(awaited, "PENDING_EACH", 3)
     _, key = await house.key(Scope.VEHICLES_STOP)
     await house.access.learn()
     async with way(house) as stops:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections import Counter, OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from http import HTTPStatus
@@ -17,6 +16,7 @@ from typing import Any, TypeVar, cast
 from dray.adapters.security.signing import SigningKey
 from dray.gateway.access.limits import Limit
 from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.factory.awaited import Awaited
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.places import areas_of
 from dray.gateway.live.projection import Projection
@@ -27,15 +27,6 @@ from dray.plant import Plant
 
 STOP_VALID_S = 30.0
 """A stop that comes late, over a bad link, is still better than none."""
-
-PENDING = 1_000
-"""Commands that wait for an answer at once: some per vehicle of the largest plant."""
-
-PENDING_EACH = 400
-"""Of one caller: all vehicles of a large plant. One caller cannot use up PENDING."""
-
-NAMES_KEPT = 2_000
-"""Commands that are known by their names when they are sent again: more than may wait at once."""
 
 WORDS_TRIES, WORDS_HZ = 60, 1.0
 """Words that one caller may say to one place at once, and a second for long: more than anybody counts loads. Each is written to that
@@ -97,13 +88,9 @@ class Commands:
         self._send, self._authority = send, authority
         self._projection, self._floor = projection, floor
         self._plant_s, self._wall_s, self._speed = plant_s, wall_s, speed
-        self._name, self._timeout_s = name, timeout_s
-        self._sent: OrderedDict[str, Sent] = OrderedDict()
-        """By their names, the oldest first."""
-        self._waiting: Counter[str] = Counter()
-        """How many wait, by who asked."""
+        self._timeout_s = timeout_s
+        self._sent: Awaited[Sent] = Awaited(name)
         self._words = Limit(wall_s, tries=WORDS_TRIES, rate_hz=WORDS_HZ)
-        self._count = 0
 
     async def order(
         self,
@@ -134,7 +121,7 @@ class Commands:
                 another command has this name.
         """
         said = VehicleCommand(
-            command=command or self.new_name(),
+            command=command or self._sent.new_name(),
             kind=kind,
             speed_frac=speed_frac,
             wait_s=wait_s,
@@ -178,7 +165,8 @@ class Commands:
         """
         if said.command in self._sent:
             return False
-        self._show(self._keep(Sent(atv, f"{by.kind}:{by.id}", said, _nothing_yet(), beside=True)), by)
+        sent = Sent(atv, f"{by.kind}:{by.id}", said, _nothing_yet(), beside=True)
+        self._show(self._sent.keep(said.command, sent), by)
         return True
 
     def answered_beside(self, atv: str, name: str, answer: CommandAnswered | None) -> None:
@@ -210,7 +198,7 @@ class Commands:
         """The name of the last stop that was sent to a vehicle, by whatever way; None for none that is remembered."""
         stops = (
             name
-            for name, sent in reversed(self._sent.items())
+            for name, sent in self._sent.newest_first()
             if sent.agent == atv and sent.said.kind is CommandKind.STOP
         )
         return next(stops, None)
@@ -223,50 +211,34 @@ class Commands:
             by: the name of who has shut it out.
         """
         why = f"{by} has shut {atv} out: whether it obeys is not known, look at it"
-        stop = VehicleCommand(command=self.new_name(), kind=CommandKind.STOP, issued_by=by)
+        stop = VehicleCommand(command=self._sent.new_name(), kind=CommandKind.STOP, issued_by=by)
         with contextlib.suppress(Problem):  # too many wait: it is shut out all the same
             self._say(atv, stop, SHUTTING_OUT.id, replace(SHUTTING_OUT, name=by))
-        for name, sent in self._sent.items():
+        for name, sent in self._sent.newest_first():
             if sent.agent == atv and not sent.answer.done():
                 unknown = CommandAnswered(command=name, done=False, detail=why)
                 sent.answer.set_result(unknown)
                 self._projection.commands.end(name, "not_confirmed", unknown)
 
     def new_name(self) -> str:
-        """A name that no command has: callers may have chosen one that looks like ours."""
-        while True:
-            self._count += 1
-            name = f"{self._name}-{self._count}"
-            if name not in self._sent:
-                return name
+        """A name that no command has."""
+        return self._sent.new_name()
 
     def _say(self, agent: str, said: VehicleCommand | MachineCommand, person: str, by: Principal) -> Sent:
-        for waiting, most in ((self._waiting.total(), PENDING), (self._waiting[person], PENDING_EACH)):
-            if waiting >= most:
-                raise too_many_wait(most)
-        sent = self._keep(Sent(agent, person, said, _nothing_yet()))
+        self._sent.refuse_too_many(person)
+        sent = self._sent.keep(said.command, Sent(agent, person, said, _nothing_yet()))
         self._show(sent, by)
         self._send(agent, self._granted(sent, by))
         return sent
 
-    def _keep(self, sent: Sent) -> Sent:
-        self._sent[sent.said.command] = sent
-        if len(self._sent) > NAMES_KEPT:
-            self._sent.popitem(last=False)
-        return sent
-
     async def _wait(self, name: str, sent: Sent) -> CommandAnswered:
-        self._waiting[sent.person] += 1
-        try:
-            async with asyncio.timeout(self._timeout_s):
-                return await asyncio.shield(sent.answer)
-        except TimeoutError:
-            self._projection.commands.end(name, "not_confirmed")
-            raise not_confirmed(sent.agent, self._timeout_s) from None
-        finally:
-            self._waiting[sent.person] -= 1
-            if not self._waiting[sent.person]:
-                del self._waiting[sent.person]
+        with self._sent.waiting(sent.person):
+            try:
+                async with asyncio.timeout(self._timeout_s):
+                    return await asyncio.shield(sent.answer)
+            except TimeoutError:
+                self._projection.commands.end(name, "not_confirmed")
+                raise not_confirmed(sent.agent, self._timeout_s) from None
 
     def _show(self, sent: Sent, by: Principal) -> None:
         said = sent.said
@@ -317,17 +289,6 @@ def name_used(name: str) -> Problem:
         "command-name-used",
         "The name of the command was used",
         f"another command is called {name}; choose a name that is used once, a UUID say",
-    )
-
-
-def too_many_wait(most: int) -> Problem:
-    """So many commands wait for an answer that no other is given."""
-    return Problem(
-        HTTPStatus.SERVICE_UNAVAILABLE,
-        "too-many-commands",
-        "Too many commands wait for an answer",
-        f"{most} vehicles were asked and have not answered yet; try again in some seconds",
-        headers={"Retry-After": "3"},
     )
 
 

@@ -7,26 +7,17 @@ which its holder may stop vehicles. A vehicle whose clock is wrong is told until
 from __future__ import annotations
 
 import asyncio
-from collections import Counter, OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from dray.adapters.security.signing import SigningKey
 from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal
-from dray.gateway.factory.commands import STOP_VALID_S, granted, name_used, not_confirmed, too_many_wait
+from dray.gateway.factory.awaited import Awaited
+from dray.gateway.factory.commands import STOP_VALID_S, granted, name_used, not_confirmed
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
 from dray.ports import Bus, Session
-
-PENDING = 1_000
-"""Stops that wait for an answer at once: some per vehicle of the largest plant."""
-
-PENDING_EACH = 400
-"""Of one caller: all vehicles of a large plant. One caller cannot use up PENDING."""
-
-NAMES_KEPT = 2_000
-"""Stops that are known by their names when they are sent again: more than may wait at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,13 +85,9 @@ class StopSender:
         ended: Told,
     ) -> None:
         self._authority, self._time, self._wall_s = authority, time, wall_s
-        self._life, self._timeout_s = f"{name}.{incarnation}", timeout_s
+        self._timeout_s = timeout_s
         self._tell_sent, self._tell_ended, self._ahead_s = sent, ended, ahead_s
-        self._sent: OrderedDict[str, _Sent] = OrderedDict()
-        """By their names, the oldest first."""
-        self._waiting: Counter[str] = Counter()
-        """How many wait, by who asked."""
-        self._count = 0
+        self._sent: Awaited[_Sent] = Awaited(f"{name}.{incarnation}")
         self._session: Session = bus.join(name, self._on_message, incarnation)
 
     async def stop(
@@ -119,7 +106,7 @@ class StopSender:
             Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
                 another stop has this name.
         """
-        name = command or self._new_name()
+        name = command or self._sent.new_name()
         said = VehicleCommand(command=name, kind=CommandKind.STOP, issued_by=by.name)
         sent = self._sent.get(name)
         if sent is None:
@@ -133,31 +120,21 @@ class StopSender:
         self._session.leave()
 
     def _say(self, stop: Stop) -> _Sent:
-        who = _who(stop.by)
-        for waiting, most in ((self._waiting.total(), PENDING), (self._waiting[who], PENDING_EACH)):
-            if waiting >= most:
-                raise too_many_wait(most)
+        self._sent.refuse_too_many(_who(stop.by))
         valid_s = STOP_VALID_S * self._time.speed
         until_s = self._time.to_plant_s(stop.at_s) + valid_s + self._ahead_s(stop.atv)
-        sent = self._sent[stop.name] = _Sent(stop, asyncio.get_running_loop().create_future())
-        if len(self._sent) > NAMES_KEPT:
-            self._sent.popitem(last=False)
+        sent = self._sent.keep(stop.name, _Sent(stop, asyncio.get_running_loop().create_future()))
         self._tell_sent(stop)
         self._session.send(stop.atv, granted(self._authority, stop.atv, stop.said, stop.by, until_s))
         asyncio.get_running_loop().call_later(self._timeout_s, self._give_up, sent)
         return sent
 
     async def _wait(self, sent: _Sent) -> CommandAnswered:
-        who = _who(sent.stop.by)
-        self._waiting[who] += 1
-        try:
-            return await asyncio.shield(sent.answer)
-        except UnavailableError:
-            raise not_confirmed(sent.stop.atv, self._timeout_s) from None
-        finally:
-            self._waiting[who] -= 1
-            if not self._waiting[who]:
-                del self._waiting[who]
+        with self._sent.waiting(_who(sent.stop.by)):
+            try:
+                return await asyncio.shield(sent.answer)
+            except UnavailableError:
+                raise not_confirmed(sent.stop.atv, self._timeout_s) from None
 
     def _on_message(self, sender: str, message: Message) -> None:
         if not isinstance(message, CommandAnswered):
@@ -176,14 +153,6 @@ class StopSender:
             sent.answer.set_exception(UnavailableError(sent.stop.atv, "has not answered", "look at it"))
             sent.answer.exception()  # Nobody may wait any more, which is no fault.
             self._tell_ended(sent.stop, None)
-
-    def _new_name(self) -> str:
-        """A name that no command has: callers may have chosen one that looks like ours."""
-        while True:
-            self._count += 1
-            name = f"{self._life}-{self._count}"
-            if name not in self._sent:
-                return name
 
 
 def _who(by: Principal) -> str:
