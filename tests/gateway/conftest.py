@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import sys
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -24,6 +25,7 @@ from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders import outbox
+from dray.gateway.schedules.scheduler import Scheduler
 
 
 @pytest.fixture(scope="session")
@@ -38,6 +40,12 @@ def nothing_is_repeated(request: pytest.FixtureRequest, monkeypatch: pytest.Monk
         monkeypatch.setattr(outbox, "PAUSE_S", (3600.0, 3600.0))
         for repeats in (Carrying, Closings, Exclusions):
             monkeypatch.setattr(repeats, "EVERY_S", 3600.0)
+
+
+@pytest.fixture
+def asked_by_the_test_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The scheduler looks when the test says so, and not when a schedule is new."""
+    monkeypatch.setattr(Scheduler, "run", lambda _: asyncio.Event().wait())
 
 
 @pytest.fixture
