@@ -15,19 +15,20 @@ from collections import defaultdict
 from collections.abc import Callable, Generator, Iterator
 from itertools import count
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import pytest
 from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent / "kits"))
 
-from databases import Files, Postgres
-from dray_process import DrayProcess
+from databases import Files
+from dray_process import DrayProcess, SteppedServer
 from examples import examples
 from forbidden import Forbidden
 
-from dray_sim.bench.postgres import MISSING, PostgresServer, installed
+if TYPE_CHECKING:
+    from postgres_databases import Postgres, PostgresServer
 
 UNDER_CI = os.environ.get("CI", "").lower() in {"1", "true", "yes"}
 
@@ -128,10 +129,10 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
 @pytest.fixture(scope="session")
 def postgres() -> Iterator[Postgres]:
     """A PostgreSQL server, one for all tests."""
-    programs = installed()
-    if programs is None:
-        pytest.skip(MISSING)
-    server = Postgres(programs)
+    # All benchmarks come with it: two seconds of a processor, also for a process that only reads this file.
+    from postgres_databases import Postgres, programs  # noqa: PLC0415
+
+    server = Postgres(programs())
     yield server
     server.close()
 
@@ -139,10 +140,9 @@ def postgres() -> Iterator[Postgres]:
 @pytest.fixture
 def mortal_postgres() -> Iterator[PostgresServer]:
     """A PostgreSQL server for one test alone, which may kill it."""
-    programs = installed()
-    if programs is None:
-        pytest.skip(MISSING)
-    server = PostgresServer(programs)
+    from postgres_databases import PostgresServer, programs  # noqa: PLC0415
+
+    server = PostgresServer(programs())
     yield server
     server.close()
 
@@ -266,19 +266,31 @@ def running() -> dict[str, DrayProcess]:
 
 @pytest.fixture(scope="session")
 def start_dray(
-    tmp_path_factory: pytest.TempPathFactory, running: dict[str, DrayProcess]
+    tmp_path_factory: pytest.TempPathFactory, files: Files, running: dict[str, DrayProcess]
 ) -> Iterator[StartDray]:
-    """Start `dray up` on a free port, by default with a database of its own; whatever still runs is stopped."""
+    """Start `dray up` on a free port, by default with a database of its own; whatever still runs is stopped.
+
+    Those that are `stepped` are forked, where the system allows it, and find their tables made: importing all of it takes two
+    seconds of a processor. All others are the command itself, on a database that is not there yet.
+    """
+    server: list[SteppedServer] = []
 
     def start(
         *options: str, python: Path | str = sys.executable, url: str = "", stepped: bool = False
     ) -> DrayProcess:
         home = tmp_path_factory.mktemp("dray")
-        url = url or f"sqlite:///{home / 'dray.db'}"
-        dray = DrayProcess(python, "--port", "0", "--db", url, *options, cwd=home, stepped=stepped)
+        url = url or (files.new(home) if stepped else f"sqlite:///{home / 'dray.db'}")
+        if stepped and not server and hasattr(os, "pidfd_open"):
+            server.append(SteppedServer())
+        forks = server[0] if server else None
+        dray = DrayProcess(
+            python, "--port", "0", "--db", url, *options, cwd=home, stepped=stepped, server=forks
+        )
         running[dray.url] = dray
         return dray
 
     yield start
     for dray in running.values():
         dray.stop()
+    for each in server:
+        each.close()

@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from playwright.sync_api import Error as PlaywrightError
 sys.path.insert(0, str(Path(__file__).parent))
 
 from complaints import Complaints
+from databases import Files
 from tablet_kit import enter, house, vehicles  # noqa: F401 - fixtures
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -77,16 +79,49 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.browser)
 
 
-# Not for the whole session: while Playwright is there, no test may start an event loop of its own.
+class Chromium:
+    """The browser of all tests in a row that ask for one. Starting it takes half a second of a processor."""
+
+    def __init__(self) -> None:
+        self._stack = ExitStack()
+        self._browser: Browser | None = None
+
+    def get(self) -> Browser:
+        """It is started, if it is not there."""
+        if self._browser is not None and self._browser.is_connected():
+            return self._browser
+        self.close()
+        path = next(filter(None, map(shutil.which, NAMES)), None)
+        if path is None:
+            pytest.skip("no Chromium is installed; on Debian: apt-get install chromium-headless-shell")
+        playwright = self._stack.enter_context(sync_playwright())
+        self._browser = playwright.chromium.launch(executable_path=path, args=list(QUIET))
+        self._stack.callback(self._browser.close)
+        return self._browser
+
+    def close(self) -> None:
+        """It ends, and Playwright with it."""
+        self._browser = None
+        self._stack.close()
+
+
+CHROMIUM = Chromium()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(nextitem: pytest.Item | None) -> Iterator[None]:
+    try:
+        return (yield)
+    finally:
+        # Not for the whole session: while Playwright is there, no test may start an event loop of its own.
+        if "browser" not in getattr(nextitem, "fixturenames", ()):
+            CHROMIUM.close()
+
+
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    path = next(filter(None, map(shutil.which, NAMES)), None)
-    if path is None:
-        pytest.skip("no Chromium is installed; on Debian: apt-get install chromium-headless-shell")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=list(QUIET))
-        yield browser
-        browser.close()
+def browser(files: Files) -> Browser:
+    """A Chromium. The empty database, which takes an event loop to make, is made before it starts."""
+    return CHROMIUM.get()
 
 
 @pytest.fixture(scope="module")

@@ -6,17 +6,19 @@ import json
 import os
 import queue
 import re
+import select
 import signal
 import socket
 import subprocess
+import sys
 import threading
 import time
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from http.cookiejar import CookieJar
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import pytest
 
@@ -30,8 +32,10 @@ STOP_S = 60.0
 ANSWER_S = 60.0
 """Longest wait for one answer."""
 
-STEPPED = Path(__file__).with_name("stepped_up.py")
-"""`dray up` whose time passes only when it is told to."""
+KITS = Path(__file__).parent
+
+STEPPED, STEPPED_SERVER = KITS / "stepped_up.py", KITS / "stepped_server.py"
+"""`dray up` whose time passes only when it is told to; and who starts that without importing it anew."""
 
 SESSION = "dray_session"
 """The cookie of a login."""
@@ -52,6 +56,7 @@ class DrayProcess:
         options: of `dray up`.
         cwd: where it runs.
         stepped: whether its time stands until `advance`, `advance_until` or `going` let it pass.
+        server: forks it where it is stepped; None to let it import everything itself.
 
     Attributes:
         url: where the panel is, without a slash at the end.
@@ -60,14 +65,27 @@ class DrayProcess:
         lines: what it has printed so far, stdout and stderr together.
     """
 
-    def __init__(self, python: Path | str, *options: str, cwd: Path, stepped: bool = False) -> None:
-        program = [str(STEPPED)] if stepped else ["-m", "dray", "up"]
-        command = [str(python), *program, *options]
-        inherited = {name: value for name, value in os.environ.items() if name != "DRAY_ADMIN_TOKEN"}
-        env = {**inherited, "PYTHONUNBUFFERED": "1", "COLUMNS": "200", "NO_COLOR": "1"}
-        self.process = subprocess.Popen(
-            command, cwd=cwd, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-        )
+    def __init__(
+        self,
+        python: Path | str,
+        *options: str,
+        cwd: Path,
+        stepped: bool = False,
+        server: SteppedServer | None = None,
+    ) -> None:
+        self.process: subprocess.Popen[str] | Forked
+        if stepped and server is not None:
+            self.process = server.start(options, cwd)
+        else:
+            program = [str(STEPPED)] if stepped else ["-m", "dray", "up"]
+            self.process = subprocess.Popen(
+                [str(python), *program, *options],
+                cwd=cwd,
+                env=_environment(),
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+            )
         self.lines: list[str] = []
         self._clock: _Clock | None = None
         self._sessions: dict[str, str] = {}
@@ -191,6 +209,81 @@ class DrayProcess:
             self.process.stdout.close()
 
 
+class SteppedServer:
+    """Starts `dray up` with a clock that stands as often as it is asked to, and imports it once (`stepped_server`)."""
+
+    def __init__(self) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, str(STEPPED_SERVER)],
+            env=_environment(),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def start(self, options: Sequence[str], cwd: Path) -> Forked:
+        """Start one in this folder."""
+        reads, writes = os.pipe()
+        try:
+            pipe = f"/proc/{os.getpid()}/fd/{writes}"
+            pid = self.ask(options=options, cwd=str(cwd), env=_environment(), output=pipe)
+        finally:
+            os.close(writes)
+        return Forked(self, pid, os.fdopen(reads, encoding="utf-8"))
+
+    def ask(self, **asked: object) -> int:
+        """Ask for something, and wait for the answer."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(json.dumps(asked) + "\n")
+        self._process.stdin.flush()
+        return int(self._process.stdout.readline())
+
+    def close(self) -> None:
+        """End it; what it has started must have ended."""
+        self._process.communicate()
+
+
+class Forked:
+    """What a `SteppedServer` has started, as `subprocess.Popen` has it.
+
+    Attributes:
+        pid: its number.
+        stdout: what it says.
+    """
+
+    def __init__(self, server: SteppedServer, pid: int, stdout: TextIO) -> None:
+        self.pid, self.stdout = pid, stdout
+        self._server = server
+        self._ends = os.pidfd_open(pid)
+        self._code: int | None = None
+
+    def poll(self) -> int | None:
+        """Its exit code, once it has ended."""
+        try:
+            return self.wait(0.0)
+        except subprocess.TimeoutExpired:
+            return None
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait until it has ended; its exit code."""
+        if self._code is None:
+            if not select.select([self._ends], [], [], timeout)[0]:
+                raise subprocess.TimeoutExpired("dray up", timeout or 0.0)
+            self._code = self._server.ask(wait=self.pid)
+            os.close(self._ends)
+        return self._code
+
+    def send_signal(self, by: signal.Signals) -> None:
+        """Signal it, if it has not ended."""
+        if self._code is None:
+            signal.pidfd_send_signal(self._ends, by)
+
+    def kill(self) -> None:
+        """End it at once."""
+        self.send_signal(signal.SIGKILL)
+
+
 class _Clock:
     """Moves the clock of a stepped `dray up`."""
 
@@ -212,6 +305,12 @@ class _Clock:
     def close(self) -> None:
         self._lines.close()
         self._socket.close()
+
+
+def _environment() -> dict[str, str]:
+    """Of every `dray up`."""
+    inherited = {name: value for name, value in os.environ.items() if name != "DRAY_ADMIN_TOKEN"}
+    return {**inherited, "PYTHONUNBUFFERED": "1", "COLUMNS": "200", "NO_COLOR": "1"}
 
 
 def _found(pattern: str, text: str) -> str:

@@ -9,8 +9,8 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from databases import Postgres
 from history import made, same_clock, tell
+from postgres_databases import Postgres
 from sqlalchemy import Connection, text, update
 
 from dray.errors import UnavailableError

@@ -32,6 +32,8 @@ Numbers = set[tuple[str, int]]
 @pytest.fixture(autouse=True)
 def in_small_pieces(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(retention, "PAUSE_S", 0.0)
+    # Work that this test does meanwhile would count as that of forgetting, and be rested from in real time.
+    monkeypatch.setattr(retention, "REST", 0.0)
     monkeypatch.setattr(retention, "AT_ONCE", 3)
     return
 

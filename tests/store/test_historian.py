@@ -13,7 +13,6 @@ from typing import Any
 
 import anyio
 import pytest
-from databases import Postgres
 from examples import examples
 from history import (
     Line,
@@ -30,6 +29,7 @@ from history import (
 )
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from postgres_databases import Postgres
 from sqlalchemy import select
 from sqlalchemy.exc import DataError
 

@@ -9,8 +9,8 @@ from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from databases import SHAPE
 from history import a_day, keep, order, same_clock
+from postgres_databases import SHAPE
 from sqlalchemy import Connection, inspect, text
 
 from dray.errors import UnavailableError

@@ -64,6 +64,7 @@ def forgetting(store: Store, **kept: float) -> Retention:
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(retention, "PAUSE_S", 0.0)
+    monkeypatch.setattr(retention, "REST", 0.0)
 
 
 async def told(store: Store, *new: Event) -> None:

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 from answers import problem
-from databases import Postgres
 from fake_bus import FakeBus
 from gateway_kit import House, draft, gateway
 from heartbeats import events
+from postgres_databases import Postgres
 
 from dray.errors import UnavailableError
 from dray.gateway.live import health, strategist_probe
