@@ -11,6 +11,7 @@ import msgspec
 from msgspec.structs import replace
 
 from dray.plant import Plant, VehicleSpec
+from dray.plant.planning.advice import most_vehicles
 from dray_sim.plants.play import Kind, plant_of
 from dray_sim.run.evidence import HELD
 from dray_sim.run.report import Report
@@ -36,6 +37,8 @@ class FleetSize(msgspec.Struct, frozen=True):
     starvation_frac: float
     """Part of the machines' time in which they waited for material."""
     invariants: str
+    most: int
+    """How many of them the floor bears: `dray plant check` calls more an error."""
 
     @property
     def holds(self) -> bool:
@@ -45,9 +48,10 @@ class FleetSize(msgspec.Struct, frozen=True):
     def tell(self) -> str:
         """A row of the table."""
         broken = "" if self.holds else f" {self.invariants}"
+        named = f" too many: the floor bears {self.most} at most" if self.most < self.vehicles else ""
         return (
             f"{self.vehicles:8d} {self.places:6d} {self.transports:10d} {self.pieces:6d} {self.p50_s:6.0f} "
-            f"{self.p95_s:6.0f} {self.starvation_frac:8.1%}{broken}"
+            f"{self.p95_s:6.0f} {self.starvation_frac:8.1%}{named}{broken}"
         )
 
 
@@ -113,4 +117,5 @@ def _row(plant: Plant, report: Report) -> FleetSize:
         p95_s=report.transport_p95_s,
         starvation_frac=report.starvation_frac,
         invariants=report.invariants,
+        most=most_vehicles(plant),
     )

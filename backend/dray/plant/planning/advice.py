@@ -98,6 +98,11 @@ def _floor(plant: Plant) -> Iterator[Advice]:
         yield Advice(kind, field, text, level="error" if kind in ERRORS else "warning", about=about)
 
 
+def most_vehicles(plant: Plant) -> int:
+    """How many vehicles of its fleet find a place without work, be it in somebody's way."""
+    return min(len(plant.fleet), len(plant.dwell_points) + len(plant.spare_places.all))
+
+
 def _dwell_points(plant: Plant) -> Iterator[Advice]:
     dwell_points, fleet, spare = len(plant.dwell_points), len(plant.fleet), plant.spare_places
     missing = fleet - dwell_points
@@ -108,9 +113,10 @@ def _dwell_points(plant: Plant) -> Iterator[Advice]:
         wait.append(Reason("waits_reserve", count=len(spare.reserve) + len(spare.shut)))
     if spare.others:
         wait.append(Reason("waits_in_way", count=len(spare.others)))
-    homeless = missing - len(spare.all)
+    most = most_vehicles(plant)
+    homeless = fleet - most
     if homeless:
-        wait.append(Reason("waits_nowhere", count=homeless, most=fleet - homeless))
+        wait.append(Reason("waits_nowhere", count=homeless, most=most))
     text = Reason(
         "dwell_points",
         places=dwell_points,
