@@ -42,6 +42,8 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     contract: Contract | None = None
     acknowledged: bool = False
     """A stop was acknowledged and not resumed yet; whether it is stopped is for the body to know."""
+    stopped_itself: bool = False
+    """It has stopped because another one used its name, and no person has seen to it yet."""
     speed_frac: float = 1.0
     out_of_service: OutOfService | None = None
     """By a person's word; None while it is in service."""

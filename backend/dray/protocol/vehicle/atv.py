@@ -218,6 +218,7 @@ class Atv(AgentBase):
         return AtvMemory(
             contract=job.memory() if job is not None else None,
             acknowledged=self._commands.acknowledged,
+            stopped_itself=self._commands.stopped_itself,
             speed_frac=self._driver.speed_frac,
             out_of_service=self._commands.out_of_service,
             sent_to_charge=self._commands.is_sent_to_charge,
