@@ -6,6 +6,7 @@ One word alone is not believed how far numbers have come, and there is no second
 from __future__ import annotations
 
 from collections import deque
+from typing import cast
 
 import pytest
 from book_keeper import beat
@@ -116,7 +117,8 @@ class Floor:
             if not under_way:
                 return
             sender, sent = under_way.popleft()
-            if self.lost and type(sent.message) is self.lost[0] and sent.message.district == DISTRICT:
+            about = getattr(sent.message, "district", "")
+            if self.lost and type(sent.message) is self.lost[0] and about == DISTRICT:
                 self.lost.popleft()
             else:
                 self._deliver(sender, sent.to, sent.message)
@@ -140,7 +142,8 @@ class Floor:
             for keeper, books in self.books.items():
                 heartbeat = beat(seq=int(2.0 * self.now_s), node=HERE)
                 books.handlers({})[AtvHeartbeat]("A", heartbeat, self.now_s)
-                for name, of in self.lives[keeper].timers.due(self.now_s):
+                for tick in self.lives[keeper].timers.due(self.now_s):
+                    name, of = cast(tuple[str, str], tick)
                     books.alarms[name](of, self.now_s)
             for alarm in self.life.timers.due(self.now_s):
                 if isinstance(alarm, tuple) and alarm[0] == WISH_AGAIN:
