@@ -185,9 +185,9 @@ class TaskMemory(Part, frozen=True):
     least_epoch: int = 0
     """A carrier was told that no epoch below this one is right any more; 0 where none was."""
     stranded: StrandedGoods | None = None
-    left_aboard: bool = False
-    """Its carrier has forgotten it, and had its thing on board then."""
     """Its goods wait for a person's word, or to be fetched by another vehicle."""
+    forgotten_aboard: bool = False
+    """Its carrier has forgotten it, and had its thing on board then."""
     disputes: int = 0
     """Handovers of which nothing was counted, since a person has looked last."""
     held: bool = False

@@ -118,8 +118,8 @@ class Bidder:
             self._refusals.note(message, answer.reason, answer.detail)
             return answer.reason
         reckoned = standing.battery_reckoned
-        self._life.effects += offer(
-            message, answer.cost, answer.finish_s, now_s, answer.source, battery_reckoned=reckoned
+        self._life.do(
+            *offer(message, answer.cost, answer.finish_s, now_s, answer.source, battery_reckoned=reckoned)
         )
         return None
 

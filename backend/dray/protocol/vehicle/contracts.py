@@ -233,14 +233,14 @@ class Contracts:
         if self._holds(award):
             # Its answer was lost. From now on this award is the one that binds.
             self._renew(award)
-            self._life.effects.append(accept(sender, award, self._promised_s, now_s))
+            self._life.do(accept(sender, award, self._promised_s, now_s))
             return
         answer = self._bidder.review(award, self._standing(award.task, now_s), now_s)
         if isinstance(answer, Unable):
-            self._life.effects.append(decline(sender, award, answer.reason))
+            self._life.do(decline(sender, award, answer.reason))
         elif award.role is Role.SECONDARY:
             self.standby.watch(award, sender, now_s)
-            self._life.effects.append(accept(sender, award, self._promised_s, now_s))
+            self._life.do(accept(sender, award, self._promised_s, now_s))
             self._life.beat_soon(now_s)
         else:
             contract = _contract(award, sender, answer)
@@ -306,7 +306,7 @@ class Contracts:
         taken = ContractTaken(
             task=contract.task, epoch=contract.epoch, role=Role.PRIMARY, coordinator=contract.coordinator
         )
-        self._life.effects += (how, Record(taken))
+        self._life.do(how, Record(taken))
         self.standby.resign(Reason.HAS_WORK)
         self._owner.stop_resting()
         self._work_search.stop()

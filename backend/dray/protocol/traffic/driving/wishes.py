@@ -22,7 +22,6 @@ from dray.messages.floor.traffic import (
     PlaceWished,
     Rank,
 )
-from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.numbers import OUTBID_MAX
 
@@ -494,9 +493,9 @@ class Wishes:
         if line.asked_all or line.wish is None:
             return
         line.asked_all = True
-        self._life.effects += [
-            Send(keeper, line.wish) for keeper in self._keepers_of[line.wish.district] if keeper != but
-        ]
+        for keeper in self._keepers_of[line.wish.district]:
+            if keeper != but:
+                self._life.send(keeper, line.wish)
 
 
 def _witness(keepers: Sequence[str], epoch: int) -> str:
