@@ -42,6 +42,8 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     contract: Contract | None = None
     acknowledged: bool = False
     """A stop was acknowledged and not resumed yet; whether it is stopped is for the body to know."""
+    stopped_itself: bool = False
+    """It has stopped because another one used its name, and no person has seen to it yet."""
     speed_frac: float = 1.0
     out_of_service: OutOfService | None = None
     """By a person's word; None while it is in service."""
@@ -183,9 +185,9 @@ class TaskMemory(Part, frozen=True):
     least_epoch: int = 0
     """A carrier was told that no epoch below this one is right any more; 0 where none was."""
     stranded: StrandedGoods | None = None
-    left_aboard: bool = False
-    """Its carrier has forgotten it, and had its thing on board then."""
     """Its goods wait for a person's word, or to be fetched by another vehicle."""
+    forgotten_aboard: bool = False
+    """Its carrier has forgotten it, and had its thing on board then."""
     disputes: int = 0
     """Handovers of which nothing was counted, since a person has looked last."""
     held: bool = False

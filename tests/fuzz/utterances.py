@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import msgspec
+from hypothesis import reject
 from hypothesis import strategies as st
 
 from dray.messages import AnyMessage, Message
@@ -43,6 +44,14 @@ NO_IDS = {
     )
 }
 """By pattern, something of it."""
+
+
+def made(kind: type[msgspec.Struct], values: dict[str, Any]) -> msgspec.Struct:
+    """A value of a type; one in which fields do not fit one another is not drawn."""
+    try:
+        return kind(**values)
+    except ValueError:
+        reject()
 
 
 class Utterances:
@@ -73,7 +82,7 @@ class Utterances:
         for field in msgspec.structs.fields(kind):
             into = required if field.required else optional
             into[field.name] = self._value(field.type, field.name)
-        return st.fixed_dictionaries(required, optional=optional).map(lambda values: kind(**values))
+        return st.fixed_dictionaries(required, optional=optional).map(functools.partial(made, kind))
 
     def _value(self, hint: Any, name: str) -> st.SearchStrategy[Any]:
         origin, args = typing.get_origin(hint), typing.get_args(hint)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import enum
+import functools
 import json
 import types
 import typing
@@ -11,7 +12,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
 from dray.codec import MAX_BYTES, decode, encode
@@ -90,7 +91,15 @@ def of_struct(kind: type[msgspec.Struct]) -> st.SearchStrategy[Any]:
     optional: dict[str, st.SearchStrategy[Any]] = {}
     for field in msgspec.structs.fields(kind):
         (required if field.required else optional)[field.name] = of_type(field.type)
-    return st.fixed_dictionaries(required, optional=optional).map(lambda values: kind(**values))
+    return st.fixed_dictionaries(required, optional=optional).map(functools.partial(made, kind))
+
+
+def made(kind: type[msgspec.Struct], values: dict[str, Any]) -> msgspec.Struct:
+    """A value of a type; one in which fields do not fit one another is not drawn."""
+    try:
+        return kind(**values)
+    except ValueError:
+        reject()
 
 
 def of_type(hint: Any) -> st.SearchStrategy[Any]:
@@ -269,6 +278,22 @@ def test_a_time_that_is_no_number_is_refused_by_the_peer() -> None:
 def test_a_newer_wire_version_is_told_apart(v: int, message: dict[str, Any]) -> None:
     with pytest.raises(NewerVersion, match=f"wire version {v}"):
         decode(wire(message, v=v))
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"type": "PlaceBooked", "district": "M1", "epoch": 3, "version": 4},
+        {"type": "BookTold", "district": "M1", "epoch": 3, "lost": False, "kept_epoch": 3, "version": 4},
+    ],
+    ids=lambda message: message["type"],
+)
+def test_a_book_with_a_line_under_a_number_that_it_has_not_given_is_refused(message: dict[str, Any]) -> None:
+    lines = [{"place": "a", "number": 4, "atv": "A"}, {"place": "b", "number": 5, "atv": "A"}]
+    decode(wire(message | {"bookings": lines[:1]}))
+    with pytest.raises(WireError) as refused:
+        decode(wire(message | {"bookings": lines}))
+    assert "`number` 5 is above `version` 4 - at `$.bookings[1].number`" in str(refused.value)
 
 
 def test_a_message_longer_than_the_bound_is_refused_unread() -> None:

@@ -44,6 +44,10 @@ class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     also: IdOrNone = ""
     """What a vehicle must be able to carry beside `ability`, where somebody wants that; empty for nothing."""
 
+    def is_for_any(self, now_s: float) -> bool:
+        """Whether no vehicle alone may carry it, or may no longer (plant clock)."""
+        return not self.vehicle or (self.vehicle_until_s is not None and self.vehicle_until_s <= now_s)
+
     @property
     def needed(self) -> tuple[str, ...]:
         """The abilities that its vehicle must have."""

@@ -202,6 +202,8 @@ class Operator:
             del self._stops[atv]
         if heartbeat.problem:
             return Duty.HELP, heartbeat.help.until_s if heartbeat.help is not None else float("inf")
+        if self._calls_to_be_let_go(atv):
+            return Duty.HELP, float("inf")
         if self._slowed.get(atv, now_s) < now_s:
             return Duty.SPEED_UP, now_s
         if heartbeat.link is Link.WLAN:
@@ -211,6 +213,11 @@ class Operator:
         elif self._mesh_s.setdefault(atv, now_s) + self._habits.silent_s < now_s and heartbeat.task is None:
             return Duty.RECONNECT, self._mesh_s[atv]
         return None
+
+    def _calls_to_be_let_go(self, atv: str) -> bool:
+        """Whether a vehicle has stopped by itself, and calls this person."""
+        shown = self.duty.shown(atv)
+        return shown is not None and shown.call.reason == DOUBLED
 
     def _is_here(self, heard: LastHeard) -> bool:
         return self._whose(heard) == self._area
@@ -244,7 +251,7 @@ class Operator:
         """Mend a vehicle, where it is still needed; False when somebody else comes."""
         walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
         promises = self._random.random() < self._habits.promises_frac
-        doubled = self._heard[atv].heartbeat.problem == DOUBLED
+        doubled = self._heard[atv].heartbeat.problem == DOUBLED or self._calls_to_be_let_go(atv)
         estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
         if not await self._is_taken(atv, estimate_s):
             return False

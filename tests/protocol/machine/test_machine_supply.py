@@ -9,7 +9,7 @@ from rigs import MachineRig
 from spoken import production
 
 from dray.body import Broken, Repaired
-from dray.messages import TaskAnnounced, Transport
+from dray.messages import TaskAnnounced, Transport, TransportCancelled, TransportOrdered
 
 
 def test_without_a_goal_nothing_is_ordered_however_empty_the_buffers_are() -> None:
@@ -56,6 +56,17 @@ def test_one_need_is_never_ordered_twice() -> None:
     rig.report(Broken(reason="oil"))
     rig.report(Repaired())
     assert incoming(rig.all) == [("housing", 24)]
+
+
+def test_what_a_called_transport_was_to_bring_is_ordered_when_people_call_it_off() -> None:
+    """A starved machine that has counted on it has no other occasion."""
+    rig = m7(NO_HOUSINGS)
+    [source, *_] = PLANT.storages_of("housing")
+    rig.on_message("gateway", TransportOrdered("T-1", source, "housing", 24, 900.0))
+    rig.take_goal("G1", production(quantity=24))
+    assert [task for task in incoming(rig.all) if task[0] == "housing"] == [("housing", 24)]
+    called_off = rig.on_message("gateway", TransportCancelled("T-1"))
+    assert incoming(called_off) == [("housing", 24)]
 
 
 def test_no_more_is_ordered_than_all_goals_need() -> None:

@@ -8,6 +8,7 @@ message costs time, and nothing else.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import StrEnum
 from math import floor
 from typing import Annotated
@@ -122,6 +123,24 @@ class PlaceBooking(Part, frozen=True):
 
 
 Bookings = Annotated[tuple[PlaceBooking, ...], Meta(max_length=DISTRICT_MAX)]
+
+
+def line_beyond(bookings: Iterable[PlaceBooking], version: int) -> str:
+    """What is wrong with a book: the first line under a number that it has not given yet, in words; empty for nothing."""
+    for at, line in enumerate(bookings):
+        if line.number > version:
+            return f"`number` {line.number} is above `version` {version} - at `$.bookings[{at}].number`"
+    return ""
+
+
+def _check_lines(book: PlaceBooked | BookTold) -> None:
+    """Refuse a book that names grants of the future: its reader would take what is granted then for old.
+
+    Raises:
+        ValueError: a line's number is above the version.
+    """
+    if fault := line_beyond(book.bookings, book.version):
+        raise ValueError(fault)
 
 
 class Removed(Part, frozen=True):
@@ -243,10 +262,14 @@ class PlaceBooked(Message, said_by=DOCKS, frozen=True):
     district: Id
     epoch: Count
     version: Count
+    """The highest number that was given: no line has a higher one."""
     bookings: Bookings
     removed: AllRemoved = ()
     given_back: Annotated[tuple[GivenBack, ...], Meta(max_length=DISTRICT_MAX)] = ()
     """By which lines were struck out that counted before: nobody copies a book that takes a place from a vehicle without its word."""
+
+    def __post_init__(self) -> None:
+        _check_lines(self)
 
 
 class BookKept(Message, said_by=DOCKS, frozen=True):
@@ -275,10 +298,14 @@ class BookTold(Message, said_by=DOCKS, frozen=True):
     kept_epoch: Count
     """Of the one who has written the copy."""
     version: Count
+    """The highest number that was given: no line has a higher one."""
     bookings: Bookings
     removed: AllRemoved = ()
     began: Count = 0
     """The epoch of the book that it copied when it had lost its memory, in this life; 0 where it had not."""
+
+    def __post_init__(self) -> None:
+        _check_lines(self)
 
 
 def wished_words(atv: str, wish: PlaceWished) -> bytes:

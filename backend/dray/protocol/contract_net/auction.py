@@ -48,7 +48,7 @@ from dray.protocol.contract_net.terms import SPAN_MAX_S, SPANS_MAX, Place, Terms
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import NEVER_S, Publish, Record, Send
+from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 BIDS_KEPT = 1024
@@ -342,7 +342,8 @@ class Auction:
         self.wake_at_s = now_s + self._rules.window_in_s(self.round)
         self._tell_opened(self.wake_at_s)
         announcement = self._announcement(self.wake_at_s, now_s)
-        self._life.effects.extend(Publish(key, announcement) for key in self._audience(self.radius_m))
+        for key in self._audience(self.radius_m):
+            self._life.publish(key, announcement)
 
     def _begin(self, now_s: float) -> None:
         self._opened_s = now_s
@@ -421,7 +422,8 @@ class Auction:
             primary=terms.primary,
             number=self.number,
         )
-        self._life.effects += (Record(fact), Send(bidder, award))
+        self._life.record(fact)
+        self._life.send(bidder, award)
 
     def _rest(self, now_s: float) -> None:
         reaches_all = self.radius_m >= self._place.reach_m

@@ -47,8 +47,8 @@ class CarrierContract:
         "bound_s",
         "detector",
         "first_promised_s",
+        "forgotten_aboard",
         "held_s",
-        "left_aboard",
         "phase",
         "phase_s",
         "primary",
@@ -72,7 +72,7 @@ class CarrierContract:
         """How the primary comes on, while it is followed."""
         self.unnamed_s = NEVER_S
         """Since when the primary does not name the task in its heartbeat."""
-        self.left_aboard = False
+        self.forgotten_aboard = False
         """The primary has forgotten it, and had its thing on board then."""
         self.phase: Phase | None = None
         """How far the primary had come when it was heard last; None before it has said so."""
@@ -285,7 +285,7 @@ class OpenTask:
             recovered=self.recovered,
             least_epoch=self.least_epoch,
             stranded=self.stranded,
-            left_aboard=self.contract.left_aboard,
+            forgotten_aboard=self.contract.forgotten_aboard,
             disputes=self.disputes,
             held=self.is_held,
         )

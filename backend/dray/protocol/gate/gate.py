@@ -50,7 +50,6 @@ from dray.protocol.people.words import PassedWords
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Send
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.runtime.life import BEAT
 from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
@@ -88,7 +87,6 @@ class DeliveryGate(AgentBase):
         super().__init__(agent, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._software = software
         self._beat_key = Keys(plant.id).station_heartbeat(agent)
-        self._heartbeat_timer = HeartbeatTimer(agent, self._life)
         self._since = incarnation
         self._goals = Admissions(kept)
         self._orders = OrderHolders(self._goals)
@@ -154,13 +152,13 @@ class DeliveryGate(AgentBase):
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._say_status(now_s)
-        self._heartbeat_timer.go_on(IDLE_INTERVAL_S, now_s)
+        self._life.beat_again(IDLE_INTERVAL_S, now_s)
 
     def _say_status(self, now_s: float) -> None:
         said = StationHeartbeat(
             station=self.id,
             incarnation=self.incarnation,
-            seq=self._heartbeat_timer.count(),
+            seq=self._life.count_beat(),
             at_s=now_s,
             software=self._software,
             draining=self._shutdown.begun,

@@ -102,13 +102,13 @@ class GoalBidder:
         cost = self._quote(work, message.deadline_s, now_s)
         finish_s = now_s + cost.takes_s
         self._quoted_s[message.task] = finish_s
-        self._life.effects += offer(message, cost, finish_s, now_s)
+        self._life.do(*offer(message, cost, finish_s, now_s))
 
     def on_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
         """Take a goal or decline it; True when it was taken just now."""
         work = award.work
         if not isinstance(work, Production) or not self._is_able(work):
-            self._life.effects.append(decline(sender, award, Refusal.ABILITY))
+            self._life.do(decline(sender, award, Refusal.ABILITY))
             return False
         known = self._goals.get(award.task)
         if known is not None:
@@ -120,7 +120,7 @@ class GoalBidder:
             return False
         reason = self._why_not(sender, award.task, work, award.deadline_s, unfit, now_s)
         if reason is not None:
-            self._life.effects.append(decline(sender, award, reason))
+            self._life.do(decline(sender, award, reason))
             return False
         goal = Goal(award.task, work, award.deadline_s, sender, award.epoch, award.number)
         goal.held = max((each.held for each in self._of_order(work.order)), default=1)

@@ -58,8 +58,7 @@ from dray.protocol.machine.status_report import StatusReport, introduction
 from dray.protocol.machine.supply import Supply
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Leave, Subscribe
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.events import Leave
 from dray.protocol.runtime.life import BEAT
 from dray.protocol.runtime.running import ALONE, Running
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
@@ -104,7 +103,6 @@ class Machine(AgentBase):
         self._plant = plant = KnownFloor(plant)
         self._closures = ClosedIn(machine, plant, self.pursue, self._life)
         self._spec = plant.machines[machine]
-        self._heartbeat_timer = HeartbeatTimer(self.id, self._life)
         self._keys = Keys(plant.id)
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
@@ -163,7 +161,6 @@ class Machine(AgentBase):
             software,
             introduction(self._spec) if joining else None,
             self._keys,
-            self._heartbeat_timer,
             self._goals,
             self._supply,
             self._flow,
@@ -214,10 +211,10 @@ class Machine(AgentBase):
         self._flow.dismiss(body.gone)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
         self._flow.goods.count()
-        self._life.effects += [
-            Subscribe(self._keys.goals(each)) for each in (*self._goals.products.own, self.id)
-        ]
-        self._life.effects += (Subscribe(self._keys.all_free), *self._docks)
+        for each in (*self._goals.products.own, self.id):
+            self._life.subscribe(self._keys.goals(each))
+        self._life.subscribe(self._keys.all_free)
+        self._life.do(*self._docks)
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)
@@ -264,7 +261,7 @@ class Machine(AgentBase):
     def _beat(self, _about: None, now_s: float) -> None:
         expected = not self._shutdown.begun
         self._flow.goods_recovery.update_calls(self._breakdown.calls, now_s, expected=expected)
-        self._heartbeat_timer.go_on(interval_s(self._report.say(now_s)), now_s)
+        self._life.beat_again(interval_s(self._report.say(now_s)), now_s)
 
     def _was_deaf(self, span_s: float) -> None:
         self._flow.subscriptions.arrivals.deaf_s += span_s

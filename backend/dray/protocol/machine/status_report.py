@@ -28,7 +28,6 @@ from dray.protocol.machine.people.breakdown import Breakdown
 from dray.protocol.machine.people.command_handling import MachineCommandHandling
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.machine.supply import Supply
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 
@@ -57,7 +56,6 @@ class StatusReport:
         software: the version it runs.
         joining: what it is, where the plant files of others do not know it.
         keys: of its plant.
-        timer: numbers heartbeats.
         goals, supply, flow, cycle, documents, breakdown, commands, probation, bookkeeping: the machine's parts.
 
     Attributes:
@@ -70,7 +68,6 @@ class StatusReport:
         software: str,
         joining: JoiningMachine | None,
         keys: Keys,
-        timer: HeartbeatTimer,
         goals: GoalBook,
         supply: Supply,
         flow: MaterialFlow,
@@ -86,7 +83,6 @@ class StatusReport:
         self._software = software
         self._joining = joining
         self._key = keys.machine_heartbeat(owner.id)
-        self._timer = timer
         self._goals = goals
         self._supply = supply
         self._flow = flow
@@ -111,7 +107,7 @@ class StatusReport:
         heartbeat = MachineHeartbeat(
             machine=self._owner.id,
             incarnation=self._owner.incarnation,
-            seq=self._timer.count(),
+            seq=self._life.count_beat(),
             at_s=now_s,
             status=self.status,
             product=self._cycle.product,

@@ -23,7 +23,6 @@ from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.operator.commitment import Commitment
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.runtime.life import BEAT
 
 LINGER_S = 30.0
@@ -61,7 +60,6 @@ class Operator(AgentBase):
     def __init__(self, operator: str, plant: str, *, incarnation: int = 1) -> None:
         super().__init__(operator, incarnation, leaves_within_s=LEAVES_WITHIN_S)
         self._keys = Keys(plant)
-        self._heartbeat_timer = HeartbeatTimer(self.id, self._life)
         self._duty = DutyState()
         self._lingers_until_s = 0.0
         """Of a tablet that is gone."""
@@ -112,7 +110,7 @@ class Operator(AgentBase):
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._say_status(now_s)
-        self._heartbeat_timer.go_on(IDLE_INTERVAL_S, now_s)
+        self._life.beat_again(IDLE_INTERVAL_S, now_s)
 
     def _say_status(self, now_s: float) -> None:
         duty, taken = self._duty, self._commitment
@@ -120,7 +118,7 @@ class Operator(AgentBase):
         heartbeat = OperatorHeartbeat(
             operator=self.id,
             incarnation=self.incarnation,
-            seq=self._heartbeat_timer.count(),
+            seq=self._life.count_beat(),
             at_s=now_s,
             status=DutyStatus.BUSY if busy else DutyStatus.BREAK if duty.on_break else DutyStatus.FREE,
             areas=duty.areas,

@@ -14,7 +14,6 @@ from dray.messages import CommandAnswered, CommandRefusal, Grant, MachineCommand
 from dray.messages.fact import CommandObeyed
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Record, Send
 from dray.protocol.runtime.life import Life
 
 COMMANDS_KEPT = 32
@@ -148,7 +147,8 @@ class GrantedCommands(Generic[C]):
             detail=detail,
             issued_by=command.issued_by,
         )
-        self._life.effects += (Send(sender, _answer(command, refused, detail)), Record(fact))
+        self._life.send(sender, _answer(command, refused, detail))
+        self._life.record(fact)
 
 
 def _answer(

@@ -52,7 +52,7 @@ class AgentBase:
     def __init__(self, agent: str, incarnation: int, *, leaves_within_s: float) -> None:
         self.id = agent
         self.incarnation = incarnation
-        self._life = Life()
+        self._life = Life(agent)
         self._shutdown = GracefulShutdown(leaves_within_s)
         self._last_word = Leave()
         self._message_handlers: dict[type[Message], Handler] = {}
@@ -153,7 +153,7 @@ class AgentBase:
             return
         self._shutdown.complete()
         self._take_leave(now_s)
-        self._life.effects.append(self._last_word)
+        self._life.do(self._last_word)
 
     def _sound_alarms(self, now_s: float) -> None:
         for name in self._life.timers.due(now_s):

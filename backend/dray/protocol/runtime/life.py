@@ -16,7 +16,7 @@ from dray.protocol.runtime.events import (
     Subscribe,
     Unsubscribe,
 )
-from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.timers import Timers, spread_frac
 
 BEAT = "beat"
 """Alarm: the next heartbeat is due."""
@@ -25,18 +25,28 @@ BEAT = "beat"
 class Life:
     """One life of an agent.
 
+    Args:
+        agent: whose.
+
     Attributes:
+        beats: the number of its newest heartbeat.
         effects: of this step, in their order.
         timers: the agent's alarms.
         unwritten: what the agent is bound by has changed in this step.
     """
 
-    __slots__ = ("effects", "timers", "unwritten")
+    __slots__ = ("_agent", "beats", "effects", "timers", "unwritten")
 
-    def __init__(self) -> None:
+    def __init__(self, agent: str = "") -> None:
+        self._agent = agent
+        self.beats = 0
         self.effects: list[Effect] = []
         self.timers = Timers()
         self.unwritten = False
+
+    def do(self, *effects: Effect) -> None:
+        """Have these done, in their order, after those of this step so far; what is made elsewhere, or is no one-liner below."""
+        self.effects.extend(effects)
 
     def send(self, to: str, message: Message) -> None:
         """Say something to one agent."""
@@ -76,6 +86,17 @@ class Life:
     def beat_soon(self, now_s: float) -> None:
         """Send a heartbeat at the end of this step, because it tells something new."""
         self.timers.set(BEAT, now_s)
+
+    def count_beat(self) -> int:
+        """Count one more heartbeat. Returns its number."""
+        self.beats += 1
+        return self.beats
+
+    def beat_again(self, interval_s: float, now_s: float) -> None:
+        """It has beaten: do it again after an interval; the first time earlier, by a part that its name gives."""
+        if self.beats == 1:
+            interval_s *= 0.5 + spread_frac(self._agent) / 2
+        self.alarm(BEAT, now_s + interval_s)
 
     def alarm(self, name: Hashable, at_s: float) -> None:
         """Sound `name` at `at_s`; one that is set already is moved."""

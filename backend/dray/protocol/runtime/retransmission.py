@@ -98,5 +98,5 @@ class Retransmitter:
         effect, message = said.effect, said.effect.message
         if isinstance(message, Accepted | TakenOver):
             effect = replace(effect, message=replace(message, at_s=now_s))
-        self._life.effects.append(effect)
+        self._life.do(effect)
         self._life.alarm((self._alarm, about), now_s + self._every_s)

@@ -26,8 +26,6 @@ from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Instruct, Subscribe
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.runtime.life import BEAT
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
@@ -68,7 +66,6 @@ class Station(AgentBase):
         super().__init__(storage, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._software = software
         self._beat_key = Keys(plant.id).station_heartbeat(storage)
-        self._heartbeat_timer = HeartbeatTimer(self.id, self._life)
         plant = KnownFloor(plant)
         self._closures = ClosureListener(plant, None, self._life)
         self._keys = Keys(plant.id)
@@ -160,7 +157,8 @@ class Station(AgentBase):
         bringing = {task.primary for task in self._flow.tasks}
         self._issuing.shut_unknown(vehicle for vehicle in state.opened if vehicle not in bringing)
         self._flow.dismiss(state.gone)
-        self._life.effects += (Subscribe(self._keys.all_free), *self._docks)
+        self._life.subscribe(self._keys.all_free)
+        self._life.do(*self._docks)
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(not memory, now_s)
@@ -198,13 +196,13 @@ class Station(AgentBase):
         if self._flow.called:
             self._go_on(now_s)
         self._held_loads.update_calls(now_s, expected=not self._shutdown.begun)
-        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
+        self._life.beat_again(interval_s(self._say_status(now_s)), now_s)
 
     def _say_status(self, now_s: float) -> StationHeartbeat:
         heartbeat = StationHeartbeat(
             station=self.id,
             incarnation=self.incarnation,
-            seq=self._heartbeat_timer.count(),
+            seq=self._life.count_beat(),
             at_s=now_s,
             stocks=self._told,
             tasks=tuple(task.brief() for task in self._flow.tasks),
@@ -275,7 +273,8 @@ class Station(AgentBase):
                 self._refilling.pursue(now_s, self._uncounted)
         self._flow.called.review(now_s)
         if self._fills_itself:
-            self._life.effects.extend(Instruct(Refill(item=item)) for item in self._book.short_items)
+            for item in self._book.short_items:
+                self._life.instruct(Refill(item=item))
         levels = tuple(
             replace(
                 level,

@@ -11,7 +11,6 @@ from dray.messages import AtvHeartbeat, GoalBrief, MachineHeartbeat, Message, St
 from dray.messages.fact import GoalWithdrawn, Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.events import Subscribe
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.strategist.machine_monitor import MachineMonitor
@@ -68,8 +67,8 @@ class PartGoals:
     def start(self, now_s: float) -> None:
         """Hear what lies where, and plan from now on."""
         if self._plant.parts:
-            keys = self._keys
-            self._life.effects += (Subscribe(keys.all_station_heartbeats), Subscribe(keys.all_atv_heartbeats))
+            self._life.subscribe(self._keys.all_station_heartbeats)
+            self._life.subscribe(self._keys.all_atv_heartbeats)
             self._life.alarm(PLAN, now_s + PLAN_EVERY_S)
 
     def excuse(self, span_s: float) -> None:

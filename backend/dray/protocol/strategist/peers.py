@@ -7,8 +7,6 @@ from collections.abc import Callable
 from dray.messages import StrategistHeartbeat
 from dray.messages.keys import Keys
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, WORKING_INTERVAL_S
-from dray.protocol.runtime.events import Subscribe
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
 
@@ -39,7 +37,6 @@ class Peers:
     ) -> None:
         self._agent, self._incarnation, self._keys, self._life = agent, incarnation, keys, life
         self._orders = orders
-        self._rhythm = HeartbeatTimer(agent, life)
         self._heard_s = dict.fromkeys(others, 0.0)
         self._newest = dict.fromkeys(others, (0, 0))
         """Incarnation and number of the newest heartbeat."""
@@ -49,16 +46,17 @@ class Peers:
         """Speak and listen; until they have had time to speak all are believed to be there."""
         self._heard_s = dict.fromkeys(self._heard_s, now_s)
         self._life.subscribe(self._keys.all_strategist_heartbeats)
-        self._life.effects += [Subscribe(self._keys.events(other)) for other in self._heard_s]
+        for other in self._heard_s:
+            self._life.subscribe(self._keys.events(other))
         self._life.beat_soon(now_s)
 
     def beat(self, now_s: float) -> None:
         """Say that this one is there."""
         said = StrategistHeartbeat(
-            self._agent, self._incarnation, self._rhythm.count(), now_s, self._orders()
+            self._agent, self._incarnation, self._life.count_beat(), now_s, self._orders()
         )
         self._life.publish(self._keys.strategist_heartbeat(self._agent), said)
-        self._rhythm.go_on(WORKING_INTERVAL_S, now_s)
+        self._life.beat_again(WORKING_INTERVAL_S, now_s)
 
     def on_heartbeat(self, sender: str, heartbeat: StrategistHeartbeat, now_s: float) -> None:
         """Another one is there."""

@@ -194,7 +194,7 @@ class Strategist(AgentBase):
             self._shared.restore(memory, gate)
         elif not memory:
             # What the gate still lets in was given out by a life that is forgotten, and its orders come again.
-            self._life.effects.extend(Instruct(Admit(goal=goal, quantity=0)) for goal in gate.arrived)
+            self._life.do(*(Instruct(Admit(goal=goal, quantity=0)) for goal in gate.arrived))
         for goal in list(self._book):
             if not goal.machine:
                 # An award may be under way that nobody remembers: an answer to it comes too late.

@@ -158,7 +158,7 @@ class Failover:
                 self.aboard.goes_on(task)
         elif task.contract.unnamed_s == NEVER_S:
             task.contract.unnamed_s = now_s
-        elif task.contract.left_aboard:
+        elif task.contract.forgotten_aboard:
             if heartbeat.load == THING:
                 self.aboard.note_place(task, heartbeat.node)
         elif now_s - task.contract.unnamed_s > UNNAMED_S:
@@ -297,8 +297,8 @@ class Failover:
         last = detector.last
         if task.is_thing and reason is Reason.FORGOTTEN and last is not None and last.load == THING:
             # A person takes it off, whatever its carrier says of it after that.
-            task.contract.left_aboard = True
-        if task.contract.left_aboard or detector.failure(now_s):
+            task.contract.forgotten_aboard = True
+        if task.contract.forgotten_aboard or detector.failure(now_s):
             self.aboard.strand(task, now_s)
             self._remedies.wait(task, reason, now_s)
         elif task.is_of_goods or cast(Transport, task.work).handed_at:

@@ -84,7 +84,7 @@ class LeftAboard:
         """Their carrier is well again; harmless when it was."""
         if task.state is TaskState.STRANDED:
             task.states.enter(TaskState.IN_TRANSIT)
-            task.contract.left_aboard = False
+            task.contract.forgotten_aboard = False
             self.forget(task)
 
     def note_place(self, task: OpenTask, node: str) -> None:

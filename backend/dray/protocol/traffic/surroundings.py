@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable
 import msgspec
 
 from dray.messages.floor.traffic import FloorTold, OnFloor
-from dray.protocol.runtime.events import Unsubscribe
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.places import Places
 
@@ -57,7 +56,9 @@ class Surroundings:
         self._inside = inside
         heard = tuple(dict.fromkeys(near for one in sorted(inside) for near in self._places.around(one)))
         before, self._heard = self._heard, heard
-        self._life.effects += [Unsubscribe(self._key_of(one)) for one in before if one not in heard]
+        for district in before:
+            if district not in heard:
+                self._life.unsubscribe(self._key_of(district))
         for district in heard:
             if district in before:
                 continue

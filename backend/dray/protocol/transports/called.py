@@ -182,13 +182,14 @@ class CalledTransports:
             self.review(now_s)
             self._answer(sender, called.id, self._state_of(called.id) or called.state)
 
-    def on_cancelled(self, sender: str, message: TransportCancelled, now_s: float) -> None:
-        """Somebody does not need a transport any more."""
+    def on_cancelled(self, sender: str, message: TransportCancelled) -> bool:
+        """Somebody does not need a transport any more; returns whether it has ended by that."""
         if not self._may_ask(sender, message.transport, sender):
             self._life.ignore("a machine called off what it has not asked for")
-            return
+            return False
         called = self._open.get(message.transport)
-        if called is not None and not self._is_on_board(called):
+        ends = called is not None and not self._is_on_board(called)
+        if called is not None and ends:
             task = self._flow.tasks.get(called.task)
             if task is not None:
                 self._flow.cancel(task)
@@ -200,6 +201,7 @@ class CalledTransports:
             self._note_ended(message.transport, TransportState.CANCELLED, None)
         state = self._state_of(message.transport) or TransportState.CANCELLED
         self._answer(sender, message.transport, state)
+        return ends
 
     # --- what becomes of them ---
 

@@ -25,7 +25,6 @@ from msgspec.structs import replace
 from dray.messages import MaterialWait, Phase, StockAsked, StockFreed, StockReserved, StockShort, Transport
 from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
 
 SOURCE = "source"
@@ -328,10 +327,12 @@ class Sourcing:
 
     def _ask(self, task: str, epoch: int, work: Transport, stations: tuple[str, ...]) -> None:
         asked = StockAsked(task=task, epoch=epoch, item=work.item, quantity=work.quantity)
-        self._life.effects.extend(Send(station, asked) for station in stations)
+        for station in stations:
+            self._life.send(station, asked)
 
     def _free(self, task: str, stations: tuple[str, ...] | list[str], *, fetched: bool = False) -> None:
-        self._life.effects.extend(Send(station, StockFreed(task, fetched=fetched)) for station in stations)
+        for station in stations:
+            self._life.send(station, StockFreed(task, fetched=fetched))
 
 
 def _is_material(task: OpenTask, place: str) -> bool:

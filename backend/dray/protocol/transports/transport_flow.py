@@ -188,7 +188,7 @@ class TransportFlow:
             DockExpected: self.tasks.waits.on_expected,
             Handover: self._handovers.on_handover,
             TransportOrdered: self._on_ordered,
-            TransportCancelled: self.called.on_cancelled,
+            TransportCancelled: self._on_cancelled,
         }
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {
             RECOVERY_WAIT: self._end_recovery,
@@ -354,6 +354,11 @@ class TransportFlow:
             self._life.ignore(NOT_REMEMBERED)
         else:
             self.called.on_ordered(sender, order, now_s)
+
+    def _on_cancelled(self, sender: str, message: TransportCancelled, now_s: float) -> None:
+        if self.called.on_cancelled(sender, message):
+            # The place may need what is not brought now, and has counted on it.
+            self._owner.pursue(now_s)
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)

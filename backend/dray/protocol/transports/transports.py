@@ -405,7 +405,7 @@ class Transports(Coordinator):
         task.assign(CarrierContract(memory.primary, memory.source, memory.promised_s))
         if memory.loaded:
             task.states.enter(TaskState.IN_TRANSIT)
-        task.contract.left_aboard = memory.left_aboard
+        task.contract.forgotten_aboard = memory.forgotten_aboard
         self.failover.follow(task, IDLE_INTERVAL_S, now_s)
         if memory.secondary:
             self._secondaries.restore(task, memory.secondary, memory.watch_number, now_s)

@@ -49,7 +49,6 @@ from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
@@ -129,7 +128,6 @@ class Atv(AgentBase):
         self.sign_wish = sign_wish
         self.floor = plant = KnownFloor(plant)
         self._type = vehicle_type or plant.fleet[atv].type
-        self._heartbeat_timer = HeartbeatTimer(self.id, self._life)
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.atv_heartbeat(atv)
         self._driver = driver_of(self, plant, self._type, traffic, self._life)
@@ -144,7 +142,7 @@ class Atv(AgentBase):
         authority, assistance = CommandAuthorisation(atv, plant, trusts), Assistance(self._life)
         self._commands = CommandHandling(authority, assistance, self._driver, self._charging, self._life)
         self._status_report = StatusReport(
-            self, software, self._heartbeat_timer, self._driver, self._contracts, self._idle, self._commands
+            self, software, self._driver, self._contracts, self._idle, self._commands, self._life
         )
         self._closures = ClosureHandling(plant, trusts, self._contracts, self._idle, self._life)
         self.problems = ProblemHandling(
@@ -218,6 +216,7 @@ class Atv(AgentBase):
         return AtvMemory(
             contract=job.memory() if job is not None else None,
             acknowledged=self._commands.acknowledged,
+            stopped_itself=self._commands.stopped_itself,
             speed_frac=self._driver.speed_frac,
             out_of_service=self._commands.out_of_service,
             sent_to_charge=self._commands.is_sent_to_charge,
@@ -235,7 +234,7 @@ class Atv(AgentBase):
     def _beat(self, _about: None, now_s: float) -> None:
         self._contracts.bring_back(now_s)
         self.problems.update_call(now_s)
-        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
+        self._life.beat_again(interval_s(self._say_status(now_s)), now_s)
         self._charging.note(self.battery_frac, self._driver.next_node)
         if self._contracts.job is None:
             self._idle.check_battery(self.battery_frac, now_s)
@@ -353,6 +352,10 @@ class Atv(AgentBase):
 
     def unfit(self) -> str:
         return self._status_report.unfit(self.link)
+
+    @property
+    def silent_one(self) -> str:
+        return self.obstacles.silent_one
 
     def stop_resting(self) -> None:
         self._idle.stop()

@@ -45,6 +45,8 @@ class Standing(msgspec.Struct, frozen=True):
     watches: int
     battery_reckoned: bool = False
     """`battery_frac` is not measured."""
+    silent_one: str = ""
+    """A silent vehicle that it has waited for in vain; empty for none."""
     is_reserve: bool = False
     """It belongs to the reserve of a fleet that is too large for the roads (`dray.plant.spare_places`)."""
 
@@ -116,8 +118,8 @@ class Bidder:
             self._refusals.note(message, answer.reason, answer.detail)
             return answer.reason
         reckoned = standing.battery_reckoned
-        self._life.effects += offer(
-            message, answer.cost, answer.finish_s, now_s, answer.source, battery_reckoned=reckoned
+        self._life.do(
+            *offer(message, answer.cost, answer.finish_s, now_s, answer.source, battery_reckoned=reckoned)
         )
         return None
 
@@ -185,6 +187,7 @@ class Bidder:
             now_s=now_s,
             deadline_s=deadline_s,
             speed_frac=standing.speed_frac,
+            silent_one=standing.silent_one,
             wait_s=lambda place, comes_s: (
                 self._waits.expect_s(place, now_s)
                 + wait_s(self._expected.get(place) or (), comes_s, self._atv)

@@ -11,7 +11,7 @@ from dray.messages import Closures
 from dray.messages.fact import ClosuresKnown
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
-from dray.protocol.runtime.events import Commit, Record
+from dray.protocol.runtime.events import Commit
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.vehicle.contracts import Contracts
@@ -44,10 +44,8 @@ class ClosureHandling(ClosureListener):
 
     def _note(self, said: Closures) -> None:
         # Written down first: what it has told to know, its next life knows.
-        self._life.effects += (
-            Commit(ClosuresMemory(said), CLOSURES),
-            Record(ClosuresKnown(number=said.number)),
-        )
+        self._life.do(Commit(ClosuresMemory(said), CLOSURES))
+        self._life.record(ClosuresKnown(number=said.number))
 
     def _follow(self, now_s: float) -> None:
         if self._contracts.job is None:

@@ -71,6 +71,10 @@ class Owner(Protocol):
     def unfit(self) -> str:
         """Why it may take no work at all; empty when it may."""
 
+    @property
+    def silent_one(self) -> str:
+        """A silent vehicle that it has waited for in vain, and has told of; empty for none."""
+
     def stop_resting(self) -> None:
         """Leave the charger or parking place: there is work."""
 
@@ -184,6 +188,7 @@ class Contracts:
             battery_frac=self._owner.battery_frac,
             battery_reckoned=self._owner.battery_reckoned,
             unfit=self._owner.unfit(),
+            silent_one=self._owner.silent_one,
             busy_with=self.job.task if self.job is not None else "",
             watches=len(self.standby) - (task in self.standby),
             is_reserve=self._owner.is_reserve,
@@ -228,14 +233,14 @@ class Contracts:
         if self._holds(award):
             # Its answer was lost. From now on this award is the one that binds.
             self._renew(award)
-            self._life.effects.append(accept(sender, award, self._promised_s, now_s))
+            self._life.do(accept(sender, award, self._promised_s, now_s))
             return
         answer = self._bidder.review(award, self._standing(award.task, now_s), now_s)
         if isinstance(answer, Unable):
-            self._life.effects.append(decline(sender, award, answer.reason))
+            self._life.do(decline(sender, award, answer.reason))
         elif award.role is Role.SECONDARY:
             self.standby.watch(award, sender, now_s)
-            self._life.effects.append(accept(sender, award, self._promised_s, now_s))
+            self._life.do(accept(sender, award, self._promised_s, now_s))
             self._life.beat_soon(now_s)
         else:
             contract = _contract(award, sender, answer)
@@ -301,7 +306,7 @@ class Contracts:
         taken = ContractTaken(
             task=contract.task, epoch=contract.epoch, role=Role.PRIMARY, coordinator=contract.coordinator
         )
-        self._life.effects += (how, Record(taken))
+        self._life.do(how, Record(taken))
         self.standby.resign(Reason.HAS_WORK)
         self._owner.stop_resting()
         self._work_search.stop()

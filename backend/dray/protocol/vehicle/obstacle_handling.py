@@ -119,6 +119,11 @@ class ObstacleHandling:
         """Listen to what others meet."""
         self._life.subscribe(self._keys.all_obstacles)
 
+    @property
+    def silent_one(self) -> str:
+        """A silent vehicle that it has waited for in vain, and has told of; empty for none."""
+        return next(iter(self._silent), "")
+
     def drove(self, start: str, end: str, now_s: float) -> None:
         """It has driven a lane: whatever lay there is gone."""
         if start != end and self._floor.obstacles.is_on(start, end):

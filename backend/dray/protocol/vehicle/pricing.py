@@ -13,7 +13,7 @@ A vehicle quotes only what it can keep: the deadline, and a battery that still r
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import msgspec
 
@@ -76,6 +76,7 @@ class Pricer:
         now_s: float,
         deadline_s: float,
         speed_frac: float = 1.0,
+        silent_one: str = "",
         wait_s: Callable[[str, float], float] = lambda _place, _comes_s: 0.0,
     ) -> Quote | Unable:
         """Price a transport from a node.
@@ -88,6 +89,7 @@ class Pricer:
             now_s: the present time.
             deadline_s: when it should be done.
             speed_frac: what a person's limit and other vehicles leave of the vehicle's own speed (`Driver.pace_frac`).
+            silent_one: a silent vehicle that this one has waited for in vain; empty for none.
             wait_s: how long it would have to wait at a place beyond the handling, where it comes at a time (plant clock).
 
         Returns:
@@ -136,6 +138,8 @@ class Pricer:
         if self._plant.obstructed:
             # What lies behind something that no way leads round is fetched only where there is none of it elsewhere.
             clear = [offer for offer in offers if self._is_clear(node, docks[offer[0].source], there)]
+            if silent_one and not clear and self._may_others_come(work, there, docks, now_s):
+                return Unable(Refusal.NOT_FIT, f"shut in by {silent_one}")
             offers = clear or offers
         # Of sources that cost the same the first one that the task names.
         offers.sort(key=lambda offer: offer[0].cost.total_s)
@@ -146,6 +150,13 @@ class Pricer:
         if left_frac < needed_frac:
             return Unable(Refusal.BATTERY, f"{left_frac:.0%} would be left, {needed_frac:.0%} are needed")
         return Unable(Refusal.DEADLINE, f"{quote.finish_s - deadline_s:.0f} s too late")
+
+    def _may_others_come(self, work: Transport, there: str, docks: Mapping[str, str], now_s: float) -> bool:
+        """Whether others may carry it, and something is known to lie on no way from its destination to a source."""
+        routes = self._plant.routes(self._type.id)
+        return work.is_for_any(now_s) and any(
+            routes.leads_round(there, docks[source]) for source in work.sources
+        )
 
     def _is_clear(self, node: str, source: str, there: str) -> bool:
         routes = self._plant.routes(self._type.id)

@@ -6,7 +6,7 @@ missed, the obstacle is forgotten after a time as any other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from dray.messages import AtvHeartbeat, AtvStatus, Removals
 from dray.messages.keys import Keys
@@ -54,6 +54,9 @@ class SilentVehicles:
 
     def __contains__(self, atv: str) -> bool:
         return atv in self._lanes
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._lanes)
 
     def was_heard_lately(self, atv: str, now_s: float) -> bool:
         """Whether it was heard or carried away a moment ago: then it may be out of the way soon, whatever a book says."""

@@ -8,7 +8,7 @@ from msgspec import UNSET, UnsetType
 
 from dray.messages import NOTHING_KNOWN, AtvHeartbeat, AtvStatus, BodyWait, Link, LostWlan
 from dray.protocol.closures.known_floor import KnownFloor
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
@@ -41,7 +41,6 @@ class StatusReport:
     Args:
         vehicle: whose.
         software: the version it runs.
-        timer: numbers heartbeats.
         driver, contracts, idle, commands: the vehicle's parts.
 
     Attributes:
@@ -52,19 +51,19 @@ class StatusReport:
         self,
         vehicle: Vehicle,
         software: str,
-        timer: HeartbeatTimer,
         driver: Driver,
         contracts: Contracts,
         idle: IdlePositioning,
         commands: CommandHandling,
+        life: Life,
     ) -> None:
         self._vehicle = vehicle
         self._software = software
-        self._timer = timer
         self._driver = driver
         self._contracts = contracts
         self._idle = idle
         self._commands = commands
+        self._life = life
         self.access_point = ""
         self._lost: LostWlan | UnsetType = UNSET
 
@@ -108,7 +107,7 @@ class StatusReport:
         return AtvHeartbeat(
             atv=self._vehicle.id,
             incarnation=self._vehicle.incarnation,
-            seq=self._timer.count(),
+            seq=self._life.count_beat(),
             at_s=now_s,
             status=status,
             pose=driver.pose,

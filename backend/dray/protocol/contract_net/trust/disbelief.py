@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dray.messages import Accepted, Bid, Disbelieved, Implausible, TakenOver
 from dray.messages.fact import NotBelieved, WordDisbelieved
-from dray.protocol.runtime.events import Record, Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.throttle import Throttle
 
@@ -39,10 +38,8 @@ class Disbelief:
         """
         self._life.ignore(reason)
         if self._throttle.passes(speaker, now_s):
-            self._life.effects += (
-                Send(speaker, Disbelieved(said.task, said.epoch, reason, clock_ahead_s)),
-                Record(WordDisbelieved(speaker, said.task, reason, clock_ahead_s)),
-            )
+            self._life.send(speaker, Disbelieved(said.task, said.epoch, reason, clock_ahead_s))
+            self._life.record(WordDisbelieved(speaker, said.task, reason, clock_ahead_s))
 
 
 class Reproach:

@@ -23,6 +23,7 @@ from dray.messages import (
     Removal,
     Removals,
 )
+from dray.messages.floor.traffic import line_beyond
 from dray.messages.heartbeat import AWAITED_MAX
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -134,7 +135,8 @@ class Bookkeeping:
                 note.epoch, note.kept_epoch, note.version, note.bookings, note.removed
             )
             for name, note in memory.items()
-            if isinstance(note, BookMemory)
+            # One that an earlier software has copied from a liar is as good as lost.
+            if isinstance(note, BookMemory) and not line_beyond(note.bookings, note.version)
         }
         self._written = dict(kept)
         self._outdated = [name for name in kept if self._me not in traffic.places.keepers_of.get(name, ())]

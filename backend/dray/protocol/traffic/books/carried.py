@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dray.messages import Removal
 from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX, PlaceWished
-from dray.protocol.runtime.events import Record
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.book import Book
 
@@ -56,7 +55,9 @@ class Carried:
 
     def tell(self, book: Book, counted: int) -> None:
         """Tell people what was freed and kept, once that counts."""
-        self._life.effects += [Record(fact) for version, fact in self._to_tell if version <= counted]
+        for version, fact in self._to_tell:
+            if version <= counted:
+                self._life.record(fact)
         self._to_tell = [told for told in self._to_tell if told[0] > counted]
         for atv, (number, place) in tuple(self._keeping.items()):
             line = next((line for line in book.of(atv) if line.place == place), None)

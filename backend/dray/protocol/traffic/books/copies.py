@@ -36,7 +36,6 @@ from dray.messages.floor.traffic import (
     PlaceConfirmed,
     PlaceWished,
 )
-from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.books.witness import Witness
 from dray.protocol.traffic.numbers import (
@@ -277,11 +276,12 @@ class Copies:
             return False
         self.refused += 1
         asked = BookAsked(district=self.district, epoch=0)
-        self._life.effects += [
-            Send(other, asked) for other in self._others if other != self._turn_of(booked.epoch)
-        ]
+        for keeper in self._others:
+            if keeper != self._turn_of(booked.epoch):
+                self._life.send(keeper, asked)
         holds = HoldsAsked(district=self.district, epoch=booked.epoch)
-        self._life.effects += [Send(atv, holds) for atv in dict.fromkeys(line.atv for line in objections)]
+        for atv in dict.fromkeys(line.atv for line in objections):
+            self._life.send(atv, holds)
         return True
 
     def on_carried(self, atv: str) -> None:

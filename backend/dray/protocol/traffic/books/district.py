@@ -135,6 +135,8 @@ class District:
         self._roll: RollCall | None = None
         """While vehicles are asked what they hold."""
         self._late = LateTellers(reach)
+        self._seen_before: dict[tuple[str, bytes], int] = {}
+        """Vehicle and key -> what it has told in the roll call to have seen, where that is beyond what was believed."""
         self._outbid_s = -OUTBID_S
         """When it has begun a later epoch than one that a vehicle was told."""
         self._led_epoch = -1
@@ -243,6 +245,9 @@ class District:
 
     def _note_wish(self, sender: str, wish: PlaceWished, now_s: float) -> None:
         known, said = self._book.removal_of(sender, wish.mark), wish
+        if wish.seen > self._book.version:
+            # Of the book before the roll call, as it was told there: it has seen nothing of this one yet.
+            wish = replace(wish, seen=0)
         self._book.remove(sender, wish.removal, wish.mark)
         self._book.begin_life(sender, wish)
         if wish.removal < known:
@@ -272,7 +277,7 @@ class District:
             self._life.ignore(NOT_HEARD_THERE)
         elif not self._book.hears(sender, wish.mark):
             self._impostors.tell(sender, now_s)
-        elif wish.seen > self._book.version:
+        elif wish.seen > max(self._book.version, self._seen_before.get((sender, wish.mark), 0)):
             self._life.ignore(NEVER_GRANTED)
         else:
             return True
@@ -413,6 +418,7 @@ class District:
         self._book = Book(kept.bookings, kept.version + 1, kept.removed)
         self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
         self._late.start(None)
+        self._seen_before = {}
         self._carried.take_over(one.atv for one in kept.removed)
         self._write()
         for atv in self._atvs:
@@ -432,6 +438,9 @@ class District:
         for atv, wish in roll.told.items():
             self.copies.note_word(atv, wish, struck=True)
         self._late.start(roll.keys)
+        self._seen_before = {
+            (atv, wish.mark): wish.seen for atv, wish in roll.told.items() if wish.seen > self._book.version
+        }
         self._led_epoch = roll.epoch
         # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
         self._wishes = {atv: wish for atv, wish in roll.told.items() if wish.holds or wish.groups}

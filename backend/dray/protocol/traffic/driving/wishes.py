@@ -22,7 +22,6 @@ from dray.messages.floor.traffic import (
     PlaceWished,
     Rank,
 )
-from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.numbers import OUTBID_MAX
 
@@ -104,6 +103,7 @@ class _Line:
         "missed",
         "repeats_s",
         "rolled",
+        "rolled_after",
         "said_s",
         "seen",
         "seq",
@@ -137,6 +137,8 @@ class _Line:
         """What was said last asks for where the vehicle stands."""
         self.confirmed: dict[str, int] = {}
         """Place -> number of the grant, as the witness has it."""
+        self.rolled_after: int | None = None
+        """The epoch that was agreed when a roll was called last; None once a book that was begun since has told of grants."""
         self.confirmed_epoch = NO_EPOCH
         self.early: PlaceConfirmed | None = None
         """The witness's newest word under an epoch that was not agreed."""
@@ -158,6 +160,15 @@ class _Line:
         """The latest epoch under which it has answered a roll call, and the number of its newest answer to one."""
         self.lives = False
         """The keeper knows of something that is held, or wanted."""
+
+    def note_new_book(self, granted: PlaceGranted) -> None:
+        """A book has answered under an epoch that is agreed. The first one after a roll call may count from below what was seen before: that is void."""
+        after, (_, answer) = self.rolled_after, self.rolled
+        if after is None or granted.epoch <= after or granted.upto < answer or not granted.grants:
+            return
+        self.rolled_after = None
+        if max(booking.number for booking in granted.grants) < self.seen:
+            self.seen = 0
 
 
 class Wishes:
@@ -362,6 +373,7 @@ class Wishes:
             line.missed = (sender, granted)
             self._say_to_all(line, sender)
             return None
+        line.note_new_book(granted)
         if not self._is_confirmed(line, granted):
             if line.missed is None and not line.unanswered:
                 self._life.alarm((WISH_AGAIN, granted.district), now_s + LEAST_AGAIN_S)
@@ -441,6 +453,7 @@ class Wishes:
             # Who calls it is alone with its epoch. It is answered under that one (`say`), for it counts no other; what is told is no grant, and
             # from now on no earlier one counts.
             line.words[sender] = max(line.words.get(sender, 0), asked.epoch)
+            line.rolled_after = line.agreed
             # Nor can it be so far that nobody else leads ever after: who leads begins a later one when it is told.
             line.epoch, line.turn = max(line.epoch, min(asked.epoch, line.agreed + OUTBID_MAX)), 0
             return True
@@ -480,9 +493,9 @@ class Wishes:
         if line.asked_all or line.wish is None:
             return
         line.asked_all = True
-        self._life.effects += [
-            Send(keeper, line.wish) for keeper in self._keepers_of[line.wish.district] if keeper != but
-        ]
+        for keeper in self._keepers_of[line.wish.district]:
+            if keeper != but:
+                self._life.send(keeper, line.wish)
 
 
 def _witness(keepers: Sequence[str], epoch: int) -> str:

@@ -47,6 +47,8 @@ class CommandHandling:
         self.acknowledged = False
         """The present stop was acknowledged, and not resumed yet."""
         self.stopped = False
+        self.stopped_itself = False
+        """The present stop is its own, and no person has acknowledged it: it calls for one."""
         self.service = ServiceState()
 
     @property
@@ -67,6 +69,7 @@ class CommandHandling:
     def restore(self, memory: AtvMemory) -> None:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
         self.acknowledged = memory.acknowledged and self.stopped and not self.assistance.problem
+        self.stopped_itself = memory.stopped_itself and self.stopped
         self._driver.speed_frac = memory.speed_frac
         self.service.out = memory.out_of_service
         self._charging.is_sent = memory.sent_to_charge
@@ -108,7 +111,7 @@ class CommandHandling:
         if command.kind is CommandKind.ACKNOWLEDGE:
             if self.assistance.problem:
                 return CommandRefusal.FAULTY
-            self.acknowledged = True
+            self.acknowledged, self.stopped_itself = True, False
             return None
         if not self.acknowledged:
             return CommandRefusal.NOT_ACKNOWLEDGED
@@ -125,6 +128,12 @@ class CommandHandling:
         """Stand until somebody has acknowledged the reason, and resumes."""
         self.stopped, self.acknowledged = True, False
         self._life.instruct(Hold())
+
+    def stop_itself(self) -> None:
+        """Likewise, by no person's word: somebody is called until one has acknowledged it."""
+        self.stop()
+        self.stopped_itself = True
+        self._life.commit()
 
     def _limit_speed(self, speed_frac: float | None) -> CommandRefusal | None:
         if speed_frac is None or not 0.0 < speed_frac <= 1.0:

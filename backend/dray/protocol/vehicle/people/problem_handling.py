@@ -52,7 +52,7 @@ DOUBLED = "its name is used by another"
 """Likewise. Also the alarm that ends that."""
 
 DOUBLED_S = 60.0
-"""Whoever has spoken under its name has stopped when nothing more is heard of that for so long."""
+"""Whoever has spoken under its name has stopped when nothing more is heard of that for so long. Then a person may let the vehicle go."""
 
 WLAN_LOST = Problem(kind=ProblemKind.LINK, needs_person=True)
 
@@ -147,8 +147,11 @@ class ProblemHandling:
         self._life.beat_soon(now_s)
 
     def note_doubled(self, now_s: float) -> None:
-        """Somebody else speaks under its name: stop until a person has seen to it, and that one has been quiet for a while."""
-        self._commands.stop()
+        """Somebody else speaks under its name: stop until a person has seen to it, and that one has been quiet for a while.
+
+        The problem ends with the quiet, and the call goes on until a person has come: nobody else knows that the vehicle stands.
+        """
+        self._commands.stop_itself()
         self._life.alarm(DOUBLED, now_s + DOUBLED_S)
         self.raise_problem(ProblemRaised(reason=DOUBLED), now_s)
 
@@ -159,13 +162,15 @@ class ProblemHandling:
         before the delivery is done (paper, 4.3).
         """
         problem, owner = self._assistance.problem, self._owner
-        is_well = not problem and owner.link is not Link.MESH
+        is_well = not problem and not self._commands.stopped_itself and owner.link is not Link.MESH
         if is_well or self._commands.out_of_service is not None or owner.is_draining:
             self._calls.close(now_s)
         elif problem:
             about = self._assistance.about
             waits = about.passes is True and not about.needs_person
             self._calls.open(about, problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
+        elif self._commands.stopped_itself:
+            self._calls.open(NOTHING_KNOWN, DOUBLED, now_s)
         elif not owner.is_busy and not self._commands.stopped:
             self._calls.open(WLAN_LOST, NO_WLAN, now_s, after_s=WLAN_LOST_S)
         else:

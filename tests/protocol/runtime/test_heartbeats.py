@@ -2,40 +2,37 @@
 
 from __future__ import annotations
 
-from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.runtime.life import BEAT, Life
-from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.runtime.timers import spread_frac
 
 
-def beat(pulse: HeartbeatTimer, timers: Timers, now_s: float) -> float:
+def beat(life: Life, now_s: float) -> float:
     """Beat at a time; returns when the next one is due."""
-    assert timers.due(now_s) == [BEAT]
-    pulse.count()
-    pulse.go_on(5.0, now_s)
-    return timers.next_s
+    assert life.timers.due(now_s) == [BEAT]
+    life.count_beat()
+    life.beat_again(5.0, now_s)
+    return life.timers.next_s
 
 
 def test_heartbeats_are_numbered_from_1() -> None:
-    pulse = HeartbeatTimer("M1", Life())
-    assert [pulse.count(), pulse.count(), pulse.seq] == [1, 2, 2]
+    life = Life("M1")
+    assert [life.count_beat(), life.count_beat(), life.beats] == [1, 2, 2]
 
 
 def test_the_first_interval_is_shorter_by_a_part_that_follows_from_the_name() -> None:
-    life = Life()
-    pulse = HeartbeatTimer("ATV3", life)
+    life = Life("ATV3")
     life.beat_soon(10.0)
-    second_s = beat(pulse, life.timers, 10.0)
+    second_s = beat(life, 10.0)
     assert second_s == 10.0 + 5.0 * (0.5 + spread_frac("ATV3") / 2)
-    assert beat(pulse, life.timers, second_s) == second_s + 5.0
+    assert beat(life, second_s) == second_s + 5.0
 
 
 def test_a_change_brings_the_next_heartbeat_forward() -> None:
-    life = Life()
-    pulse = HeartbeatTimer("ATV3", life)
+    life = Life("ATV3")
     life.beat_soon(10.0)
-    beat(pulse, life.timers, 10.0)
+    beat(life, 10.0)
     life.beat_soon(11.0)
-    assert beat(pulse, life.timers, 11.0) == 16.0
+    assert beat(life, 11.0) == 16.0
 
 
 def test_agents_that_are_started_together_are_spread_over_the_whole_span() -> None:
