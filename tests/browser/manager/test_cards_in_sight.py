@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from looks import CUT, LOCALES
+from manager_kit import choose
 from playwright.sync_api import Locator, Page, expect
 
 SIZES_PX = ((1440, 900), (1024, 768))
@@ -28,7 +29,7 @@ ROWS_IN_SIGHT = """(card) => {
 """How many rows of a card are whole within it, within what scrolls around it, and within the window."""
 
 
-SMALL_LAPTOPS_PX = (1181, 1210, 1240, 1280, 1310, 1340)
+SMALL_LAPTOPS_PX = (1181, 1200, 1210, 1240, 1280, 1310, 1340)
 
 ON_TOP = """(button) => {
   const { left, top, height, width } = button.getBoundingClientRect();
@@ -42,6 +43,8 @@ SHOWN_OVER = (
 
 LAPTOPS_PX = (
     (1440, 900),
+    (1181, 800),
+    (1200, 800),
     (1240, 800),
     (1280, 800),
     (1366, 768),
@@ -111,6 +114,33 @@ def edges(of: Locator) -> tuple[float, float]:
     box = of.bounding_box()
     assert box is not None
     return round(box["x"], 1), round(box["x"] + box["width"], 1)
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_what_can_be_done_with_what_is_chosen_is_whole_however_much_is_said_of_it(
+    busy: Any, open_page: Callable[..., Page], screenshot: Callable[..., Path], language: str
+) -> None:
+    page = open_page(f"{busy.url}/#plant?at=machine:M12", locale=LOCALES[language])
+    expect(page.locator(".card.machine h2")).to_contain_text("M12")
+    vehicle = page.locator(".card.atv .chosen-acts")
+    if not vehicle.count():
+        choose(page, "ATV2")
+    for width_px, height_px in (*SIZES_PX, (1181, 800)):
+        page.set_viewport_size({"width": width_px, "height": height_px})
+        for card, least in (("machine", 3), ("atv", 2)):
+            buttons = page.locator(f".card.{card} .chosen-acts > button")
+            expect(buttons.nth(least - 1)).to_be_visible()
+            for button in buttons.all():
+                if width_px < 1181:
+                    # The page scrolls there, and no card within it.
+                    button.scroll_into_view_if_needed()
+                expect(button).to_be_in_viewport(ratio=1)
+                assert button.evaluate(ON_TOP), (width_px, card)
+                inside, around = button.bounding_box(), page.locator(f".card.{card}").bounding_box()
+                assert inside is not None
+                assert around is not None
+                assert inside["y"] + inside["height"] <= around["y"] + around["height"], (width_px, card)
+        screenshot(page, f"chosen-{language}-{width_px}")
 
 
 @pytest.mark.parametrize("language", LOCALES)

@@ -400,6 +400,7 @@ export const es: Catalogue<typeof en> = {
   "carry.second": "Lea su nombre en el vehículo: otros pasarán por donde está.",
   "carry.third": "Levántelo del suelo, con su carga, lejos de todas las vías.",
   "carry.sure": "He leído «{atv}» en él y ya no está en el suelo.",
+  "carry.cutOff": "Sin conexión con la planta: ahora no se puede decir.",
   "carry.do": "Ya no está en el suelo",
   "carry.said": "Retirado, dice {by}.",
   "carry.freed": "Libre de nuevo: {places}.",

@@ -106,7 +106,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         <span class="num">{batteryText(atv)}</span>
       </div>
       {!atv.shut_out && (
-        <div class="card-foot">
+        <div class="card-foot chosen-acts">
           <CommandMenu key={atv.id} atv={atv.id} />
           <ShutOutMenu key={atv.id} agent={atv.id} kind="atv" />
         </div>

@@ -67,12 +67,10 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       <Stock title={t("machine.goods")} buffers={machine?.goods ?? []} />
       <Later load={loadPieces} of={{ machine: spec.id, name: nameOf }} />
       <Transports tasks={byDeadline(machine).slice(1)} />
-      <CallHere key={spec.id} place={spec.id} />
-      {machine && !machine.shut_out && (
-        <div class="card-foot">
-          <ShutOutMenu key={spec.id} agent={spec.id} kind="machine" />
-        </div>
-      )}
+      <div class="card-foot chosen-acts">
+        <CallHere key={spec.id} place={spec.id} />
+        {machine && !machine.shut_out && <ShutOutMenu key={spec.id} agent={spec.id} kind="machine" />}
+      </div>
     </Card>
   );
 }

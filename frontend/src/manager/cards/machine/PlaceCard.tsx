@@ -64,7 +64,7 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
           </Facts>
         </div>
       )}
-      {place.kind === "storage" && <CallHere key={place.id} place={place.id} />}
+      <div class="card-foot chosen-acts">{place.kind === "storage" && <CallHere key={place.id} place={place.id} />}</div>
     </Card>
   );
 }
