@@ -40,7 +40,7 @@ export const de: Catalogue<typeof en> = {
   "cards.well": "Fahrzeuge in {name}",
   "cards.none": "Kein Fahrzeug ist in Ihrem Bereich.",
   "card.away": "{metres} m",
-  "card.battery": "Akku {percent}",
+  "card.battery": "Batterie {percent}",
   "card.mesh": "über Funk",
   "card.in": "in {area}",
   "card.going": "{quantity} {item} zu {destination}",

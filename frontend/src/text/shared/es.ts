@@ -398,7 +398,7 @@ export const es: Catalogue<typeof en> = {
   "carry.open": "Retirar {atv}…",
   "carry.first": "Apáguelo. Se oyó por última vez en {node}, hace {age}.",
   "carry.second": "Lea su nombre en el vehículo: otros pasarán por donde está.",
-  "carry.third": "Levántelo del suelo, con su carga, lejos de todas las vías.",
+  "carry.third": "Levántelo del suelo, con su carga, lejos de todos los carriles.",
   "carry.sure": "He leído «{atv}» en él y ya no está en el suelo.",
   "carry.cutOff": "Sin conexión con la planta: ahora no se puede decir.",
   "carry.do": "Ya no está en el suelo",
