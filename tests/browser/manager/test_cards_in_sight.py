@@ -35,6 +35,13 @@ ON_TOP = """(button) => {
   return button.contains(document.elementFromPoint(left + width / 2, top + height / 2));
 }"""
 
+HEAD_APART = """card => {
+    const [head, body] = [".card-head", ".card-body"].map(part => card.querySelector(part));
+    const lowest = Math.max(...[...head.children].map(each => each.getBoundingClientRect().bottom));
+    return lowest <= body.getBoundingClientRect().top + 0.5;
+}"""
+"""Whether all of a card's head is above what the card says."""
+
 SHOWN_OVER = (
     """(icon, field) => Number(getComputedStyle(icon).zIndex) > Number(getComputedStyle(field).zIndex)"""
 )
@@ -129,6 +136,7 @@ def test_what_can_be_done_with_what_is_chosen_is_whole_however_much_is_said_of_i
     for width_px, height_px in (*SIZES_PX, (1181, 800)):
         page.set_viewport_size({"width": width_px, "height": height_px})
         for card, least in (("machine", 3), ("atv", 2)):
+            assert page.locator(f".card.{card}").evaluate(HEAD_APART), (width_px, card)
             buttons = page.locator(f".card.{card} .chosen-acts > button")
             expect(buttons.nth(least - 1)).to_be_visible()
             for button in buttons.all():

@@ -30,6 +30,11 @@ test("where something was met on a lane, it keeps clear of the sign", () => {
   expect(names([area("North", [0, 0], [40, 0], [40, 30], [0, 30])], [], [sign])[0]?.left).toBe(352);
 });
 
+test("on a map that has no room for it, it has no name: it would stand in another one", () => {
+  const all = { left: 0, right: 400, top: 700, bottom: 1000 };
+  expect(names([area("North", [0, 0], [40, 0], [40, 30], [0, 30])], [], [all])).toEqual([]);
+});
+
 test("in an area that has no lower left corner it stands in another one, and not beside the area", () => {
   const bent = area("Bent", [20, 0], [40, 0], [40, 30], [0, 30], [0, 15], [20, 15]);
   expect(names([bent])).toEqual([{ name: "Bent", left: 360, top: 985 }]);

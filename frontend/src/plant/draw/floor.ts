@@ -119,7 +119,7 @@ export function areaNames(brush: Brush, plant: PlantFile, signs: readonly Rect[]
   const px = areaPx(view.scale);
   setFont(brush, px, 550);
   const taken = [...signs, ...[...plant.machines, ...plant.storages, ...plant.warehouses].map(({ box }) => boxOnScreen(view, box))];
-  return plant.areas.map(({ name, polygon }) => {
+  return plant.areas.flatMap(({ name, polygon }) => {
     const [xs, ys] = [polygon.map((point) => toScreenX(view, point.x_m)), polygon.map((point) => toScreenY(view, point.y_m))];
     const width = ctx.measureText(name).width;
     const [least, most] = [Math.min(...xs), Math.max(...xs)];
@@ -131,9 +131,11 @@ export function areaNames(brush: Brush, plant: PlantFile, signs: readonly Rect[]
     const within = rects.filter(({ bottom, left, right, top }) =>
       isInside(polygon, toFloorX(view, (left + right) / 2), toFloorY(view, (top + bottom) / 2)));
     const free = within.find((rect) => !taken.some((other) => overlaps(rect, other)));
-    const rect = free ?? within[0] ?? at(least + ASIDE_PX, lowest);
+    // In an area of no such corner, beside it: on a map that has no room for it, it has no name.
+    const rect = free ?? (within.length === 0 ? at(least + ASIDE_PX, lowest) : undefined);
+    if (!rect || taken.some((other) => overlaps(rect, other))) return [];
     taken.push(rect);
-    return { name, rect };
+    return [{ name, rect }];
   });
 }
 
