@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -11,7 +12,7 @@ from typing import Any
 import pytest
 from complaints import Complaints
 from open_house import OpenHouse, open_house
-from playwright.sync_api import Locator, Page, WebSocketRoute
+from playwright.sync_api import Locator, Page, WebSocketRoute, expect
 from puppets import Puppet
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
@@ -189,3 +190,35 @@ class Cable:
         else:
             self._sockets.append(socket)
             socket.connect_to_server()
+
+
+CUT_MS = 60_000
+"""Many times what a vehicle may be silent for."""
+
+
+AHEAD = """(() => {
+    const now = performance.now.bind(performance);
+    let ahead = 0;
+    performance.now = () => now() + ahead;
+    window.goAhead = (ms) => { ahead += ms; };
+})()"""
+"""The clock by which a panel tells how old its picture is, to be put forward."""
+
+
+def can_be_cut_off(page: Page, cable: Cable) -> None:
+    """To be called before the page is opened: its network can be cut, and its clock put forward."""
+    cable.lay(page)
+    page.add_init_script(AHEAD)
+
+
+def be_cut_off(page: Page, cable: Cable) -> None:
+    """For a minute, counted since the page has noticed: a frame may have been on its way.
+
+    What the page asks for of its own accord is there before.
+    """
+    page.wait_for_load_state("networkidle")
+    cable.pull()
+    banner = page.locator(".banner")
+    expect(banner).to_contain_text("No connection to the plant")
+    page.evaluate("ms => window.goAhead(ms)", CUT_MS)
+    expect(banner).to_contain_text(re.compile(r"([6-9]\d|1\d\d)\ss|[1-3]:\d\d"))

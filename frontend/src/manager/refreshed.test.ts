@@ -14,8 +14,15 @@ function view() {
     return new Promise((answerIt, failIt) => open.push({ about: said, answer: answerIt, fail: failIt }));
   };
   const told = { answer, failed, turn };
-  const leave = effect(() => refreshing(ask, EVERY_MS, told));
-  return { about, answer, failed, leave, open, turn };
+  const asking = { current: ask };
+  const leave = effect(() => refreshing(asking, EVERY_MS, told));
+  const render = (what: string): void => {
+    asking.current = () => {
+      void about.value;
+      return new Promise((answerIt, failIt) => open.push({ about: what, answer: answerIt, fail: failIt }));
+    };
+  };
+  return { about, answer, failed, leave, open, render, turn };
 }
 
 const passed = async (ms = 0): Promise<void> => { await vi.advanceTimersByTimeAsync(ms); };
@@ -79,6 +86,19 @@ describe("an answer that is asked for again and again", () => {
     const changes = [() => { about.value = "tasks"; }, () => { turn.value++; }];
     batch(() => { for (const change of first === "the turn" ? changes.reverse() : changes) change(); });
     expect([failed.value, open.at(-1)?.about]).toEqual([null, "tasks"]);
+  });
+
+  test("is asked for as the view asks now, and not as it did when it was shown first", async () => {
+    const { answer, open, render, turn } = view();
+    render("orders of today");
+    turn.value++;
+    expect(open.map((each) => each.about)).toEqual(["orders", "orders of today"]);
+    open[1]?.answer("two");
+    await passed();
+    expect(answer.value).toBe("two");
+    render("orders of tomorrow");
+    await passed(EVERY_MS);
+    expect(open.at(-1)?.about).toBe("orders of tomorrow");
   });
 
   test("is asked for at each turn, and only what the last one finds is shown", async () => {

@@ -1,4 +1,5 @@
 import { batch, effect, type Signal, untracked, useSignal, useSignalEffect } from "@preact/signals";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { problemText } from "./problem-text";
 
 export interface Refreshed<T> {
@@ -17,7 +18,12 @@ export function useRefreshed<T>(ask: () => Promise<T>, everyMs: number): Refresh
   const answer = useSignal<T | null>(null);
   const failed = useSignal<string | null>(null);
   const turn = useSignal(0);
-  useSignalEffect(() => refreshing(ask, everyMs, { answer, failed, turn }));
+  const asking = useRef(ask);
+  // The effect runs once for many renders: each of them may ask about something else.
+  useLayoutEffect(() => {
+    asking.current = ask;
+  });
+  useSignalEffect(() => refreshing(asking, everyMs, { answer, failed, turn }));
   return { answer, failed, again: () => (turn.value = turn.peek() + 1) };
 }
 
@@ -26,8 +32,12 @@ interface Told<T> extends Pick<Refreshed<T>, "answer" | "failed"> {
   readonly turn: Signal<number>;
 }
 
-/** Asks one question, as an effect that runs anew when a signal changes that `ask` reads: at once, again after a while, and at every turn. Returns what ends it. */
-export function refreshing<T>(ask: () => Promise<T>, everyMs: number, { answer, failed, turn }: Told<T>): () => void {
+/**
+ * Asks one question, as an effect that runs anew when a signal changes that `ask` reads: at once, again after a while, and at every turn. Returns what ends it.
+ *
+ * @param ask the question as it is put now: read each time that it is asked
+ */
+export function refreshing<T>(ask: { readonly current: () => Promise<T> }, everyMs: number, { answer, failed, turn }: Told<T>): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let shown = true;
   let asked = 0;
@@ -37,7 +47,7 @@ export function refreshing<T>(ask: () => Promise<T>, everyMs: number, { answer, 
     /** Another question may be asked by the time that this one is answered. */
     const isAsked = (): boolean => shown && mine === asked;
     try {
-      const found = await ask();
+      const found = await ask.current();
       if (isAsked()) batch(() => ([answer.value, failed.value] = [found, null]));
     } catch (error) {
       if (isAsked()) failed.value = problemText(error);

@@ -8,10 +8,12 @@ interface Props {
   class?: string;
   /** Its content may be longer than the card, and hold nothing that can be reached by keyboard. */
   scrolls?: boolean;
+  /** What can be done: below the content, and whole however long that is. */
+  foot?: ComponentChildren;
   children: ComponentChildren;
 }
 
-export function Card({ title, aside, class: name = "", children, scrolls = false }: Props) {
+export function Card({ title, aside, class: name = "", children, foot, scrolls = false }: Props) {
   const id = useId();
   return (
     <section class={`card ${name}`} aria-labelledby={id}>
@@ -22,6 +24,7 @@ export function Card({ title, aside, class: name = "", children, scrolls = false
       <div class="card-body" tabIndex={scrolls ? 0 : undefined}>
         {children}
       </div>
+      {foot !== undefined && <div class="card-foot chosen-acts">{foot}</div>}
     </section>
   );
 }

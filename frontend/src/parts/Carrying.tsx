@@ -4,6 +4,8 @@ import { carryAway, putBack } from "../api/client";
 import type { AtvView, PlantFile } from "../api/types";
 import { freePlaces } from "../plant/free-places";
 import { isLost } from "../plant/silence";
+import { isPast } from "../stream/freshness";
+import { freshness } from "../stream/stream";
 import { format, t } from "../text";
 import { factoryTime } from "../text/plant-time";
 
@@ -43,6 +45,16 @@ export function Carrying(props: Props) {
   );
 }
 
+/** What is seen is old, and what is said now reaches nobody: the vehicle may have come back meanwhile. */
+export function isCutOff(): boolean {
+  return isPast(freshness.value) || freshness.value === "connecting";
+}
+
+/** Why it cannot be said now. */
+export function CutOff() {
+  return isCutOff() ? <p class="muted" role="status">{t("carry.cutOff")}</p> : null;
+}
+
 /** A person of the simulation has put it down; what somebody has switched off as a fault stays off. */
 function keptText(kept: boolean, isSimulated: boolean): "carry.kept" | "carry.stands" | "carry.waits" {
   if (!kept) return "carry.waits";
@@ -77,13 +89,14 @@ function Away({ act, atv, busy, nowS }: Acting) {
       <button
         type="button"
         class="button primary"
-        disabled={busy || !sure.value}
+        disabled={busy || !sure.value || isCutOff()}
         onClick={() => {
           act(carryAway(atv.id));
         }}
       >
         {t("carry.do")}
       </button>
+      <CutOff />
     </details>
   );
 }
@@ -121,7 +134,7 @@ function Back({ act, atv, atvs, busy, isSimulated, nowS, plant, speed }: Acting)
         <button
           type="button"
           class="button"
-          disabled={busy || place === ""}
+          disabled={busy || place === "" || isCutOff()}
           onClick={() => {
             act(putBack(atv.id, place));
           }}
@@ -129,6 +142,7 @@ function Back({ act, atv, atvs, busy, isSimulated, nowS, plant, speed }: Acting)
           {t("carry.keep")}
         </button>
       </div>
+      <CutOff />
     </>
   );
 }

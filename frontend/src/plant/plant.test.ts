@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { AtvView, TaskView } from "../api/types";
 import { detailOf } from "./draw/detail";
-import { labelRect, lookOf, shortName } from "./draw/vehicles";
+import { lookOf, shortName } from "./draw/vehicles";
 import { layersFrom, layersWith } from "./controls/layers";
 import { meshLinks, watchLinks } from "./surface/links";
 import { find, type Findable } from "./places";
@@ -103,18 +103,6 @@ describe("links", () => {
 });
 
 describe("a vehicle's name", () => {
-  const size = { width: 30, height: 12 };
-
-  test("stands above it, beside it where something is above, and nowhere in a crowd", () => {
-    const middle = { x: 100, y: 100 };
-    const above = { left: 80, right: 120, top: 60, bottom: 92 };
-    const all = { left: 0, right: 200, top: 0, bottom: 200 };
-    expect(labelRect(middle, size, 10, [], false)?.bottom).toBe(90);
-    expect(labelRect(middle, size, 10, [above], false)?.left).toBeGreaterThan(100);
-    expect(labelRect(middle, size, 10, [all], false)).toBeNull();
-    expect(labelRect(middle, size, 10, [all], true)).not.toBeNull();
-  });
-
   test("a long name keeps its beginning and its end", () => {
     expect(shortName("ATV1")).toBe("ATV1");
     expect(shortName("FOURTEEN-CHARS")).toBe("FOURTEEN-CHARS");

@@ -33,7 +33,7 @@ LENGTHS = "all => all.map(bar => [...bar.children].reduce((sum, part) => sum + p
     ("language", "theme", "reckoned"),
     [
         ("en", "light", "battery reckoned"),
-        ("de", "dark", "Akku errechnet"),
+        ("de", "dark", "Batterie errechnet"),
         ("es", "light", "batería calculada"),
     ],
 )

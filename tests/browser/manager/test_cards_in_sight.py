@@ -28,12 +28,19 @@ ROWS_IN_SIGHT = """(card) => {
 """How many rows of a card are whole within it, within what scrolls around it, and within the window."""
 
 
-SMALL_LAPTOPS_PX = (1181, 1210, 1240, 1280, 1310, 1340)
+SMALL_LAPTOPS_PX = (1181, 1200, 1210, 1240, 1280, 1310, 1340)
 
 ON_TOP = """(button) => {
   const { left, top, height, width } = button.getBoundingClientRect();
   return button.contains(document.elementFromPoint(left + width / 2, top + height / 2));
 }"""
+
+HEAD_APART = """card => {
+    const [head, body] = [".card-head", ".card-body"].map(part => card.querySelector(part));
+    const lowest = Math.max(...[...head.children].map(each => each.getBoundingClientRect().bottom));
+    return lowest <= body.getBoundingClientRect().top + 0.5;
+}"""
+"""Whether all of a card's head is above what the card says."""
 
 SHOWN_OVER = (
     """(icon, field) => Number(getComputedStyle(icon).zIndex) > Number(getComputedStyle(field).zIndex)"""
@@ -42,6 +49,8 @@ SHOWN_OVER = (
 
 LAPTOPS_PX = (
     (1440, 900),
+    (1181, 800),
+    (1200, 800),
     (1240, 800),
     (1280, 800),
     (1366, 768),
@@ -111,6 +120,32 @@ def edges(of: Locator) -> tuple[float, float]:
     box = of.bounding_box()
     assert box is not None
     return round(box["x"], 1), round(box["x"] + box["width"], 1)
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_what_can_be_done_with_what_is_chosen_is_whole_however_much_is_said_of_it(
+    busy: Any, open_page: Callable[..., Page], screenshot: Callable[..., Path], language: str
+) -> None:
+    page = open_page(f"{busy.url}/#plant?at=machine:M12", locale=LOCALES[language])
+    expect(page.locator(".card.machine h2")).to_contain_text("M12")
+    for width_px, height_px in (*SIZES_PX, (1181, 800)):
+        page.set_viewport_size({"width": width_px, "height": height_px})
+        for card, least, chosen in (("machine", 3, "machine:M12"), ("atv", 2, "atv:ATV2")):
+            page.evaluate("at => { location.hash = `plant?at=${at}`; }", chosen)
+            assert page.locator(f".card.{card}").evaluate(HEAD_APART), (width_px, card)
+            buttons = page.locator(f".card.{card} .chosen-acts > button")
+            expect(buttons.nth(least - 1)).to_be_visible()
+            for button in buttons.all():
+                if width_px < 1181:
+                    # The page scrolls there, and no card within it.
+                    button.scroll_into_view_if_needed()
+                expect(button).to_be_in_viewport(ratio=1)
+                assert button.evaluate(ON_TOP), (width_px, card)
+                inside, around = button.bounding_box(), page.locator(f".card.{card}").bounding_box()
+                assert inside is not None
+                assert around is not None
+                assert inside["y"] + inside["height"] <= around["y"] + around["height"], (width_px, card)
+        screenshot(page, f"chosen-{language}-{width_px}")
 
 
 @pytest.mark.parametrize("language", LOCALES)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -15,7 +14,7 @@ from manager_kit import BEAT_S, GoingWall, as_manager, choose
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from puppets import Puppet
-from tablet_kit import Cable, Enter, forgive
+from tablet_kit import Cable, Enter, be_cut_off, can_be_cut_off, forgive
 
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import load_plant
@@ -28,18 +27,6 @@ Screenshot = Callable[..., Path]
 
 PLANT = load_plant("single-track")
 STAND = {"ATV2": "a1", "ATV5": "c3", "ATV7": "m8", "ATV8": "e1"}
-
-CUT_MS = 60_000
-"""Many times what a vehicle may be silent for."""
-
-
-AHEAD = """(() => {
-    const now = performance.now.bind(performance);
-    let ahead = 0;
-    performance.now = () => now() + ahead;
-    window.goAhead = (ms) => { ahead += ms; };
-})()"""
-"""The clock by which a panel tells how old its picture is, to be put forward."""
 
 
 class Fleet:
@@ -99,24 +86,10 @@ def before(cable: Cable) -> Callable[[Page], None]:
     """A page whose network can be cut, and whose clock can be put forward."""
 
     def prepare(page: Page) -> None:
-        cable.lay(page)
+        can_be_cut_off(page, cable)
         watch_words(page)
-        page.add_init_script(AHEAD)
 
     return prepare
-
-
-def be_cut_off(page: Page, cable: Cable) -> None:
-    """For a minute, counted since the page has noticed: a frame may have been on its way.
-
-    What the page asks for of its own accord is there before.
-    """
-    page.wait_for_load_state("networkidle")
-    cable.pull()
-    banner = page.locator(".banner")
-    expect(banner).to_contain_text("No connection to the plant")
-    page.evaluate("ms => window.goAhead(ms)", CUT_MS)
-    expect(banner).to_contain_text(re.compile(r"([6-9]\d|1\d\d)\ss|[1-3]:\d\d"))
 
 
 def test_a_manager_whose_panel_is_cut_off_reads_that_and_of_no_vehicle_that_it_is_silent(

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from complaints import Complaints
 from manager_kit import BEAT_S, GoingWall, as_manager, choose
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from puppets import Puppet
-from tablet_kit import LOOKS, Enter, card
+from tablet_kit import LOOKS, Cable, Enter, be_cut_off, can_be_cut_off, card, forgive
 from variants import variants
 
 from dray.messages import Event
@@ -143,6 +144,45 @@ async def _node(inside: House) -> str:
 
 async def _speak(inside: House, dead: Puppet) -> None:
     dead.beat(at_s=inside.wall() - NOW_S)
+
+
+OFF_NOW = "No connection to the plant: it cannot be said now"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("panel", ["manager", "operator"])
+def test_whose_panel_is_cut_off_cannot_say_that_it_is_off_the_floor_and_reads_why(
+    house: OpenHouse,
+    dead: Puppet,
+    open_page: OpenPage,
+    enter: Enter,
+    screenshot: Screenshot,
+    complaints: Complaints,
+    panel: str,
+) -> None:
+    cable = Cable()
+
+    def before(page: Page) -> None:
+        can_be_cut_off(page, cable)
+
+    if panel == "manager":
+        page = as_manager(house, open_page, before=before)
+        choose(page, DEAD)
+        steps = page.locator(".card.atv .carrying")
+    else:
+        page = enter(before=before)
+        steps = card(page, DEAD).locator(".carrying")
+    steps.get_by_text("Carry ATV3 away").click()
+    steps.get_by_role("checkbox").check()
+    off = steps.get_by_role("button", name="It is off the floor")
+    expect(off).to_be_enabled()
+    be_cut_off(page, cable)
+    expect(off).to_be_disabled()
+    expect(steps.get_by_role("status")).to_contain_text(OFF_NOW)
+    screenshot(page, f"carry-cut-off-{panel}")
+    cable.plug_in()
+    expect(off).to_be_enabled()
+    forgive(complaints, "ERR_INTERNET_DISCONNECTED")
 
 
 @pytest.mark.slow

@@ -67,6 +67,19 @@ LOOKS: dict[str, tuple[dict[str, Any], dict[str, str]]] = {
 }
 
 
+LINES = """all => all.map(each => {
+    const texts = document.createTreeWalker(each, NodeFilter.SHOW_TEXT);
+    const tops = new Set();
+    while (texts.nextNode()) {
+        const words = document.createRange();
+        words.selectNode(texts.currentNode);
+        for (const {top, width} of words.getClientRects()) if (width > 1) tops.add(Math.round(top / 4));
+    }
+    return tops.size;
+})"""
+"""How many lines the words of each button take."""
+
+
 @pytest.fixture
 def house(sqlite_url: str) -> Iterator[OpenHouse]:
     """A gateway at which people can be on duty."""
@@ -100,6 +113,10 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
         box = button.bounding_box()
         assert box is not None
         assert min(box["width"], box["height"]) >= TOUCH_PX
+    # One row of answers for a call, and not a second one on the vehicle's card.
+    expect(page.locator(".call-answers")).to_have_count(1)
+    expect(card(page, "ATV2").locator(".promises")).to_have_count(0)
+    assert max(call.locator(".call-answers button").evaluate_all(LINES)) <= 2
     screenshot(page, f"duty-asked-{language}")
     call.get_by_role("button", name=says["take"]).tap()
     expect(call).to_contain_text(says["expects"])
@@ -108,7 +125,7 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     assert calling.answers == [CallAnswer.TAKE]
     assert [command.kind for command in vehicle.heard] == [CommandKind.PROMISE]
     screenshot(page, f"duty-expected-{language}")
-    # One row of answers, not a second one on the vehicle's card.
+    expect(page.locator(".call-answers")).to_have_count(1)
     expect(card(page, "ATV2").locator(".promises")).to_have_count(0)
     screenshot(page, f"duty-card-{language}", of=".duty")
     # The way is clear: nobody is needed any more.

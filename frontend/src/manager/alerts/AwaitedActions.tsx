@@ -1,5 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { carryAway } from "../../api/client";
+import { CutOff, isCutOff } from "../../parts/Carrying";
 import { t } from "../../text/views/alerts";
 import { Sure } from "../parts/Sure";
 import { problemText } from "../problem-text";
@@ -23,7 +24,7 @@ export function AwaitedActions({ atv }: { atv: string }) {
   return (
     <>
       {state.value === "idle" ? (
-        <button type="button" class="button small" onClick={() => (state.value = "asking")}>
+        <button type="button" class="button small" disabled={isCutOff()} onClick={() => (state.value = "asking")}>
           {t("alerts.awaited.open", { atv })}
         </button>
       ) : (
@@ -31,11 +32,12 @@ export function AwaitedActions({ atv }: { atv: string }) {
           asked={t("alerts.awaited.sure", { atv })}
           no={t("alerts.awaited.not")}
           yes={t("carry.do")}
-          busy={state.value === "busy"}
+          busy={state.value === "busy" || isCutOff()}
           onNo={() => (state.value = "idle")}
           onYes={() => void say()}
         />
       )}
+      <CutOff />
       {failed.value !== "" && (
         <span class="complaint" role="alert">
           {failed.value}

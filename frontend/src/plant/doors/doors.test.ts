@@ -50,6 +50,7 @@ const drawn = (told: Told, named = false, scale = 10) => {
   const ctx = {
     beginPath: nothing, stroke: nothing, fill: nothing, strokeText: nothing, moveTo: draw, lineTo: draw, strokeStyle: "",
     arc: (...where: number[]) => signs.push(where), fillText: (...told: unknown[]) => words.push(told),
+    measureText: (text: string) => ({ width: 8 * text.length }),
   };
   const view = { scale, x0: 0, y0: 0 } as unknown as Brush["view"];
   const brush = { ctx, view, palette: { ink: "ink", warn: "warn", alarm: "alarm", floor: "floor" } } as unknown as Brush;

@@ -1,8 +1,9 @@
 /** How the doors of a plant stand, as far as vehicles tell: no door speaks for itself. Loaded where a plant has doors. */
 import type { AtvView, ObstacleView } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
-import { toScreenX, toScreenY } from "../surface/geometry";
+import { type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, setFont } from "../draw/brush";
+import { rectOfWords } from "../draw/words";
 import { type Door, joins } from "./on";
 
 export type DoorLook = "open" | "opening" | "shut" | "failed";
@@ -41,6 +42,7 @@ const APART = { open: 0.6, opening: 0.3, shut: 0, failed: 0 } as const;
 
 /** Pixels per metre: on a smaller map a name would lie on that of a machine. */
 const NAMED_SCALE = 18;
+const NAME_PX = 11.5;
 
 /** Where the leaf of a door is drawn: its middle, and from there to its end. */
 interface Leaf {
@@ -50,9 +52,14 @@ interface Leaf {
   readonly dy: number;
 }
 
-/** @param named whether a door that has failed says its name */
-export function drawDoors(brush: Brush, roads: Roads, doors: readonly Door[], told: Told, named: boolean): void {
+/**
+ * Returns where words stand beside them.
+ *
+ * @param named whether a door that has failed says its name
+ */
+export function drawDoors(brush: Brush, roads: Roads, doors: readonly Door[], told: Told, named: boolean): Rect[] {
   const { ctx, palette, view } = brush;
+  const words: Rect[] = [];
   for (const door of doors) {
     const look = lookOf(door, told, (node) => roads.places.get(node));
     const leaves: Leaf[] = [];
@@ -75,15 +82,16 @@ export function drawDoors(brush: Brush, roads: Roads, doors: readonly Door[], to
       }
       ctx.stroke();
     }
-    if (look === "failed") drawFailed(brush, leaves, named && view.scale >= NAMED_SCALE ? door.name : "");
+    if (look === "failed") words.push(...drawFailed(brush, leaves, named && view.scale >= NAMED_SCALE ? door.name : ""));
   }
+  return words;
 }
 
 /** One sign for all lanes of the door at one end of it, since vehicles stand before its middle, and its name at the other end. */
-function drawFailed(brush: Brush, leaves: readonly Leaf[], name: string): void {
+function drawFailed(brush: Brush, leaves: readonly Leaf[], name: string): Rect[] {
   const { ctx, palette, view } = brush;
   const [first] = leaves;
-  if (!first) return;
+  if (!first) return [];
   const lies = Math.abs(first.dx) > Math.abs(first.dy);
   const x = leaves.reduce((sum, leaf) => sum + leaf.x, 0) / leaves.length;
   const y = leaves.reduce((sum, leaf) => sum + leaf.y, 0) / leaves.length;
@@ -101,9 +109,9 @@ function drawFailed(brush: Brush, leaves: readonly Leaf[], name: string): void {
   ctx.moveTo(signX - 0.45 * r, signY + 0.45 * r);
   ctx.lineTo(signX + 0.45 * r, signY - 0.45 * r);
   ctx.stroke();
-  if (name === "") return;
+  if (name === "") return [];
   const [nameX, nameY] = at(far + (lies ? 5 : 9));
-  setFont(brush, 11.5, 600);
+  setFont(brush, NAME_PX, 600);
   ctx.textAlign = lies ? "left" : "center";
   ctx.textBaseline = "middle";
   ctx.lineWidth = 3;
@@ -112,4 +120,6 @@ function drawFailed(brush: Brush, leaves: readonly Leaf[], name: string): void {
   ctx.fillStyle = palette.alarm;
   ctx.strokeText(name, nameX, nameY);
   ctx.fillText(name, nameX, nameY);
+  const width = ctx.measureText(name).width;
+  return [rectOfWords(lies ? nameX + width / 2 : nameX, nameY, NAME_PX, width)];
 }

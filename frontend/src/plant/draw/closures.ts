@@ -2,7 +2,7 @@
 import type { ClosureView } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
 import { format } from "../../text";
-import { toScreenX, toScreenY } from "../surface/geometry";
+import { type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, setFont, textPx } from "./brush";
 import { traceOutline } from "./outline";
 
@@ -14,7 +14,8 @@ interface Segment {
   readonly b: Place;
 }
 
-export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<ClosureView>, nowS: number): void {
+/** Returns where words stand on them. */
+export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<ClosureView>, nowS: number): Rect[] {
   const shown = [...closures];
   for (const { kind, outline } of shown) drawShape(brush, outline, kind === "closed");
   const drawn = shown.map((closure) => ({ closure, segments: segmentsOf(roads, closure) }));
@@ -22,10 +23,10 @@ export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<Clos
     if (closure.kind === "slow") drawSlow(brush, segments);
     else drawShut(brush, segments, closure.kind === "closed");
   }
-  for (const { closure, segments } of drawn) {
+  return drawn.flatMap(({ closure, segments }) => {
     const at = middleOf(segments);
-    if (at) drawSign(brush, roads, closure, at, nowS);
-  }
+    return at ? drawSign(brush, roads, closure, at, nowS) : [];
+  });
 }
 
 /** The part of the floor that somebody has drawn. */
@@ -110,7 +111,7 @@ function middleOf(segments: readonly Segment[]): Place | null {
   return middles.reduce((best, each) => (Math.hypot(each.x - x, each.y - y) < Math.hypot(best.x - x, best.y - y) ? each : best));
 }
 
-function drawSign(brush: Brush, roads: Roads, closure: ClosureView, at: Place, nowS: number): void {
+function drawSign(brush: Brush, roads: Roads, closure: ClosureView, at: Place, nowS: number): Rect[] {
   const { ctx, palette, view } = brush;
   const x = toScreenX(view, at.x);
   const y = toScreenY(view, at.y);
@@ -135,7 +136,7 @@ function drawSign(brush: Brush, roads: Roads, closure: ClosureView, at: Place, n
   const until = closure.until_at_s === null ? "" : `– ${format.due(closure.until_at_s, nowS)}`;
   const speed = closure.speed_mps === null ? "" : `${format.number(closure.speed_mps, 1)} m/s`;
   const words = [speed, until].filter((each) => each !== "").join(" ");
-  if (words !== "") drawLabel(brush, words, x, closure.kind === "slow" ? y : y + r + 4);
+  return words === "" ? [] : [drawLabel(brush, words, x, closure.kind === "slow" ? y : y + r + 4)];
 }
 
 /** From where it may be entered to where it leads. */
@@ -154,7 +155,7 @@ function traceArrow({ ctx }: Brush, roads: Roads, lane: { start: string; end: st
   }
 }
 
-function drawLabel(brush: Brush, words: string, x: number, top: number): void {
+function drawLabel(brush: Brush, words: string, x: number, top: number): Rect {
   const { ctx, palette, view } = brush;
   const px = textPx(view.scale, 0.8, 10, 14);
   setFont(brush, px, 600);
@@ -171,4 +172,5 @@ function drawLabel(brush: Brush, words: string, x: number, top: number): void {
   ctx.stroke();
   ctx.fillStyle = palette.warn;
   ctx.fillText(words, x, top + height / 2);
+  return { left: x - width / 2, right: x + width / 2, top, bottom: top + height };
 }

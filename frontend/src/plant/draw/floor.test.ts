@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import type { Area, PlantFile } from "../../api/types";
+import type { Rect } from "../surface/geometry";
 import type { Brush } from "./brush";
 import { areaNames } from "./floor";
 
@@ -12,8 +13,8 @@ const brush = {
 
 const area = (name: string, ...corners: [number, number][]): Area =>
   ({ id: name, name, polygon: corners.map(([x_m, y_m]) => ({ x_m, y_m })) }) as Area;
-const names = (areas: Area[], machines: unknown[] = []) =>
-  areaNames(brush, { areas, machines, storages: [], warehouses: [] } as unknown as PlantFile).map(({ name, rect }) => ({ name, left: rect.left, top: rect.top }));
+const names = (areas: Area[], machines: unknown[] = [], signs: Rect[] = []) =>
+  areaNames(brush, { areas, machines, storages: [], warehouses: [] } as unknown as PlantFile, signs).map(({ name, rect }) => ({ name, left: rect.left, top: rect.top }));
 const box = (x_m: number, y_m: number, width_m = 4) => ({ box: { x_m, y_m, width_m, depth_m: 4 } });
 
 test("a name stands in the lower left corner of its area", () => {
@@ -22,6 +23,16 @@ test("a name stands in the lower left corner of its area", () => {
 
 test("where a machine stands there, it stands in the next corner", () => {
   expect(names([area("North", [0, 0], [40, 0], [40, 30], [0, 30])], [box(2, 2)])).toEqual([{ name: "North", left: 352, top: 985 }]);
+});
+
+test("where something was met on a lane, it keeps clear of the sign", () => {
+  const sign = { left: 20, right: 40, top: 980, bottom: 1000 };
+  expect(names([area("North", [0, 0], [40, 0], [40, 30], [0, 30])], [], [sign])[0]?.left).toBe(352);
+});
+
+test("on a map that has no room for it, it has no name: it would stand in another one", () => {
+  const all = { left: 0, right: 400, top: 700, bottom: 1000 };
+  expect(names([area("North", [0, 0], [40, 0], [40, 30], [0, 30])], [], [all])).toEqual([]);
 });
 
 test("in an area that has no lower left corner it stands in another one, and not beside the area", () => {

@@ -1,5 +1,5 @@
 /** What never moves: floor, areas, lanes and the places that only stand there. */
-import type { Box, ClosureView, Lane, ObstacleView, PlantFile } from "../../api/types";
+import type { Box, ClosureView, Lane, PlantFile } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
 import type { Outline } from "../../selection/outline";
 import { type Heat, stepOf } from "../heat/heat";
@@ -8,6 +8,7 @@ import { type Brush, isInSight, setFont, textPx } from "./brush";
 import { drawChosenLane, drawClosures } from "./closures";
 import { drawObstacles } from "./obstacles";
 import { drawOutline } from "./outline";
+import { rectOfWords } from "./words";
 
 export interface FloorPlan {
   readonly plant: PlantFile;
@@ -19,7 +20,8 @@ export interface FloorPlan {
   /** Id of the chosen place. */
   readonly chosen: string | null;
   readonly closures: Iterable<ClosureView>;
-  readonly obstacles: Iterable<ObstacleView>;
+  /** Where signs of obstacles stand. */
+  readonly obstacles: readonly Rect[];
   /** The chosen lane, by its ends. */
   readonly lane: { start: string; end: string } | null;
   /** What somebody draws, if anything. */
@@ -35,7 +37,8 @@ const SPUR_M = 1;
 const HEAT_M = 0.6;
 const PARKING_M = 2.1;
 
-export function drawFloor(brush: Brush, plan: FloorPlan): void {
+/** Returns where words and signs stand on it, but for the names of areas, whose places are known. */
+export function drawFloor(brush: Brush, plan: FloorPlan): Rect[] {
   drawGround(brush, plan.plant);
   if (plan.areas) drawAreas(brush, plan.plant);
   drawLanes(brush, plan);
@@ -43,19 +46,18 @@ export function drawFloor(brush: Brush, plan: FloorPlan): void {
   if (plan.lane) drawChosenLane(brush, plan.roads, plan.lane);
   drawParkings(brush, plan);
   drawChargers(brush, plan.plant);
-  for (const warehouse of plan.plant.warehouses) {
-    drawBox(brush, warehouse.box, "wall", plan.showLabels ? warehouse.name : "", 1.05);
-  }
-  for (const storage of plan.plant.storages) {
-    drawBox(brush, storage.box, "panel", plan.showLabels ? storage.id : "", 0.95);
-  }
+  const words = [
+    ...plan.plant.warehouses.flatMap(({ box, name }) => drawBox(brush, box, "wall", plan.showLabels ? name : "", 1.05)),
+    ...plan.plant.storages.flatMap(({ box, id }) => drawBox(brush, box, "panel", plan.showLabels ? id : "", 0.95)),
+  ];
   if (plan.areas) nameAreas(brush, plan.areas);
   const { warehouses, storages, chargers } = plan.plant;
   const chosen = [...warehouses, ...storages, ...chargers].find(({ id }) => id === plan.chosen);
   if (chosen) drawFrame(brush, chosen.box);
-  drawClosures(brush, plan.roads, plan.closures, plan.nowS);
-  drawObstacles(brush, plan.roads, plan.obstacles, plan.plant.doors);
+  words.push(...drawClosures(brush, plan.roads, plan.closures, plan.nowS));
+  drawObstacles(brush, plan.obstacles);
   if (plan.outline) drawOutline(brush, plan.outline.corners, plan.outline.drawing);
+  return [...words, ...plan.obstacles];
 }
 
 function drawGround(brush: Brush, plant: PlantFile): void {
@@ -109,13 +111,15 @@ const ASIDE_PX = 8;
 /**
  * In the lower left corner of each area, else in another one: where no machine, no storage and no other area's name
  * stands, and within the area, also where that is no rectangle.
+ *
+ * @param signs what else it may not cover
  */
-export function areaNames(brush: Brush, plant: PlantFile): AreaName[] {
+export function areaNames(brush: Brush, plant: PlantFile, signs: readonly Rect[] = []): AreaName[] {
   const { ctx, view } = brush;
   const px = areaPx(view.scale);
   setFont(brush, px, 550);
-  const taken = [...plant.machines, ...plant.storages, ...plant.warehouses].map(({ box }) => boxOnScreen(view, box));
-  return plant.areas.map(({ name, polygon }) => {
+  const taken = [...signs, ...[...plant.machines, ...plant.storages, ...plant.warehouses].map(({ box }) => boxOnScreen(view, box))];
+  return plant.areas.flatMap(({ name, polygon }) => {
     const [xs, ys] = [polygon.map((point) => toScreenX(view, point.x_m)), polygon.map((point) => toScreenY(view, point.y_m))];
     const width = ctx.measureText(name).width;
     const [least, most] = [Math.min(...xs), Math.max(...xs)];
@@ -127,9 +131,11 @@ export function areaNames(brush: Brush, plant: PlantFile): AreaName[] {
     const within = rects.filter(({ bottom, left, right, top }) =>
       isInside(polygon, toFloorX(view, (left + right) / 2), toFloorY(view, (top + bottom) / 2)));
     const free = within.find((rect) => !taken.some((other) => overlaps(rect, other)));
-    const rect = free ?? within[0] ?? at(least + ASIDE_PX, lowest);
+    // In an area of no such corner, beside it: on a map that has no room for it, it has no name.
+    const rect = free ?? (within.length === 0 ? at(least + ASIDE_PX, lowest) : undefined);
+    if (!rect || taken.some((other) => overlaps(rect, other))) return [];
     taken.push(rect);
-    return { name, rect };
+    return [{ name, rect }];
   });
 }
 
@@ -299,8 +305,8 @@ function drawBox(
   fill: BoxFill,
   name: string,
   textM: number,
-): void {
-  if (!isInSight(brush, box)) return;
+): Rect[] {
+  if (!isInSight(brush, box)) return [];
   const { ctx, view, palette, detail } = brush;
   const { left, top, right, bottom } = boxOnScreen(view, box);
   ctx.beginPath();
@@ -312,16 +318,20 @@ function drawBox(
     ctx.strokeStyle = palette.steel;
     ctx.stroke();
   }
-  if (!name || !detail.placeLabels) return;
+  if (!name || !detail.placeLabels) return [];
   const px = textPx(view.scale, textM, 9, 20);
   // The name of a narrow box stands upright in it, as in `dray plant draw`.
   setFont(brush, px, 600);
   const upright = bottom - top > right - left && ctx.measureText(name).width > right - left - 4;
+  const most = (upright ? bottom - top : right - left) - 4;
+  const [x, y] = [(left + right) / 2, (top + bottom) / 2];
+  const long = Math.min(most, ctx.measureText(name).width);
   ctx.save();
-  ctx.translate((left + right) / 2, (top + bottom) / 2);
+  ctx.translate(x, y);
   if (upright) ctx.rotate(-Math.PI / 2);
-  write(brush, name, 0, 0, px, "steel-ink", (upright ? bottom - top : right - left) - 4);
+  write(brush, name, 0, 0, px, "steel-ink", most);
   ctx.restore();
+  return [upright ? rectOfWords(x, y, long, px) : rectOfWords(x, y, px, long)];
 }
 
 function write(

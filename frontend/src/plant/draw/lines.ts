@@ -1,7 +1,9 @@
 /** Lines between things: planned ways, who works for whom, who watches whom, who relays for whom. */
 import type { Place } from "../../motion/roads";
 import { toScreenX, toScreenY } from "../surface/geometry";
-import { type Brush, setFont } from "./brush";
+import type { Brush } from "./brush";
+import { placesAlong } from "./labels";
+import type { Words } from "./words";
 
 /** @param ways the points still ahead of each vehicle, from where it is shown */
 export function drawWays(brush: Brush, ways: readonly (readonly Place[])[]): void {
@@ -62,23 +64,14 @@ export function drawLinks(brush: Brush, lines: readonly Line[], style: LineStyle
   ctx.globalAlpha = 1;
 }
 
-/** In the middle of the lines of a watch, how long ago the one at their end was heard. */
-export function drawAges(brush: Brush, lines: readonly (Line & { age: string; overdue: boolean })[]): void {
-  const { ctx, palette, view } = brush;
-  setFont(brush, AGE_PX, 600);
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.lineWidth = 4;
-  ctx.lineJoin = "round";
-  ctx.strokeStyle = palette.floor;
-  for (const { age, from, overdue, to } of lines) {
-    if (Math.hypot(to.x - from.x, to.y - from.y) * view.scale < AGED_PX) continue;
-    const x = toScreenX(view, (from.x + to.x) / 2);
-    const y = toScreenY(view, (from.y + to.y) / 2);
-    ctx.strokeText(age, x, y);
-    ctx.fillStyle = palette[overdue ? "warn" : "chosen"];
-    ctx.fillText(age, x, y);
-  }
+/** On the lines of a watch, how long ago the one at their end was heard. */
+export function agesOn({ view }: Brush, lines: readonly (Line & { age: string; overdue: boolean })[]): Words[] {
+  const at = ({ x, y }: Place) => ({ x: toScreenX(view, x), y: toScreenY(view, y) });
+  return lines
+    .filter(({ from, to }) => Math.hypot(to.x - from.x, to.y - from.y) * view.scale >= AGED_PX)
+    .map(({ age, from, overdue, to }) => ({
+      text: age, px: AGE_PX, edgePx: 4, must: true, colour: overdue ? "warn" : "chosen", places: () => placesAlong(at(from), at(to)),
+    }));
 }
 
 function tracePoints({ ctx, view }: Brush, points: readonly Place[]): void {

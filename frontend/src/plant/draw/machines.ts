@@ -3,6 +3,7 @@ import type { MachineSpec, MachineView } from "../../api/types";
 import { boxOnScreen, type Rect } from "../surface/geometry";
 import { filledFrac, isLow } from "../stock";
 import { type Brush, setFont, textPx } from "./brush";
+import { rectOfWords } from "./words";
 
 export interface DrawnMachine {
   readonly spec: MachineSpec;
@@ -14,15 +15,16 @@ export interface DrawnMachine {
   readonly product: string;
 }
 
-export function drawMachine(brush: Brush, machine: DrawnMachine): void {
+/** Returns where its words stand. */
+export function drawMachine(brush: Brush, machine: DrawnMachine): Rect[] {
   const rect = boxOnScreen(brush.view, machine.spec.box);
   drawBody(brush, rect, machine);
-  if (brush.detail.placeLabels) drawNames(brush, rect, machine);
-  if (machine.lost) return;
-  if (brush.detail.machineParts && machine.view) {
+  const words = brush.detail.placeLabels ? drawNames(brush, rect, machine) : [];
+  if (!machine.lost && brush.detail.machineParts && machine.view) {
     drawBuffers(brush, rect, machine.view);
     drawSign(brush, rect, machine.view.status);
   }
+  return words;
 }
 
 function drawBody({ ctx, view, palette }: Brush, rect: Rect, machine: DrawnMachine): void {
@@ -50,7 +52,7 @@ function drawBody({ ctx, view, palette }: Brush, rect: Rect, machine: DrawnMachi
 /** Wide enough for the product's name beside the machine's. */
 const PRODUCT_FROM_PX = 110;
 
-function drawNames(brush: Brush, rect: Rect, machine: DrawnMachine): void {
+function drawNames(brush: Brush, rect: Rect, machine: DrawnMachine): Rect[] {
   const { ctx, view, palette, detail } = brush;
   const width = rect.right - rect.left;
   const height = rect.bottom - rect.top;
@@ -68,10 +70,14 @@ function drawNames(brush: Brush, rect: Rect, machine: DrawnMachine): void {
   setFont(brush, px, 650);
   // A long name gives way to the sign in the corner.
   ctx.fillText(machine.spec.id, middle, y, width * 0.66);
-  if (!withProduct) return;
-  setFont(brush, Math.max(10, px * 0.6), 450);
+  const name = rectOfWords(middle, y, px, Math.min(width * 0.66, ctx.measureText(machine.spec.id).width));
+  if (!withProduct) return [name];
+  const smallPx = Math.max(10, px * 0.6);
+  const low = rect.top + height * 0.56;
+  setFont(brush, smallPx, 450);
   ctx.fillStyle = palette[warned || status === "error" ? "ink-2" : "machine-part"];
-  ctx.fillText(machine.product, middle, rect.top + height * 0.56, width - 10);
+  ctx.fillText(machine.product, middle, low, width - 10);
+  return [name, rectOfWords(middle, low, smallPx, Math.min(width - 10, ctx.measureText(machine.product).width))];
 }
 
 /** Materials in a row, then a gap, then the finished goods. */

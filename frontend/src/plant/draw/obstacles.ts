@@ -1,26 +1,31 @@
 /** What vehicles have met on lanes: a warning sign in the middle of the lane. A door has a sign of its own. */
 import type { ObstacleView, PlantFile } from "../../api/types";
 import type { Roads } from "../../motion/roads";
-import { toScreenX, toScreenY } from "../surface/geometry";
+import { type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import { doorOn } from "../doors/on";
 import { type Brush, setFont } from "./brush";
 
 const SIGN_M = 0.9;
 
-export function drawObstacles(brush: Brush, roads: Roads, obstacles: Iterable<ObstacleView>, doors: PlantFile["doors"]): void {
-  const { ctx, palette, view } = brush;
-  for (const { start, end } of obstacles) {
-    if (doorOn(doors, { start, end })) continue;
-    const a = roads.places.get(start);
-    const b = roads.places.get(end);
-    if (!a || !b) continue;
-    const x = toScreenX(view, (a.x + b.x) / 2);
-    const y = toScreenY(view, (a.y + b.y) / 2);
-    const r = Math.max(9, SIGN_M * view.scale);
+/** Where the signs stand. */
+export function obstacleSigns({ view }: Brush, roads: Roads, obstacles: Iterable<ObstacleView>, doors: PlantFile["doors"]): Rect[] {
+  const r = Math.max(9, SIGN_M * view.scale);
+  return [...obstacles].flatMap(({ start, end }) => {
+    const [a, b] = [roads.places.get(start), roads.places.get(end)];
+    if (!a || !b || doorOn(doors, { start, end })) return [];
+    const [x, y] = [toScreenX(view, (a.x + b.x) / 2), toScreenY(view, (a.y + b.y) / 2)];
+    return [{ left: x - r, right: x + r, top: y - r, bottom: y + 0.75 * r }];
+  });
+}
+
+export function drawObstacles(brush: Brush, signs: readonly Rect[]): void {
+  const { ctx, palette } = brush;
+  for (const { bottom, left, right, top } of signs) {
+    const [x, r] = [(left + right) / 2, (right - left) / 2];
     ctx.beginPath();
-    ctx.moveTo(x, y - r);
-    ctx.lineTo(x + r, y + 0.75 * r);
-    ctx.lineTo(x - r, y + 0.75 * r);
+    ctx.moveTo(x, top);
+    ctx.lineTo(right, bottom);
+    ctx.lineTo(left, bottom);
     ctx.closePath();
     ctx.fillStyle = palette.raised;
     ctx.fill();
@@ -32,6 +37,6 @@ export function drawObstacles(brush: Brush, roads: Roads, obstacles: Iterable<Ob
     ctx.textAlign = "center";
     ctx.textBaseline = "middle";
     ctx.fillStyle = palette.warn;
-    ctx.fillText("!", x, y + 0.2 * r);
+    ctx.fillText("!", x, top + 1.2 * r);
   }
 }

@@ -13,10 +13,12 @@ import { factoryTime } from "../../text/plant-time";
 import { type Detail, detailOf } from "./detail";
 import { type Brush, isInSight, isOnScreen } from "./brush";
 import { type AreaName, areaNames, drawFloor, parkingSignPx } from "./floor";
-import { drawAges, drawChosenWay, drawLinks, drawWays } from "./lines";
+import { agesOn, drawChosenWay, drawLinks, drawWays } from "./lines";
 import { drawMachine } from "./machines";
 import { drawMark } from "./marks";
-import { drawDots, drawVehicle, drawVehicleLabels, lookOf, shortName } from "./vehicles";
+import { obstacleSigns } from "./obstacles";
+import { discOf, drawDots, drawVehicle, lookOf, namesOf, shortName } from "./vehicles";
+import { type Words, writeWords } from "./words";
 import { boxOnScreen, fitView, type Rect, type Region, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "../surface/geometry";
 import { groupsOf, URGENT_LAST } from "./groups";
 import type { Heat } from "../heat/heat";
@@ -93,6 +95,8 @@ export class PlantRenderer {
   #stale = { floor: true, machines: true };
   /** As the floor was drawn last; null where areas are not shown. */
   #areas: readonly AreaName[] | null = null;
+  /** Words in boxes and on closures, as they were written last. */
+  readonly #written: { floor: readonly Rect[]; machines: readonly Rect[] } = { floor: [], machines: [] };
 
   constructor({ home, plant }: Scene, canvases: Canvases, shown: Shown, presentS: () => number) {
     this.plant = plant;
@@ -242,8 +246,9 @@ export class PlantRenderer {
     const brush = this.#brush(this.#canvases.floor, detail);
     if (!brush) return;
     const { areas, labels } = this.#shown.layers;
-    this.#areas = areas ? areaNames(brush, this.plant) : null;
-    drawFloor(brush, {
+    const obstacles = obstacleSigns(brush, this.#roads, this.#world?.obstacles.values() ?? [], this.plant.doors);
+    this.#areas = areas ? areaNames(brush, this.plant, [...obstacles, ...this.#parkingSigns(brush)]) : null;
+    this.#written.floor = drawFloor(brush, {
       plant: this.plant,
       roads: this.#roads,
       areas: this.#areas,
@@ -251,7 +256,7 @@ export class PlantRenderer {
       heat: this.#shown.heat,
       chosen: this.#shown.place,
       closures: this.#world?.closures.values() ?? [],
-      obstacles: this.#world?.obstacles.values() ?? [],
+      obstacles,
       lane: this.#shown.lane === null ? null : laneOf(this.#shown.lane),
       outline: this.#shown.outline,
       nowS: this.#presentS(),
@@ -261,12 +266,12 @@ export class PlantRenderer {
   #drawMachines(detail: Detail): void {
     const brush = this.#brush(this.#canvases.machines, detail);
     if (!brush) return;
-    for (const spec of this.plant.machines) {
-      if (!isInSight(brush, spec.box)) continue;
+    this.#written.machines = this.plant.machines.flatMap((spec) => {
+      if (!isInSight(brush, spec.box)) return [];
       const { view, lost = false } = this.#machines.get(spec.id) ?? {};
       const product = this.#productNames.get(view?.product ?? "") ?? "";
-      drawMachine(brush, { spec, view, product, lost, chosen: spec.id === this.#shown.place });
-    }
+      return drawMachine(brush, { spec, view, product, lost, chosen: spec.id === this.#shown.place });
+    });
   }
 
   #drawMoving(
@@ -282,7 +287,7 @@ export class PlantRenderer {
     const jams = layers.traffic ? jamsOf(world.alerts.values(), world.waits, this.#find) : [];
     this.#traffic?.drawJams(brush, jams);
     if (layers.traffic) this.#drawHeld(brush, vehicles);
-    this.#doors?.drawDoors(brush, this.#roads, this.plant.doors, world, layers.labels);
+    const doors = this.#doors?.drawDoors(brush, this.#roads, this.plant.doors, world, layers.labels);
     // Who is silent may have plans, but nobody knows whether it still follows them.
     const onItsWay = ({ view }: ShownVehicle): boolean =>
       view.way.length > 0 && !isLost(view, nowS, world.factory.speed);
@@ -291,16 +296,32 @@ export class PlantRenderer {
       drawWays(brush, others.map(({ view }) => this.fleet.ahead(view.id)));
     }
     if (layers.primary) this.#drawPrimary(brush, vehicles);
-    if (layers.watch) this.#drawWatch(brush, vehicles, nowS);
+    const ages = layers.watch ? this.#drawWatch(brush, vehicles, nowS) : [];
     if (layers.mesh) drawLinks(brush, meshLinks(vehicles, this.#find), "mesh", true);
     const chosen = atv === null ? undefined : this.fleet.get(atv);
     if (layers.ways && chosen && onItsWay(chosen)) drawChosenWay(brush, this.fleet.ahead(chosen.view.id));
     for (const { from, look, to } of marks) drawMark(brush, this.#find(from), this.#find(to), look);
-    this.#drawVehicles(brush, vehicles, nowS);
+    const names = this.#drawVehicles(brush, vehicles, nowS);
     if (layers.traffic) this.#traffic?.drawWaits(brush, waitLines(world.waits.values(), this.#find, atv));
     const speed = world.factory.speed;
-    const named = jams.map((jam) => ({ ...jam, text: t("map.jam", { age: factoryTime((nowS - jam.sinceAtS) * speed, speed) }) }));
-    this.#traffic?.nameJams(brush, named);
+    const told = jams.map((jam) => ({ ...jam, text: t("map.jam", { age: factoryTime((nowS - jam.sinceAtS) * speed, speed) }) }));
+    const signs = this.#traffic?.jamSigns(brush, told) ?? [];
+    const standing = [...(doors ?? []), ...signs.map(({ rect }) => rect)];
+    this.#write(brush, [...names.chosen, ...ages, ...names.others], vehicles, standing);
+    this.#traffic?.nameJams(brush, signs);
+  }
+
+  /** @param standing words of this picture that stand where they stand */
+  #write(brush: Brush, words: readonly Words[], vehicles: readonly ShownVehicle[], standing: readonly Rect[]): void {
+    if (words.length === 0) return;
+    const walls = this.#walls.filter((box) => isInSight(brush, box)).map((box) => boxOnScreen(brush.view, box));
+    const discs = brush.detail.everybody ? vehicles.map((vehicle) => discOf(brush, vehicle)) : [];
+    const { floor, machines } = this.#written;
+    const written = [...floor, ...machines, ...(this.#areas ?? []).map(({ rect }) => rect), ...this.#parkingSigns(brush)];
+    writeWords(brush, words, {
+      things: [...walls, ...discs],
+      words: [...standing, ...written.filter((rect) => isOnScreen(brush, rect))],
+    });
   }
 
   #drawHeld(brush: Brush, inSight: readonly ShownVehicle[]): void {
@@ -319,7 +340,8 @@ export class PlantRenderer {
     drawLinks(brush, watchLinks(this.#carried, this.#find, { atv, machine: place }).primary, "primary", true);
   }
 
-  #drawWatch(brush: Brush, inSight: readonly ShownVehicle[], nowS: number): void {
+  /** Returns how long ago they were heard who are watched. */
+  #drawWatch(brush: Brush, inSight: readonly ShownVehicle[], nowS: number): Words[] {
     const { atv, place } = this.#shown;
     if (brush.detail.everybody) {
       // Lines that only pass through would say nothing.
@@ -333,7 +355,7 @@ export class PlantRenderer {
     const overdue = watchLinks(late, this.#find, null).secondary;
     drawLinks(brush, overdue, "overdue", true);
     const heard = chosen.secondary.filter(({ guarded }) => !this.#isOverdue(guarded, nowS));
-    drawAges(brush, [...this.#aged(heard, nowS, false), ...this.#aged(overdue, nowS, true)]);
+    return agesOn(brush, [...this.#aged(heard, nowS, false), ...this.#aged(overdue, nowS, true)]);
   }
 
   #isOverdue(atv: string, nowS: number): boolean {
@@ -348,7 +370,8 @@ export class PlantRenderer {
     });
   }
 
-  #drawVehicles(brush: Brush, vehicles: readonly ShownVehicle[], nowS: number): void {
+  /** Returns their names. */
+  #drawVehicles(brush: Brush, vehicles: readonly ShownVehicle[], nowS: number): { chosen: Words[]; others: Words[] } {
     const { atv, layers, standby } = this.#shown;
     const speed = this.#world?.factory.speed ?? 1;
     const groups = groupsOf(vehicles, ({ view }) => lookOf(view, view.id === atv, isLost(view, nowS, speed)));
@@ -368,10 +391,8 @@ export class PlantRenderer {
         return [{ vehicle, look, chosen, label }];
       }),
     );
-    if (labels.length === 0) return;
-    const walls = this.#walls.filter((box) => isInSight(brush, box)).map((box) => boxOnScreen(brush.view, box));
-    const written = [...(this.#areas ?? []).map(({ rect }) => rect), ...this.#parkingSigns(brush)];
-    drawVehicleLabels(brush, labels, [...walls, ...written.filter((rect) => isOnScreen(brush, rect))]);
+    const of = (isChosen: boolean): Words[] => namesOf(brush, labels.filter(({ chosen }) => chosen === isChosen));
+    return { chosen: of(true), others: of(false) };
   }
 
   /** The letters at parking places, where there are any. */

@@ -1,11 +1,11 @@
 /** Vehicles: a disc with a nose, what it carries, its battery, and what is wrong with it. */
 import type { AtvView } from "../../api/types";
 import type { ShownVehicle } from "../../motion/fleet-motion";
-import { overlaps, type Rect, toScreenX, toScreenY } from "../surface/geometry";
+import { type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import type { Brush } from "./brush";
-import { setFont } from "./brush";
 import { traceBolt } from "./floor";
-
+import { placesAround } from "./labels";
+import type { Words } from "./words";
 
 /** From the rim of a chosen vehicle to that of its halo. */
 const HALO_PX = 6;
@@ -189,39 +189,24 @@ function drawBattery(brush: Brush, x: number, y: number, r: number, view: AtvVie
 }
 
 /**
- * Names beside the vehicles, where there is room: above, else at a side, else below. Where names or
- * machines leave none, whoever comes later in the list stays without a name, except the chosen one.
- *
- * @param walls what no name may cover
+ * Names beside the vehicles, where there is room. Where other words and machines leave none, whoever comes later in the
+ * list stays without a name.
  */
-export function drawVehicleLabels(
-  brush: Brush,
+export function namesOf(
+  { detail, view }: Brush,
   vehicles: readonly { vehicle: ShownVehicle; look: Look; chosen: boolean; label: string }[],
-  walls: readonly Rect[],
-): void {
-  const { ctx, view, palette, detail } = brush;
-  const px = detail.vehiclePx >= 11 ? 11.5 : 10;
-  const taken = [...walls];
-  if (detail.everybody) for (const { vehicle } of vehicles) taken.push(discOf(brush, vehicle));
-  setFont(brush, px, 600);
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.lineWidth = 3;
-  ctx.lineJoin = "round";
-  ctx.strokeStyle = palette.floor;
-  for (const { vehicle, look, chosen, label } of vehicles) {
+): Words[] {
+  return vehicles.map(({ chosen, label, look, vehicle }) => {
     const middle = { x: toScreenX(view, vehicle.x), y: toScreenY(view, vehicle.y) };
-    // As wide as it is drawn, with its rim: names differ in their letters.
-    const size = { width: ctx.measureText(label).width + ctx.lineWidth, height: px + 2 };
-    const rect = labelRect(middle, size, detail.vehiclePx + (chosen ? 8 : 5), taken, chosen);
-    if (!rect) continue;
-    taken.push(rect);
-    const x = (rect.left + rect.right) / 2;
-    const y = (rect.top + rect.bottom) / 2;
-    ctx.strokeText(label, x, y);
-    ctx.fillStyle = palette[look === "alarm" || look === "lost" ? "alarm" : chosen ? "chosen" : "ink-2"];
-    ctx.fillText(label, x, y);
-  }
+    return {
+      text: label,
+      px: detail.vehiclePx >= 11 ? 11.5 : 10,
+      edgePx: 3,
+      must: chosen,
+      colour: look === "alarm" || look === "lost" ? "alarm" : chosen ? "chosen" : "ink-2",
+      places: (size) => placesAround(middle, size, detail.vehiclePx + (chosen ? 8 : 5), chosen),
+    };
+  });
 }
 
 /** A vehicle's name as the map has room for it. */
@@ -230,32 +215,9 @@ export function shortName(name: string): string {
 }
 
 /** What no name may cover of a vehicle: a little less than its disc, so that those beside one another keep theirs. */
-function discOf({ detail, view }: Brush, { x, y }: ShownVehicle): Rect {
+export function discOf({ detail, view }: Brush, { x, y }: ShownVehicle): Rect {
   const half = 0.8 * detail.vehiclePx;
   const left = toScreenX(view, x) - half;
   const top = toScreenY(view, y) - half;
   return { left, top, right: left + 2 * half, bottom: top + 2 * half };
-}
-
-/** The first free place around a vehicle; where there is none, null, or of one that must be named the place that covers least. */
-export function labelRect(
-  middle: { x: number; y: number },
-  size: { width: number; height: number },
-  awayPx: number,
-  taken: readonly Rect[],
-  must: boolean,
-): Rect | null {
-  const { width, height } = size;
-  const at = (dx: number, dy: number): Rect => ({
-    left: middle.x + dx - width / 2,
-    right: middle.x + dx + width / 2,
-    top: middle.y + dy - height / 2,
-    bottom: middle.y + dy + height / 2,
-  });
-  const beside = awayPx + width / 2 + 1;
-  const above = at(0, -awayPx - height / 2);
-  const places = [above, at(beside, 0), at(-beside, 0), at(0, awayPx + height / 2)];
-  const covered = places.map((place) => taken.filter((other) => overlaps(place, other)).length);
-  const least = Math.min(...covered);
-  return least === 0 || must ? (places[covered.indexOf(least)] ?? null) : null;
 }

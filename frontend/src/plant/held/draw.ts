@@ -1,7 +1,7 @@
 /** Held places, waits and jams on the map; loaded where vehicles drive with right of way. */
 import type { Place } from "../../motion/roads";
 import { type Brush, setFont } from "../draw/brush";
-import { toScreenX, toScreenY } from "../surface/geometry";
+import { type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import type { Jam, WaitLine } from "./held";
 
 /** As wide as a vehicle. */
@@ -72,27 +72,41 @@ export function drawJams(brush: Brush, jams: readonly Jam[]): void {
   ctx.lineCap = "butt";
 }
 
-/** Over everything: which jam it is, and for how long. */
-export function nameJams(brush: Brush, jams: readonly (Jam & { text: string })[]): void {
-  const { ctx, detail, palette, size, view } = brush;
+/** Which jam it is, and for how long, on a ground of its own. */
+export interface JamSign {
+  readonly text: string;
+  readonly rect: Rect;
+}
+
+/** Above the jams that are in sight, and within the map. */
+export function jamSigns(brush: Brush, jams: readonly (Jam & { text: string })[]): JamSign[] {
+  const { ctx, detail, size, view } = brush;
   setFont(brush, LABEL_PX, 650);
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  for (const { lines, text } of jams) {
+  return jams.flatMap(({ lines, text }) => {
     const ends = lines.flatMap(({ from, to }) => [from, to]);
+    if (!ends.some((end) => isOnScreen(brush, end))) return [];
     const top = Math.min(...ends.map(({ y }) => toScreenY(view, y)));
     const middle = ends.reduce((sum, { x }) => sum + toScreenX(view, x), 0) / ends.length;
     const half = ctx.measureText(text).width / 2 + 7;
-    const isSeen = ends.some((end) => isOnScreen(brush, end));
-    if (!isSeen) continue;
     const x = Math.min(Math.max(middle, half + 2), size.width - half - 2);
     const y = Math.min(Math.max(top - detail.vehiclePx - 34, 12), size.height - 12);
+    return [{ text, rect: { left: x - half, right: x + half, top: y - 10, bottom: y + 10 } }];
+  });
+}
+
+/** Over everything. */
+export function nameJams(brush: Brush, signs: readonly JamSign[]): void {
+  const { ctx, palette } = brush;
+  setFont(brush, LABEL_PX, 650);
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  for (const { rect: { bottom, left, right, top }, text } of signs) {
     ctx.beginPath();
-    ctx.roundRect(x - half, y - 10, 2 * half, 20, 4);
+    ctx.roundRect(left, top, right - left, bottom - top, 4);
     ctx.fillStyle = palette.alarm;
     ctx.fill();
     ctx.fillStyle = palette.raised;
-    ctx.fillText(text, x, y + 0.5);
+    ctx.fillText(text, (left + right) / 2, (top + bottom) / 2 + 0.5);
   }
 }
 

@@ -400,6 +400,7 @@ export const de: Catalogue<typeof en> = {
   "carry.second": "Den Namen am Fahrzeug lesen: andere werden dort fahren, wo es steht.",
   "carry.third": "Vom Boden nehmen, mit der Ladung, und weg von allen Wegen.",
   "carry.sure": "Ich habe „{atv}“ daran gelesen, und es steht nicht mehr auf dem Boden.",
+  "carry.cutOff": "Keine Verbindung zum Werk: Das kann jetzt nicht gesagt werden.",
   "carry.do": "Es ist weggetragen",
   "carry.said": "Weggetragen, sagt {by}.",
   "carry.freed": "Wieder frei: {places}.",

@@ -397,6 +397,7 @@ export const en = {
   "carry.second": "Read its name on the vehicle: others will drive where it stands.",
   "carry.third": "Take it off the floor, with its load, and clear of all lanes.",
   "carry.sure": "I have read “{atv}” on it, and it is off the floor.",
+  "carry.cutOff": "No connection to the plant: it cannot be said now.",
   "carry.do": "It is off the floor",
   "carry.said": "Carried away, says {by}.",
   "carry.freed": "Free again: {places}.",

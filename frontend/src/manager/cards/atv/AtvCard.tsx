@@ -56,6 +56,15 @@ function AtvCard({ atv }: { atv: AtvView }) {
       }
       aside={<Status atv={atv} lost={lost} />}
       class={`atv ${lost ? "silent" : ""}`}
+      scrolls
+      foot={
+        atv.shut_out ? undefined : (
+          <>
+            <CommandMenu key={atv.id} atv={atv.id} />
+            <ShutOutMenu key={atv.id} agent={atv.id} kind="atv" />
+          </>
+        )
+      }
     >
       {atv.shut_out && <ShutOutNote agent={atv.id} kind="atv" out={atv.shut_out} />}
       {atv.problem && !atv.shut_out && (
@@ -105,12 +114,6 @@ function AtvCard({ atv }: { atv: AtvView }) {
         />
         <span class="num">{batteryText(atv)}</span>
       </div>
-      {!atv.shut_out && (
-        <div class="card-foot">
-          <CommandMenu key={atv.id} atv={atv.id} />
-          <ShutOutMenu key={atv.id} agent={atv.id} kind="atv" />
-        </div>
-      )}
     </Card>
   );
 }

@@ -20,7 +20,7 @@ export function CallHere({ place }: { place: string }) {
     opened.value = { place, end, number: (opened.value?.number ?? 0) + 1 };
   };
   return (
-    <div class="card-foot">
+    <>
       <button type="button" class="button small" onClick={() => { open("to"); }}>
         {t("place.bring")}
       </button>
@@ -28,6 +28,6 @@ export function CallHere({ place }: { place: string }) {
         {t("place.take")}
       </button>
       {opened.value && <Later load={load} of={opened.value} />}
-    </div>
+    </>
   );
 }

@@ -41,6 +41,13 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
         </>
       }
       class={`machine ${lost ? "silent" : ""}`}
+      scrolls
+      foot={
+        <>
+          <CallHere key={spec.id} place={spec.id} />
+          {machine && !machine.shut_out && <ShutOutMenu key={spec.id} agent={spec.id} kind="machine" />}
+        </>
+      }
     >
       {machine?.shut_out && <ShutOutNote agent={spec.id} kind="machine" out={machine.shut_out} />}
       {machine?.problem && !machine.shut_out && <p class="problem">{failureText(machine.problem)}</p>}
@@ -67,12 +74,6 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       <Stock title={t("machine.goods")} buffers={machine?.goods ?? []} />
       <Later load={loadPieces} of={{ machine: spec.id, name: nameOf }} />
       <Transports tasks={byDeadline(machine).slice(1)} />
-      <CallHere key={spec.id} place={spec.id} />
-      {machine && !machine.shut_out && (
-        <div class="card-foot">
-          <ShutOutMenu key={spec.id} agent={spec.id} kind="machine" />
-        </div>
-      )}
     </Card>
   );
 }

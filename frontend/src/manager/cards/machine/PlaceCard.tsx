@@ -30,6 +30,8 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
       title={place.name}
       aside={lost ? <Tag tone="alarm">{t(station.shut_out ? "machine.shut_out" : "machine.lost")}</Tag> : <Tag>{t(`place.${place.kind}`)}</Tag>}
       class={`place ${lost ? "silent" : ""}`}
+      scrolls
+      foot={place.kind === "storage" ? <CallHere key={place.id} place={place.id} /> : undefined}
     >
       {station?.shut_out && <ShutOutNote agent={agent} kind="machine" out={station.shut_out} />}
       <Facts>
@@ -64,7 +66,6 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
           </Facts>
         </div>
       )}
-      {place.kind === "storage" && <CallHere key={place.id} place={place.id} />}
     </Card>
   );
 }

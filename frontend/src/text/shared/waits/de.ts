@@ -19,7 +19,7 @@ export const waits: Catalogue<typeof en> = {
   "unwilling.error": "es hat eine Störung",
   "unwilling.stopped": "es ist angehalten",
   "unwilling.busy": "es ist an der Arbeit",
-  "unwilling.battery": "sein Akku ist zu leer",
+  "unwilling.battery": "seine Batterie ist zu leer",
   "unwilling.charging": "es wurde zum Laden geschickt",
   "unwilling.ability": "es kann das nicht tragen",
   "unwilling.no_way": "es findet keinen Weg",

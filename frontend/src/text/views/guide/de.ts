@@ -26,7 +26,7 @@ export const guide: Catalogue<typeof en> = {
   "legend.doorFailed": "Tür, die nicht aufgeht",
   "legend.obstacle": "Etwas liegt im Weg",
   "legend.closed": "für Fahrzeuge gesperrt oder langsam",
-  "term.epoch": "Wie oft die Aufgabe ein anderes Fahrzeug bekam oder neu ausgeschrieben wurde. Ein Wort aus einer älteren Epoche gilt nicht mehr.",
+  "term.epoch": "Wie oft der Transport ein anderes Fahrzeug bekam oder neu ausgeschrieben wurde. Ein Wort aus einer älteren Epoche gilt nicht mehr.",
   "term.round": "Wie oft Gebote erbeten wurden. Jede Runde fragt weiter weg.",
   "term.p50": "Die Hälfte der letzten Transporte dauerte nicht länger, von der Ausschreibung bis zur Übergabe. Werkszeit.",
   "term.p95": "95 von 100 der letzten Transporte dauerten nicht länger, von der Ausschreibung bis zur Übergabe. Werkszeit.",

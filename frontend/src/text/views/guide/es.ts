@@ -26,7 +26,7 @@ export const guide: Catalogue<typeof en> = {
   "legend.doorFailed": "puerta que no se abre",
   "legend.obstacle": "hay algo en el camino",
   "legend.closed": "cerrado a los vehículos o lento",
-  "term.epoch": "Cuántas veces la tarea tuvo otro portador o se anunció de nuevo. Lo dicho en una época anterior ya no cuenta.",
+  "term.epoch": "Cuántas veces el transporte tuvo otro portador o se anunció de nuevo. Lo dicho en una época anterior ya no cuenta.",
   "term.round": "Cuántas veces se pidieron ofertas. Cada ronda pregunta más lejos.",
   "term.p50": "La mitad de los últimos transportes no tardó más, del anuncio a la entrega. Tiempo de fábrica.",
   "term.p95": "95 de 100 de los últimos transportes no tardaron más, del anuncio a la entrega. Tiempo de fábrica.",
@@ -43,5 +43,5 @@ export const guide: Catalogue<typeof en> = {
   "tour.2.head": "¿Por qué este vehículo?",
   "tour.2.text": "Nadie reparte el trabajo. Bajo el plano se ve quién ofertó por el transporte elegido, a qué precio y por qué se tomó uno.",
   "tour.3.head": "Lo que le necesita.",
-  "tour.3.text": "Los avisos dicen qué va mal y qué hacer. Pedidos, tareas y quién hizo qué están en las listas de arriba, hasta donde se guardan.",
+  "tour.3.text": "Los avisos dicen qué va mal y qué hacer. Pedidos, transportes y quién hizo qué están en las listas de arriba, hasta donde se guardan.",
 };

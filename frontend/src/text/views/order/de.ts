@@ -177,7 +177,7 @@ export const order: Catalogue<typeof en> = {
   "reason.why.withdrawn": "zurückgezogen",
   "reason.why.released": "zurückgegeben",
   "reason.why.not_needed": "nicht mehr gebraucht",
-  "reason.why.task_ended": "die Aufgabe ist beendet",
+  "reason.why.task_ended": "der Transport ist beendet",
   "reason.why.not_asked": "wurde nicht darum gebeten",
   "reason.why.another_watches": "ein anderes wacht",
   "reason.why.load_down": "die Ladung ist abgesetzt",

@@ -177,7 +177,7 @@ export const order: Catalogue<typeof en> = {
   "reason.why.withdrawn": "retirado",
   "reason.why.released": "devuelto",
   "reason.why.not_needed": "ya no hace falta",
-  "reason.why.task_ended": "su tarea ha terminado",
+  "reason.why.task_ended": "su transporte ha terminado",
   "reason.why.not_asked": "no se le pidió",
   "reason.why.another_watches": "otro vigila",
   "reason.why.load_down": "la carga está descargada",

@@ -113,7 +113,7 @@ export const records: Catalogue<typeof en> = {
   "audit.of.station": "estación",
   "audit.of.session_over": "sesión terminada",
   "audit.of.status": "respondido con",
-  "audit.of.lane": "vía",
+  "audit.of.lane": "carril",
   "audit.of.start": "desde",
   "audit.of.end": "hasta",
   "audit.of.place": "lugar",

@@ -137,7 +137,7 @@ export const shift: Catalogue<typeof en> = {
   "shift.f.waited_frac": "Warten aufeinander",
   "shift.def.waited_frac": "Die Zeit davon, von der Zeit der Fahrzeuge im Dienst.",
   "shift.f.energy_wh": "Energie",
-  "shift.def.energy_wh": "Den Akkus entnommen, nach deren Anzeige; Verluste der Ladegeräte zählen nicht.",
+  "shift.def.energy_wh": "Den Batterien entnommen, nach deren Anzeige; Verluste der Ladegeräte zählen nicht.",
   "shift.f.transport_energy_wh": "Energie je Transport",
   "shift.def.transport_energy_wh": "Dieselbe für eine übergebene Ladung.",
   "shift.f.interventions": "Eingriffe",

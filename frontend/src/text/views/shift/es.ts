@@ -81,7 +81,7 @@ export const shift: Catalogue<typeof en> = {
   "shift.command.set_speed": "velocidad",
   "shift.command.charge": "cargar",
   "shift.role.manager": "gestor",
-  "shift.role.operator": "operador",
+  "shift.role.operator": "operario",
   "shift.role.admin": "administrador",
   "shift.role.person": "persona",
   "shift.worst": "Esperas más largas",
