@@ -71,6 +71,9 @@ HISTORY_ROWS = 1_000
 SAID_AT_ONCE = 100
 """Tasks whose facts are said before the historian writes them."""
 
+COMMON = "+".join("x" * length for length in range(1, 9))
+"""Words that stand in the names of nearly all products."""
+
 ROOM = 2
 """How many more products may be defined."""
 
@@ -263,7 +266,7 @@ async def test_no_step_is_long_however_much_there_is_to_tell(
 ) -> None:
     headers = (await fullest.key(*scopes))[1] if scopes else {}
     found = {}
-    for query in ("", "limit=500", "format=csv"):
+    for query in ("", "limit=500", "format=csv", f"q={COMMON}"):
         if query and query.partition("=")[0] not in parameters(fullest, template):
             continue
         found[query] = await longest_ms(fullest, "GET", template, query, headers)
