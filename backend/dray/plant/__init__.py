@@ -7,19 +7,20 @@ it, `routes` finds ways.
 
 from __future__ import annotations
 
+from dray.plant.file.check import Fault
 from dray.plant.file.file import (
     SHIPPED,
+    Defined,
     default_plant,
-    file_with_product,
+    file_with_products,
     is_shipped,
     load_plant,
     parse_plant,
     plant_yaml,
-    product_faults,
+    products_faults,
     shipped_plant,
     sum_up,
     with_machine,
-    with_product,
 )
 from dray.plant.model import (
     Area,
@@ -59,8 +60,10 @@ __all__ = [
     "Box",
     "Charger",
     "Charging",
+    "Defined",
     "DirectedLane",
     "Door",
+    "Fault",
     "Hours",
     "Lane",
     "LaneEnds",
@@ -85,14 +88,13 @@ __all__ = [
     "WorkingStation",
     "bends",
     "default_plant",
-    "file_with_product",
+    "file_with_products",
     "is_shipped",
     "load_plant",
     "parse_plant",
     "plant_yaml",
-    "product_faults",
+    "products_faults",
     "shipped_plant",
     "sum_up",
     "with_machine",
-    "with_product",
 ]

@@ -154,7 +154,8 @@ def test_a_keeper_whose_book_is_not_copied_is_an_alert() -> None:
     for event in events("M1", BookRefused("M2"), first=1, at_s=0.0):
         watch.projection.fold(event)
     keeper, words = watch.alerts()["word_disbelieved"]
-    assert (keeper, words) == ("M2", "keeps a book that takes places from vehicles without their word")
+    assert keeper == "M2"
+    assert "takes places from vehicles without their word, or has a higher number" in words
 
 
 @pytest.mark.anyio

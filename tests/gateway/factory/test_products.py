@@ -11,8 +11,10 @@ import msgspec
 import pytest
 from answers import problem
 from gateway_kit import House, gateway
+from msgspec.structs import replace
 
 from dray.gateway.access.principal import Role, Scope
+from dray.gateway.factory import catalogue
 from dray.gateway.factory.catalogue import Catalogue
 from dray.gateway.http.provided import provided
 from dray.messages import BillLine, Document, MachineCycle, ProductDefinition
@@ -349,3 +351,50 @@ async def test_no_pattern_is_told_of_a_cell_that_cannot_be_used(house: House) ->
     for fault in faults:
         assert fault["code"] == "pattern"
         assert not set("^$\\[") & set(fault["reason"])
+
+
+async def test_one_caller_defines_half_of_what_all_may_and_all_no_more_than_that(
+    house: House, visitor: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(catalogue, "PRODUCTS_MAX", 4)
+    floor = Scope.FLOOR_WRITE
+    callers = [(await house.key(floor, name=who))[1] for who in ("ERP", "MES", "PLM")]
+
+    async def put(caller: dict[str, str], id_: str, **headers: str) -> httpx.Response:
+        return await visitor.put(f"/api/products/{id_}", json=body(house), headers=caller | headers)
+
+    erp, mes, plm = callers
+    assert [(await put(erp, f"E{each}", **NEW)).status_code for each in range(2)] == [201, 201]
+    refused = await put(erp, "E2", **NEW)
+    [error] = problem(refused, 429, "share-used")["errors"]
+    assert (error["field"], error["code"], error["values"]) == ("caller", "share_used", {"most": "2"})
+    assert refused.headers["Retry-After"]
+    # What there is may be changed by whoever has no room for more, and all of a file is refused.
+    assert (await put(erp, "E1", **{"If-Match": '"1"'})).status_code == 200
+    file = {"csv": table(house, *GOOD)}
+    problem(await visitor.post("/api/products/import", json=file, headers=erp), 429, "share-used")
+    taken = await visitor.post("/api/products/import", json=file, headers=mes)
+    assert taken.status_code == 200, taken.text
+    problem(await put(plm, "P1", **NEW), 409, "too-many-products")
+    known = {each["id"] for each in (await house.get("/api/products"))["items"]}
+    assert {"E0", "E1", "B1", "B2"} <= known
+    assert not {"E2", "P1"} & known
+
+
+async def test_of_what_was_defined_the_next_gateway_leaves_out_only_what_does_not_fit(url: str) -> None:
+    """The plant has lost a material meanwhile."""
+    levels = load_plant("levels").file
+    async with gateway(url, plant=levels) as house:
+        plant = house.projection.site.plant
+        machine = next(iter(plant.machines))
+        for id_, material in (("A1", "bar"), ("A2", "blank"), ("A3", "bar"), ("A4", "bar")):
+            answer = await define(house, NEW, id_, bill={material: 1}, machines={machine: 5.0})
+            assert answer.status_code == 201, answer.text
+        async with house.store.write() as work:
+            [row] = [each for each in await work.products.defined() if each.id == "A2"]
+            gone = row.definition.replace('"blank"', '"gone"')
+            assert gone != row.definition
+            await work.products.define(replace(row, definition=gone, revision=2))
+    async with gateway(url, plant=levels) as next_one:
+        known = {each["id"] for each in (await next_one.get("/api/products"))["items"]}
+        assert {"A1", "A2", "A3", "A4"} & known == {"A1", "A3", "A4"}

@@ -185,7 +185,8 @@ class House:
     async def key(self, *scopes: Scope, **fields: Any) -> tuple[ApiKey, dict[str, str]]:
         """A new key of another system, and the header that shows it."""
         token = new_key()
-        key = ApiKey(id=new_id(), name="ERP", scopes=" ".join(scopes), created_at_s=NOW_S, **fields)
+        named = {"name": "ERP"} | fields
+        key = ApiKey(id=new_id(), scopes=" ".join(scopes), created_at_s=NOW_S, **named)
         async with self.store.write() as work:
             await work.api_keys.add(token, key)
         return key, {"Authorization": f"Bearer {token}"}

@@ -8,18 +8,21 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from http import HTTPStatus
+from typing import NamedTuple
 
 import msgspec
 from msgspec.structs import replace
 
-from dray.gateway.http.problems import FieldError, unusable
+from dray.gateway.http.problems import Problem, unusable
+from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.live.projection import Projection
 from dray.gateway.products.drafts import Wanted
 from dray.gateway.products.judging import Known, definition, faults, own_s
 from dray.messages import Document, PartDefinition, ProductDefinition
 from dray.plant import BillLine as PlantLine
-from dray.plant import Plant, Product
+from dray.plant import Fault, Plant, PlantFile, Product, products_faults
 from dray.store import Store
 from dray.store.orders.products import DefinedProduct
 from dray.store.work import Work
@@ -29,8 +32,11 @@ _log = logging.getLogger(__name__)
 PLANT_FILE = 1
 """The revision of what stands in the plant file."""
 
-BATCH = 50
-"""Products that are taken in at once: some milliseconds of the event loop, however many there are already."""
+PRODUCTS_MAX = 2_000
+"""Definitions that are kept: with so many a plant is still taken in within one short step of the event loop."""
+
+PARTS = 2
+"""In which the bound is cut: one system defines nearly all products of many plants, and one file has as many as one caller may define."""
 
 
 class Catalogue:
@@ -88,10 +94,6 @@ class Catalogue:
         revisions = {product: self.revision(product) for product in self._projection.site.products}
         return Known(msgspec.json.encode(plant.file), msgspec.json.encode(self._file.file), revisions)
 
-    def faults(self, wishes: Sequence[Wanted]) -> list[list[FieldError]]:
-        """Why products cannot be made or carried here when they are defined one after the other; see `judging.faults`."""
-        return faults(self._file, self._projection.site.plant.file, wishes)
-
     async def define(self, products: Sequence[Wanted], by: str, now_s: float, judged: Plant) -> str:
         """Keep products that have no `faults`, all of them or none.
 
@@ -105,26 +107,25 @@ class Catalogue:
             The first of which the revision before is not the newest any more, and nothing was kept; empty when all were.
 
         Raises:
-            Problem: 422, one does not fit any more with what others have defined meanwhile.
+            Problem: 422, one does not fit any more with what others have defined meanwhile; 429 or 409, there are too many new ones.
             UnavailableError: the database cannot be written.
         """
-        rows = [self._row(each, by, now_s) for each in products]
+        news = [_news(each, by, now_s) for each in products]
         try:
             async with self._store.write() as work:
                 # From here on nobody else defines anything: what was found good may not be so any more.
                 await self.look(work)
                 if self._projection.site.plant is not judged:
-                    self._judge_again(products)
-                for row in rows:
-                    await _define(work, row)
+                    await self._judge_again(products)
+                await _refuse_too_many(work, sum(each.before is None for each in products), by)
+                for each in news:
+                    await _define(work, each.row)
         except _ChangedError as changed:
             return changed.product
         if self._projection.site.plant is judged:
-            await self._take_all(products, rows)
+            self._go_by(news)
         else:
-            for row in rows:
-                self._take(row)
-                await asyncio.sleep(0)
+            await self._take([each.row for each in news])
         return ""
 
     def is_news(self, wanted: Wanted) -> bool:
@@ -137,54 +138,100 @@ class Catalogue:
         mark = await work.products.mark()
         if mark == self._mark:
             return
-        for row in await work.products.defined():
-            if row.id not in self._defined or row.revision > self._defined[row.id].revision:
-                self._take(row)
+        news = [row for row in await work.products.defined() if self._is_later(row)]
+        await self._take(news)
         self._mark = mark
 
-    def _row(self, wanted: Wanted, by: str, now_s: float) -> DefinedProduct:
-        product, defined = wanted.product, definition(wanted)
-        written = msgspec.json.encode(defined).decode()
-        return DefinedProduct(product.id, product.name, defined.revision, written, by, now_s)
+    def _is_later(self, row: DefinedProduct) -> bool:
+        known = self._defined.get(row.id)
+        return known is None or row.revision > known.revision
 
-    def _judge_again(self, products: Sequence[Wanted]) -> None:
-        """Refuse what does not fit any more; a file is refused as it is, as to judge it would hold the event loop."""
+    async def _judge_again(self, products: Sequence[Wanted]) -> None:
+        """Refuse what does not fit any more; a file is refused as it is."""
         if len(products) > 1:
             raise _ChangedError(products[0].product.id)
-        for found in self.faults(products):
-            if found:
-                raise unusable(*found)
-
-    async def _take_all(self, products: Sequence[Wanted], rows: Sequence[DefinedProduct]) -> None:
-        """Go by definitions that fit this plant, a batch at a time: the event loop has other work, too."""
-        for at in range(0, len(rows), BATCH):
-            batch = products[at : at + BATCH]
-            self._projection.site.define_all([(each.product, each.machines) for each in batch])
-            for each, row in zip(batch, rows[at : at + BATCH], strict=True):
-                self._note(row, msgspec.json.decode(row.definition, type=ProductDefinition), each.product)
-            await asyncio.sleep(0)
-
-    def _note(self, row: DefinedProduct, definition: ProductDefinition, product: Product) -> None:
-        self._defined[row.id] = definition
-        self._projection.materials.note(row.id, [line.material for line in product.bill])
-
-    def _take(self, row: DefinedProduct) -> None:
-        """Go by a definition; one that fits this plant no longer is left out, and said so."""
-        defined = msgspec.json.decode(row.definition, type=ProductDefinition)
-        product = Product(
-            id=row.id,
-            name=row.name,
-            lot=defined.lot,
-            bill=tuple(PlantLine(line.material, line.quantity) for line in defined.bill),
-            ability=defined.ability,
-        )
-        cycles_s = {each.machine: each.cycle_s for each in defined.machines}
-        found = self._projection.site.define(product, cycles_s)
+        [found] = await asyncio.to_thread(faults, self._file, self._projection.site.plant.file, products)
         if found:
-            said = "; ".join(f"{field}: {reason}" for field, reason in found)
-            _log.error("product %s cannot be made in this plant: %s", row.id, said)
+            raise unusable(*found)
+
+    async def _take(self, rows: Sequence[DefinedProduct]) -> None:
+        """Go by definitions as far as they fit this plant; one that does not any more is left out, and said so."""
+        if not rows:
             return
-        self._note(row, defined, product)
+        # A whole plant is judged, beside the loop: all of them together, and only where something is wrong, parts of them.
+        news, found = await asyncio.to_thread(_judged, self._projection.site.plant.file, rows)
+        if not found:
+            self._go_by(news)
+        elif len(rows) == 1:
+            said = "; ".join(f"{field}: {reason}" for field, reason in found)
+            _log.error("product %s cannot be made in this plant: %s", rows[0].id, said)
+        else:
+            half = len(rows) // 2
+            await self._take(rows[:half])
+            await self._take(rows[half:])
+
+    def _go_by(self, news: Iterable[_News]) -> None:
+        """Go by definitions that fit this plant, unless later ones have come meanwhile."""
+        later = [each for each in news if self._is_later(each.row)]
+        self._projection.site.define([(each.product, each.cycles_s) for each in later])
+        for each in later:
+            self._defined[each.row.id] = each.definition
+            self._projection.materials.note(each.row.id, [line.material for line in each.product.bill])
+
+
+class _News(NamedTuple):
+    """A definition that is to be gone by."""
+
+    row: DefinedProduct
+    definition: ProductDefinition
+    product: Product
+    cycles_s: Mapping[str, float]
+
+
+def _news(wanted: Wanted, by: str, now_s: float) -> _News:
+    product, defined = wanted.product, definition(wanted)
+    written = msgspec.json.encode(defined).decode()
+    row = DefinedProduct(product.id, product.name, defined.revision, written, by, now_s)
+    return _News(row, defined, product, wanted.machines)
+
+
+def _judged(file: PlantFile, rows: Iterable[DefinedProduct]) -> tuple[list[_News], list[Fault]]:
+    """What was kept, read, and what of it does not fit into a plant."""
+    news = [_read(row) for row in rows]
+    return news, products_faults(file, [(each.product, each.cycles_s) for each in news])
+
+
+def _read(row: DefinedProduct) -> _News:
+    defined = msgspec.json.decode(row.definition, type=ProductDefinition)
+    product = Product(
+        id=row.id,
+        name=row.name,
+        lot=defined.lot,
+        bill=tuple(PlantLine(line.material, line.quantity) for line in defined.bill),
+        ability=defined.ability,
+    )
+    return _News(row, defined, product, {each.machine: each.cycle_s for each in defined.machines})
+
+
+async def _refuse_too_many(work: Work, new: int, by: str) -> None:
+    """Refuse more new products than a caller, or all of them together, may define.
+
+    Raises:
+        Problem: 429 or 409.
+    """
+    if not new:
+        return
+    own, everybodys = await work.products.counted(by)
+    do = "change one that is not made any more instead of defining another one (GET /api/products lists them)"
+    if own + new > share_of(PRODUCTS_MAX, PARTS):
+        raise share_used("defined products", PRODUCTS_MAX, do, parts=PARTS)
+    if everybodys + new > PRODUCTS_MAX:
+        raise Problem(
+            HTTPStatus.CONFLICT,
+            "too-many-products",
+            "There are too many products",
+            f"{PRODUCTS_MAX} may be defined: {do}",
+        )
 
 
 class _ChangedError(Exception):

@@ -68,19 +68,39 @@ def listing_in_turns(
         now: an item as it is at this moment; None when it does not belong there any more.
         next_cursor: of the next page.
     """
-    if len(names) <= PAGE:
-        return listing([item for name in names if (item := now(name)) is not None], next_cursor)
+    return _told_in_turns(names, now, {"next_cursor": next_cursor})
+
+
+def counted_in_turns(
+    items: Sequence[T], told: Callable[[T], object], next_cursor: str | None, total: int | None
+) -> Response:
+    """The same, of a list of which it is told how many there are on all pages, as `counted`.
+
+    Args:
+        items: of this page.
+        told: one of them, as it is answered.
+        next_cursor: of the next page.
+        total: of the list; None where that is not cheap.
+    """
+    return _told_in_turns(items, told, {"next_cursor": next_cursor, "total": total})
+
+
+def _told_in_turns(
+    items: Sequence[T], told: Callable[[T], object | None], rest: Mapping[str, object]
+) -> Response:
+    if len(items) <= PAGE:
+        return Json({"items": [each for item in items if (each := told(item)) is not None], **rest})
 
     async def pieces() -> AsyncIterator[bytes]:
         yield b'{"items":['
         before = b""
-        for at in range(0, len(names), AT_ONCE):
-            items = [item for name in names[at : at + AT_ONCE] if (item := now(name)) is not None]
-            if items:
-                yield before + b",".join(map(msgspec.json.encode, items))
+        for at in range(0, len(items), AT_ONCE):
+            portion = [each for item in items[at : at + AT_ONCE] if (each := told(item)) is not None]
+            if portion:
+                yield before + b",".join(map(msgspec.json.encode, portion))
                 before = b","
             await asyncio.sleep(0)
-        yield b'],"next_cursor":' + msgspec.json.encode(next_cursor) + b"}"
+        yield b"]," + msgspec.json.encode(rest)[1:]
 
     return StreamingResponse(pieces(), media_type=Json.media_type)
 

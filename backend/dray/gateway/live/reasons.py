@@ -126,7 +126,8 @@ ROBS_PLACES = "robs_places"
 
 _WORDS: Mapping[str, str] = {
     ANOTHERS_KEY: "wishes for places that are not signed with this vehicle's key",
-    ROBS_PLACES: "keeps a book that takes places from vehicles without their word",
+    ROBS_PLACES: "keeps a book that was not copied: it takes places from vehicles without their word, "
+    "or has a higher number than any book can have",
     **{reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())},
 }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 
@@ -15,7 +15,7 @@ from dray.gateway.http.unread import read
 from dray.gateway.products.csv_import import read_products
 from dray.gateway.products.drafts import Wanted, wanted
 from dray.messages import BillLine, MachineCycle, ProductDefinition
-from dray.plant import Plant, Product, file_with_product, product_faults
+from dray.plant import Defined, Plant, file_with_products, products_faults
 from dray.plant.model import PlantFile
 
 MACHINE = re.compile(r"^machines\[(\d+)\](.*)$")
@@ -46,6 +46,12 @@ class ReadFile(msgspec.Struct, frozen=True):
     """What is odd in it and taken all the same."""
 
 
+def judge(wishes: Sequence[Wanted], known: Known) -> list[list[FieldError]]:
+    """`faults` by what is known. Takes its time: side work."""
+    own, plant = (msgspec.json.decode(each, type=PlantFile) for each in (known.own, known.plant))
+    return faults(Plant(own), plant, wishes)
+
+
 def read_file(body: bytes, known: Known) -> ReadFile:
     """Read a body that holds a file, and judge what is in it. Takes its time: side work.
 
@@ -62,14 +68,13 @@ def read_file(body: bytes, known: Known) -> ReadFile:
         return ReadFile(request.dry_run, faults=file.faults)
     products, wrong = read_products(file.text)
     wishes = [wanted(each.id, each.draft, known.revisions.get(each.id)) for each in products]
-    own, plant = (msgspec.json.decode(each, type=PlantFile) for each in (known.own, known.plant))
-    for each, found in zip(products, faults(Plant(own), plant, wishes), strict=True):
+    for each, found in zip(products, judge(wishes, known), strict=True):
         wrong += map(each.place, found)
     return ReadFile(request.dry_run, wishes, first_by_row(wrong), file.hints)
 
 
 def faults(own: Plant, file: PlantFile, wishes: Sequence[Wanted]) -> list[list[FieldError]]:
-    """Why products cannot be made or carried when they are defined one after the other.
+    """Why products cannot be made or carried when they are defined one after the other, or all of them at once.
 
     Args:
         own: the plant as its file was read.
@@ -79,13 +84,19 @@ def faults(own: Plant, file: PlantFile, wishes: Sequence[Wanted]) -> list[list[F
     Returns:
         Of each, what is wrong by field of the body; nothing for a good one.
     """
-    found = []
-    for wish in wishes:
-        wrong = _faults(own, file, wish.product, wish.machines) or _too_large(wish)
-        if not wrong:
-            file = file_with_product(file, wish.product, wish.machines)
-        found.append(wrong)
-    return found
+    if len(wishes) <= 1:
+        return [_faults(own, file, wish) for wish in wishes]
+    if not any(_odd(own, file, wish) for wish in wishes) and not products_faults(file, _defined(wishes)):
+        return [[] for _ in wishes]
+    # To judge a whole plant takes its time: where most are good, it is done for few of them alone.
+    half = len(wishes) // 2
+    first = faults(own, file, wishes[:half])
+    good = [wish for wish, wrong in zip(wishes[:half], first, strict=True) if not wrong]
+    return first + faults(own, file_with_products(file, _defined(good)), wishes[half:])
+
+
+def _defined(wishes: Iterable[Wanted]) -> list[Defined]:
+    return [(wish.product, wish.machines) for wish in wishes]
 
 
 def own_s(own: Plant, machine: str, product: str) -> float | None:
@@ -116,7 +127,17 @@ def _too_large(wanted: Wanted) -> list[FieldError]:
     return [FieldError.of(field, "definition_too_large", size=size, most=DEFINITION_BYTES)]
 
 
-def _faults(own: Plant, file: PlantFile, product: Product, cycles_s: Mapping[str, float]) -> list[FieldError]:
+def _faults(own: Plant, file: PlantFile, wish: Wanted) -> list[FieldError]:
+    found = _odd(own, file, wish)
+    return found or [
+        FieldError(_of_body(field, file), *coded(reason))
+        for field, reason in products_faults(file, _defined([wish]))
+    ]
+
+
+def _odd(own: Plant, file: PlantFile, wish: Wanted) -> list[FieldError]:
+    """What is wrong with one by itself, by field."""
+    product, cycles_s = wish.product, wish.machines
     machines = [machine.id for machine in file.machines]
     found = [
         FieldError.of(f"machines.{machine}", "machine_unknown", machine=machine, machines=", ".join(machines))
@@ -133,10 +154,7 @@ def _faults(own: Plant, file: PlantFile, product: Product, cycles_s: Mapping[str
             )
     if not cycles_s and not own.machines_for(product.id):
         found.append(FieldError.of("machines", "no_machine"))
-    return found or [
-        FieldError(_of_body(field, file), *coded(reason))
-        for field, reason in product_faults(file, product, cycles_s)
-    ]
+    return found or _too_large(wish)
 
 
 def _of_body(field: str, file: PlantFile) -> str:

@@ -162,7 +162,10 @@ class NameMisused(Fact, told_by=DOCKS, frozen=True):
 
 
 class BookRefused(Fact, told_by=DOCKS, frozen=True):
-    """A keeper's book is not copied: it takes places from vehicles that have not given them back. Told once a minute of each."""
+    """A keeper's book is not copied: it takes places from vehicles that have not given them back, or has a version to which no book has come.
+
+    Told once a minute of each.
+    """
 
     keeper: Id
 

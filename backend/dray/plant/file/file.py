@@ -8,7 +8,7 @@ named, and how its lanes fit together, as far as they are drawn.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from itertools import islice
@@ -28,6 +28,9 @@ from dray.plant.file.reasons import Reason
 from dray.plant.file.unfinished import drawable, entry_type, has_null, open_points
 from dray.plant.model import MachineSpec, Making, PlantFile, Product
 from dray.plant.plant import Plant
+
+Defined = tuple[Product, Mapping[str, float]]
+"""A product, and seconds for one piece by machine that can make it."""
 
 MAX_BYTES = 8 * 1024 * 1024
 """A plant of 200 machines and 500 vehicles takes 0.3 MiB; more than this is some other file."""
@@ -188,40 +191,44 @@ def with_machine(plant: Plant, spec: MachineSpec, name: str) -> Plant:
     return Plant(file)
 
 
-def with_product(plant: Plant, product: Product, cycles_s: Mapping[str, float]) -> Plant:
-    """The same plant with one product more, or with another definition of one; see `product_faults`."""
-    return Plant(file_with_product(plant.file, product, cycles_s))
-
-
-def product_faults(file: PlantFile, product: Product, cycles_s: Mapping[str, float]) -> list[Fault]:
-    """What does not fit together in a plant with one product more, which is `products[0]` here; nothing for a good one.
+def products_faults(file: PlantFile, products: Sequence[Defined]) -> list[Fault]:
+    """What does not fit together in a plant with these products; nothing for good ones. The last one is `products[0]` here, the one before it `products[1]`.
 
     Args:
-        file: of the plant, without it or with another definition of it.
-        product: as it is to be.
-        cycles_s: by machine that can make it, seconds for one piece; those that say so in the plant file need not be there.
+        file: of the plant, without them or with other definitions of them.
+        products: as they are to be. Machines that say their time in the plant file need not be named.
     """
-    return list(item_faults(file_with_product(file, product, cycles_s)))
+    return list(item_faults(file_with_products(file, products)))
 
 
-def file_with_product(file: PlantFile, product: Product, cycles_s: Mapping[str, float]) -> PlantFile:
-    """The file of `with_product`, which is quicker to make than a plant."""
-
-    def makes(machine: MachineSpec) -> MachineSpec:
-        cycle_s = cycles_s.get(machine.id)
-        if cycle_s is None:
-            return machine
-        others = tuple(making for making in machine.makes if making.product != product.id)
-        same = next((making for making in machine.makes if making.product == product.id), None)
-        making = Making(product.id, cycle_s) if same is None else replace(same, cycle_s=cycle_s)
-        return replace(machine, makes=(*others, making))
-
-    others = (each for each in file.products if each.id != product.id)
-    before = next((each for each in file.products if each.id == product.id), product)
-    if not product.buffer:
+def file_with_products(file: PlantFile, products: Sequence[Defined]) -> PlantFile:
+    """The file of the same plant with these products, defined one after the other."""
+    before = {each.id: each for each in file.products}
+    new: dict[str, Product] = {}
+    cycles_s: dict[str, dict[str, float]] = {}
+    for product, by_machine in products:
+        known = new.pop(product.id, None) or before.get(product.id, product)
         # The buffers of those who use it stand in the plant file alone.
-        product = replace(product, buffer=before.buffer)
-    return replace(file, products=(product, *others), machines=tuple(map(makes, file.machines)))
+        new[product.id] = product if product.buffer else replace(product, buffer=known.buffer)
+        for machine, cycle_s in by_machine.items():
+            said_s = cycles_s.setdefault(machine, {})
+            # What is said last comes last.
+            said_s.pop(product.id, None)
+            said_s[product.id] = cycle_s
+    others = (each for each in file.products if each.id not in new)
+    machines = (_making(each, cycles_s[each.id]) if each.id in cycles_s else each for each in file.machines)
+    return replace(file, products=(*reversed(new.values()), *others), machines=tuple(machines))
+
+
+def _making(machine: MachineSpec, cycles_s: Mapping[str, float]) -> MachineSpec:
+    """The same machine with other cycles, in seconds by product."""
+    known = {making.product: making for making in machine.makes}
+    others = (making for making in machine.makes if making.product not in cycles_s)
+    made = (
+        replace(known[product], cycle_s=cycle_s) if product in known else Making(product, cycle_s)
+        for product, cycle_s in cycles_s.items()
+    )
+    return replace(machine, makes=(*others, *made))
 
 
 def plant_yaml(plant: Plant) -> str:

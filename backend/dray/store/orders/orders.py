@@ -17,6 +17,9 @@ from dray.store.orders.order_sorting import NEWEST_FIRST, Place, Sorting
 from dray.store.orders.progress import OPEN, UNENDED, OrderStatus, Progress, delivered_after, status_after
 from dray.store.tables import goals, order_items, orders
 
+AT_ONCE = 50
+"""Orders whose items are read at once: some milliseconds of the event loop, however many items they have."""
+
 Mark = tuple[OrderStatus, int, float | None, int, int]
 """What of an order differs after whatever a person or the strategist has decided about it: its status, how often
 it was released, when that was taken back, how often it was changed, and which change the strategist has taken."""
@@ -416,10 +419,11 @@ class Orders:
         query = select(*_COLUMNS).where(*conditions).order_by(*sorting.clauses()).limit(limit)
         rows = (await self._connection.execute(query)).all()
         lines: dict[str, list[Item]] = {row.id: [] for row in rows}
-        if lines:
+        names = list(lines)
+        for at in range(0, len(names), AT_ONCE):
             for line in await self._connection.execute(
                 select(order_items)
-                .where(order_items.c.order_id.in_(list(lines)))
+                .where(order_items.c.order_id.in_(names[at : at + AT_ONCE]))
                 .order_by(order_items.c.order_id, order_items.c.item)
             ):
                 item = Item(line.product, line.quantity, line.made, line.delivered, line.wanted)

@@ -58,6 +58,13 @@ class Products:
         query = select(func.coalesce(func.sum(products.c.revision), 0)).where(products.c.definition != "")
         return int((await self._connection.execute(query)).scalar_one())
 
+    async def counted(self, by: str) -> tuple[int, int]:
+        """How many people have defined: this one last, and all together."""
+        own = func.count().filter(products.c.by == by)
+        query = select(own, func.count()).where(products.c.definition != "")
+        mine, everybodys = (await self._connection.execute(query)).one()
+        return int(mine), int(everybodys)
+
     async def define(self, product: DefinedProduct) -> bool:
         """Write a definition in the place of the revision before it; whether that is still the newest."""
         row = {**msgspec.structs.asdict(product), "made_here": True}

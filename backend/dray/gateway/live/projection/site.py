@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Sequence
 
 from msgspec import ValidationError, convert, to_builtins
 
@@ -10,14 +10,12 @@ from dray.errors import PlantError
 from dray.messages import JoiningMachine, MachineHeartbeat
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.plant import (
+    Defined,
     MachineSpec,
     Plant,
     PlantFile,
-    Product,
-    file_with_product,
-    product_faults,
+    file_with_products,
     with_machine,
-    with_product,
 )
 
 
@@ -49,25 +47,10 @@ class Site:
         except (PlantError, ValidationError):
             return
 
-    def define(self, product: Product, cycles_s: Mapping[str, float]) -> list[tuple[str, str]]:
-        """Take a product in as it is defined now.
-
-        Returns:
-            What of it does not fit here, by field (it is `products[0]`) and reason; then nothing has changed.
-        """
-        found = product_faults(self.plant.file, product, cycles_s)
-        if not found:
-            self.plant = with_product(self.plant, product, cycles_s)
-            self.products.add(product.id)
-        return found
-
-    def define_all(self, products: Iterable[tuple[Product, Mapping[str, float]]]) -> None:
+    def define(self, products: Sequence[Defined]) -> None:
         """Take products in that are known to fit here, one after the other."""
-        file = self.plant.file
-        for product, cycles_s in products:
-            file = file_with_product(file, product, cycles_s)
-            self.products.add(product.id)
-        self.plant = Plant(file)
+        self.plant = Plant(file_with_products(self.plant.file, products))
+        self.products.update(product.id for product, _ in products)
 
 
 def _spec(machine: str, joining: JoiningMachine) -> MachineSpec:

@@ -65,8 +65,9 @@ class ProductsAnswer(msgspec.Struct, frozen=True, kw_only=True):
     responses={
         200: described(ProductsAnswer, "What is in the file; unless it was a dry run, all of it is on disk"),
         **problems(
+            p409="As many products as may be are defined, or would be",
             p412="Somebody has changed one of the products meanwhile; send the file again",
-            p429="Too many files of this caller are being read",
+            p429="Too many files of this caller are being read, or it would define more products than one caller may",
             p503="Too many files are being read",
         ),
     },

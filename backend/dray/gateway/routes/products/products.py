@@ -14,10 +14,12 @@ from dray.gateway.factory.catalogue import Catalogue
 from dray.gateway.http.problems import Problem, not_found, unusable
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import json_only
-from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, listing, part, problems
+from dray.gateway.http.side_work import SideWork
 from dray.gateway.http.versions import changed_since, check_version, no_version, version_tag
 from dray.gateway.live.projection import Projection
 from dray.gateway.products.drafts import ID, ProductDraft, wanted
+from dray.gateway.products.judging import judge
 from dray.messages import Document
 from dray.plant import Product
 
@@ -83,10 +85,9 @@ async def list_products(
     limit: Limit = PAGE,
 ) -> Json:
     """Products that can be ordered."""
-    products = sorted(
-        (_answer(product, catalogue) for product in projection.site.plant.file.products), key=lambda p: p.id
-    )
-    return page(products, lambda product: product.id, cursor, limit)
+    products = sorted(projection.site.plant.file.products, key=_id)
+    some, following = part(products, _id, cursor, limit)
+    return listing([_answer(product, catalogue) for product in some], following)
 
 
 @router.get(
@@ -114,8 +115,11 @@ async def get_product(
         200: described(ProductAnswer, "The product as it is now", EXAMPLE),
         201: described(ProductAnswer, "The new product", EXAMPLE),
         **problems(
+            p409="As many products as may be are defined",
             p412="Somebody has changed it since, or it exists already",
             p428="It is not said whether it is new, or which revision is changed",
+            p429="Too much of this caller is being judged, or it has defined as many as one caller may",
+            p503="Too much is being judged",
         ),
     },
     response_class=Json,
@@ -123,6 +127,7 @@ async def get_product(
 async def define(
     projection: Provided[Projection],
     catalogue: Provided[Catalogue],
+    side_work: Provided[SideWork],
     caller: Caller,
     note: Noted,
     now_s: Now,
@@ -141,7 +146,7 @@ async def define(
     _check_version(product, before, if_match, if_none_match)
     wish = wanted(product, request, before)
     judged = projection.site.plant
-    [faults] = catalogue.faults([wish])
+    [faults] = await side_work.do(caller.key, judge, [wish], catalogue.known())
     if faults:
         raise unusable(*faults)
     if await catalogue.define([wish], caller.name, now_s, judged):
@@ -189,6 +194,10 @@ def _odd() -> Problem:
         "If-None-Match is * or left out here",
         ADVICE,
     )
+
+
+def _id(product: Product) -> str:
+    return product.id
 
 
 def _answer(product: Product, catalogue: Catalogue) -> ProductAnswer:

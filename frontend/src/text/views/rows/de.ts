@@ -174,6 +174,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.too-many-files": "Gerade werden zu viele Dateien gelesen. In einigen Sekunden noch einmal versuchen.",
   "problem.too-many-links": "Zur Seite dieses Auftrags führen so viele Links, wie es sein dürfen. Einen davon benutzen oder alle zurücknehmen.",
   "problem.too-many-orders": "Zu viele Aufträge sind offen. Einige stornieren oder später noch einmal versuchen.",
+  "problem.too-many-products": "So viele Produkte, wie es sein dürfen, sind angelegt. Eines ändern, das nicht mehr gefertigt wird.",
   "problem.too-many-schedules": "Es gibt zu viel wiederkehrende Arbeit. Etwas entfernen.",
   "problem.too-many-shut-out": "Zu viele sind ausgeschlossen. Einige wieder zulassen.",
   "problem.too-many-transports": "Zu viele Transporte sind offen. Einige absagen oder später noch einmal versuchen.",

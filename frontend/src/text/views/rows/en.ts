@@ -171,6 +171,7 @@ export const rows = {
   "problem.too-many-files": "Too many files are being read at this moment. Try again in some seconds.",
   "problem.too-many-links": "As many links lead to the page of this order as may be. Use one of them, or take all back.",
   "problem.too-many-orders": "Too many orders are open. Cancel some, or try again later.",
+  "problem.too-many-products": "As many products as may be are defined. Change one that is not made any more.",
   "problem.too-many-schedules": "There is too much recurring work. Remove some.",
   "problem.too-many-shut-out": "Too many are shut out. Readmit some.",
   "problem.too-many-transports": "Too many transports are open. Call some off, or try again later.",

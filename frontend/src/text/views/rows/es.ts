@@ -174,6 +174,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.too-many-files": "Se leen demasiados archivos en este momento. Inténtelo de nuevo en unos segundos.",
   "problem.too-many-links": "A la página de este pedido llevan tantos enlaces como puede haber. Use uno de ellos o retírelos todos.",
   "problem.too-many-orders": "Hay demasiados pedidos abiertos. Anule algunos o inténtelo más tarde.",
+  "problem.too-many-products": "Ya hay tantos productos definidos como puede haber. Cambie uno que ya no se fabrica.",
   "problem.too-many-schedules": "Hay demasiado trabajo periódico. Quite algo.",
   "problem.too-many-shut-out": "Hay demasiados excluidos. Readmita algunos.",
   "problem.too-many-transports": "Hay demasiados transportes abiertos. Anule algunos o inténtelo más tarde.",
