@@ -1,4 +1,4 @@
-"""What runs under different conditions are compared by."""
+"""Figures by which runs under different conditions are compared."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ HEAD = (
     "carrier changed",
     "starved",
 )
-"""Of `row`."""
+"""Column heads of `row`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class Tally:
 
 
 async def run_out(stage: Stage) -> Tally:
-    """Let the demand come in, and then let the factory work off what is left."""
+    """Let the demand come in, and then let the factory finish the open orders."""
     await stage.until_s(stage.shift.duration_s)
     settled_s = await stage.settle(SETTLE_S)
     return tally(stage, settled_s)
