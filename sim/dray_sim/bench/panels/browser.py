@@ -1,6 +1,6 @@
 """A real Chromium for the benchmarks of the panels, headless and without a graphics card.
 
-The processor that runs the script also paints every picture, so an office computer is quicker.
+The processor that runs the script also paints every picture, so a desk's computer is quicker.
 """
 
 from __future__ import annotations
