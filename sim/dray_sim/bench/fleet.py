@@ -73,7 +73,7 @@ PIECES = 60
 """Ordered pieces of each product, for each machine that makes it: half an hour's work."""
 
 DUE_S = 86_400.0
-"""A day: these orders are there to keep machines busy."""
+"""A day: the orders only keep machines busy."""
 
 SAID = {"hb": "heartbeats", "event": "facts", "agent": "to one agent", "task": "announcements"}
 """Kinds of messages by the second chunk of their key; the rest are goals and dwell points."""
@@ -188,10 +188,10 @@ async def _order(fleet: Fleet, plant: Plant) -> None:
 
 
 def _refuse_new_lives(before: Iterable[Member], after: Iterable[Member]) -> None:
-    """A process that has begun anew has other work to do than one that takes part.
+    """Check that no process has restarted: a restarted process has other work than one that takes part.
 
     Raises:
-        UnavailableError: there is one.
+        UnavailableError: one has restarted.
     """
     starts = {member.name: member.starts for member in before}
     anew = [member.name for member in after if member.starts != starts[member.name]]

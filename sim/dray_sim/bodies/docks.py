@@ -1,4 +1,4 @@
-"""The dock of a body: open for one vehicle and one load, once; shut for everybody else."""
+"""The dock of a body: open for one vehicle and one load, once; shut for all others."""
 
 from __future__ import annotations
 

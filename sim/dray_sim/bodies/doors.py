@@ -20,7 +20,7 @@ from dray.plant.restrictions import Ends
 from dray.ports import Clock
 
 LOOK_AGAIN_S = 1.0
-"""A door that cannot shut yet, because somebody comes too fast to stop before it, tries again so much later."""
+"""Interval between two tries of a door that cannot shut yet, because a vehicle comes too fast to stop before it."""
 
 
 class DoorState(StrEnum):
@@ -30,7 +30,7 @@ class DoorState(StrEnum):
     OPENING = "opening"
     OPEN = "open"
     FAILED = "failed"
-    """Shut, and it does not open: somebody has asked it in vain."""
+    """Shut and defective: a vehicle has asked it in vain."""
 
 
 class Passer(Protocol):
@@ -80,7 +80,7 @@ class Doors:
         return door is not None and door.state is not DoorState.OPEN
 
     def has_failed(self, lane: Ends) -> bool:
-        """Whether somebody has found that the door on a lane does not open."""
+        """Whether a vehicle has found that the door on a lane does not open."""
         door = self._on.get(lane)
         return door is not None and door.state is DoorState.FAILED
 

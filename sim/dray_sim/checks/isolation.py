@@ -104,7 +104,7 @@ class _Carried:
     """Vehicles that are secondary by their own messages."""
 
     def assign(self, primary: str, epoch: int) -> None:
-        """Somebody is primary from now on."""
+        """The task has a primary from now on."""
         self.primary, self.epoch, self.loading = primary, epoch, False
 
 

@@ -23,7 +23,7 @@ class Outcome(msgspec.Struct, frozen=True):
     faults: dict[str, int]
     """Number of faults that began, by kind."""
     trace: str = ""
-    """The fingerprint of all that was said; empty when it was not taken."""
+    """The fingerprint of all messages; empty when it was not taken."""
     story: tuple[str, ...] = ()
     """The last events before the violation, line by line; empty without a violation, or when no story was kept."""
     traffic: bool = False

@@ -125,7 +125,7 @@ class Run:
 
     @property
     def has_faults(self) -> bool:
-        """Whether anything goes wrong in it."""
+        """Whether it has faults."""
         return bool(self.schedule or self.random_operator or self.insider or self.closings or self.carryings)
 
     @property

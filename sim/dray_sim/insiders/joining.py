@@ -38,10 +38,7 @@ def owner_in(plant: Plant) -> str:
 
 
 def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) -> Worker:
-    """Let an insider join.
-
-    A thief takes the name of the first vehicle, or of the last keeper of the first book; one that leads, of the
-    first.
+    """Let an insider join. A thief takes the name of the first vehicle, or of the last keeper of the first book; one that leads, of the first.
 
     Args:
         factory: one that runs.

@@ -40,7 +40,7 @@ class Links:
     def __init__(self, coverage: Coverage) -> None:
         self._faults: list[NetworkFault] = []
         self._mended: list[NetworkFault] = []
-        """Active ones that a person has put right: nothing is left of them but their end."""
+        """Active faults that a person has repaired: they only await their end."""
         self._plain = coverage
         self.coverage = coverage
         self.wlan_cut: frozenset[str] = frozenset()
@@ -65,12 +65,12 @@ class Links:
         self._reckon()
 
     def begin(self, fault: NetworkFault) -> None:
-        """Let it be so from now on; the same fault twice must end twice."""
+        """Begin a fault; the same one begun twice must end twice."""
         self._faults.append(fault)
         self._reckon()
 
     def end(self, fault: NetworkFault) -> None:
-        """Let it be so no longer.
+        """End a fault.
 
         Raises:
             ValueError: this fault is not active.

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from dray_sim.network.listeners import Listener
 
 GATEWAY_S = 12.0
-"""A vehicle is reached over whom it was last heard over, for two heartbeats of an idle vehicle and some."""
+"""Time for which a vehicle is reached over its last gateway: two heartbeats of an idle vehicle and a little more."""
 
 NO_WLAN = "no WLAN"
 NO_GATEWAY = "no way by radio"
@@ -175,12 +175,12 @@ class SimNetwork:
         self._modems.look_around()
 
     def begin(self, fault: NetworkFault) -> None:
-        """Let something go wrong, now. The same fault begun twice must end twice."""
+        """Begin a fault now. The same fault begun twice must end twice."""
         self._links.begin(fault)
         self._modems.look_around()
 
     def end(self, fault: NetworkFault) -> None:
-        """Put it right.
+        """End a fault.
 
         Raises:
             ValueError: this fault is not active.
@@ -265,7 +265,7 @@ class SimNetwork:
         return not reason
 
     def _shut_out(self, said: ShutOut) -> None:
-        """Hear some no more, all at once: on the real bus each process is told for itself."""
+        """Drop all messages of these agents from now on, all at once: on the real bus each process is told separately."""
         if said.number > self._decision:
             self._decision, self.shut_out = said.number, frozenset(said.agents)
 

@@ -68,7 +68,7 @@ class Carriers:
         self._factory, self._faults, self._office = factory, faults, office
 
     async def carry(self, carryings: Iterable[Carrying]) -> None:
-        """Do all of it."""
+        """Carry all vehicles at their times."""
         async with asyncio.TaskGroup() as group:
             for carrying in carryings:
                 group.create_task(self._carry(carrying))

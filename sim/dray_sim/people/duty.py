@@ -25,7 +25,7 @@ class Duty(IntEnum):
     HELP = 0
     """A vehicle has a problem."""
     RELEASE = 1
-    """A vehicle still stands by an own stop."""
+    """A vehicle still stands because of an own stop."""
     FETCH = 2
     """A machine calls for its goods, which a vehicle has on board that has failed."""
     RECOVER = 3

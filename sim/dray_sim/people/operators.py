@@ -113,13 +113,13 @@ class Operator:
         self._careless = careless or Random(self.name)
         self.loads = Loads(hands, self._tablet, plant, clock, habits, random, self._careless)
         self._heard = self._tablet.heard
-        """All that is known of vehicles from afar."""
+        """Last heartbeats of the vehicles."""
         self._stops: dict[str, float] = {}
-        """Vehicles that a stop may hold which is this person's to end, and since when."""
+        """Vehicles that a stop of this person may hold, and since when."""
         self._mesh_s: dict[str, float] = {}
-        """Since when vehicles are heard over their radios; for ever where somebody has looked after that in vain."""
+        """Since when vehicles are heard by radio only; infinity after a repair in vain."""
         self._slowed: dict[str, float] = {}
-        """Vehicles that a limit holds back which is this person's to end, and until when."""
+        """Vehicles with a speed limit of this person's, and until when."""
 
     def look_after_stop(self, atv: str, since_s: float) -> None:
         """Release a vehicle that one's own or a colleague's stop may hold since then."""

@@ -73,7 +73,7 @@ class Evidence(msgspec.Struct, frozen=True):
     invariants: str
     """`held`, or the first broken invariant."""
     trace: str
-    """The fingerprint of everything that was said, in all runs."""
+    """The fingerprint of all messages, in all runs."""
     orders_placed: int = 0
     """From here on: figures of the run in which the fewest orders were on time."""
     orders_delivered: int = 0

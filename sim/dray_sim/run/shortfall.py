@@ -45,10 +45,10 @@ STANDS_S = 20.0
 """Time below walking speed in the lane, with way ahead; turning and braking are shorter."""
 
 REMEMBERED_S = 20.0
-"""A transport that has waited for less came too late for another reason."""
+"""Shortest wait that counts: a transport that has waited for less came too late for another reason."""
 
 HUNGRY_FRAC = 0.3
-"""An idle vehicle with less in its battery looks for a charger, or should."""
+"""Battery level below which an idle vehicle looks for a charger, or should."""
 
 Cause = tuple[str, str]
 """Kind and name: material, charger, vehicles, dock, lane or buffer, and which."""

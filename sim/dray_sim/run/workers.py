@@ -1,4 +1,4 @@
-"""Processes that work for another one, and end with it however it ends."""
+"""Processes that work for a parent, and end with it in any case."""
 
 from __future__ import annotations
 

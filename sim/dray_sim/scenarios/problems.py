@@ -103,7 +103,7 @@ async def strike(stage: Stage, told: bool) -> tuple[Lost, ...]:
             busy = _busy(stage, struck)
             if not busy:
                 continue
-            # All sorts as often, and in the same order both times.
+            # All sorts are equally frequent, and in the same order both times.
             deck = deck or sorts.sample(SORTS, len(SORTS))
             sort = deck.pop()
             lasts_s = sorts.lognormvariate(log(sort.usually_s), SPREAD)

@@ -58,7 +58,7 @@ class Reach:
                 self._judge(changed.said.task, changed.said.epoch, changed.said.replaced, changed.at_s)
 
     def _judge(self, task: str, epoch: int, replaced: str, at_s: float) -> None:
-        # The secondary says it, and then the coordinator, of one and the same change.
+        # The secondary and then the coordinator report one and the same change.
         if (task, epoch) in self._judged or not self._stage.factory.running(replaced):
             return
         self._judged.add((task, epoch))

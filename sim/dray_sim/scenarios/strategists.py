@@ -22,7 +22,7 @@ HOURS = 8.0
 KILL_EVERY_S = 300.0
 
 DEAD_S = 60.0
-"""Four times as long as the other one waits."""
+"""Absence of a killed strategist, four times as long as the other one waits."""
 
 ORDER_EVERY_S = 110.0
 """Interval that does not divide KILL_EVERY_S: orders come before, during and after a strategist's absence."""
@@ -75,7 +75,7 @@ class Told:
     """Orders that were taken over, each as often as that was."""
     lost: int
     is_exact: bool
-    """Whether of each product as much has arrived as was ordered."""
+    """Whether the arrived pieces of each product equal the ordered ones."""
 
 
 async def order_and_kill(stage: Stage, hours: float) -> Told:

@@ -28,7 +28,7 @@ EVERY_S = 20.0
 """Mean time from one kill to the next."""
 
 AGENT_AWAY_S, BROKER_AWAY_S = 5.0, 20.0
-"""Longest: then it is started again."""
+"""Longest absence; then it is started again."""
 
 ALL_FRAC = 0.2
 """Fraction of the brokers' ends that affect every vehicle: the broker is a common one."""
@@ -60,7 +60,7 @@ class Outcome:
 
     @property
     def failures(self) -> list[str]:
-        """Why it has not held; nothing when it has."""
+        """Violations; empty for none."""
         left = sorted(self.opened - self.closed.keys())
         often = sorted(task for task, outcomes in self.closed.items() if outcomes.count("delivered") > 1)
         return [

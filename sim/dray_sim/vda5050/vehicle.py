@@ -39,7 +39,7 @@ Publish = Callable[[str, bytes, bool], None]
 
 STATE_EVERY_S, DRIVING_EVERY_S, INSTANT_KEPT = 30.0, 1.0, 20
 REACHABLE_M = 2.0
-"""An order may begin so far from where it stands."""
+"""Largest distance between the vehicle and the beginning of an order (m)."""
 
 
 class Vda5050Vehicle:

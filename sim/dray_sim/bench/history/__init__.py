@@ -47,13 +47,13 @@ from dray_sim.bench.row import Row
 ORDERS = 100_000
 
 AIM_MS = 200.0
-"""A list that comes later than this is waited for."""
+"""Aim for a list (ms): for a later one people wait noticeably."""
 
 REPORT_MS = 1_000.0
 """A page with all figures of a shift; nobody turns its pages."""
 
 START_MS = 60_000.0
-"""A historian that needs longer for its start is waited for: agents keep their last 10,000 facts for it."""
+"""Aim for a historian's start (ms): agents keep only their last 10,000 facts for it."""
 
 PAGE = 51
 """Rows that a panel asks for: fifty, and one that shows whether there are more."""

@@ -278,7 +278,7 @@ def _step(
 
 
 def _minute(number: int) -> dict[str, object]:
-    """All that it has added is one of each."""
+    """One sample, with 1 in every field except its times."""
     return dict.fromkeys(KpiSample.__struct_fields__, 1) | {
         "at_s": NOW_S - EVERY_S * number,
         "span_s": EVERY_S,

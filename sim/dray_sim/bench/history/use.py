@@ -33,13 +33,13 @@ from dray_sim.bench.orders.servers import PRODUCT, wait_for
 from dray_sim.bench.row import Row
 
 AIM_MS = 200.0
-"""A page that comes later than this is waited for."""
+"""Aim for a page (ms): for a later one people wait noticeably."""
 
 MOST_MS = 300.0
 """Longest time of a request while history is forgotten."""
 
 SEARCHES, PAGES = 20, 100
-"""Asked for, for a p95."""
+"""Number of pages that are asked for, enough for a p95."""
 
 PLACED_EVERY_S = 0.2
 """Between two orders: five a second are 18,000 an hour, more than 50 vehicles bring."""
@@ -51,7 +51,7 @@ BEFORE = 300
 """Orders that are placed before anything is forgotten: for a minute."""
 
 FORGOTTEN_PART = 100
-"""A part of so many of the events is forgotten: of ten weeks 17 hours."""
+"""Forgotten fraction of the events, 1 in this number: of ten weeks 17 hours."""
 
 STOPS_S = 60.0
 

@@ -97,9 +97,9 @@ class Campaign:
     seed: int
     traffic: bool | None = None
     calls: int = 0
-    """Plain transports that are called for meanwhile, and..."""
+    """Number of plain transports that are called meanwhile."""
     recurring: int = 0
-    """...those that come by a calendar, once each."""
+    """Number of recurring transports, each called once."""
     call_every_s: float = 2.4
     """Real seconds from one call to the next."""
 

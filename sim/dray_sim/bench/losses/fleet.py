@@ -68,7 +68,7 @@ class Fleet:
         return self.registry.member(name).signal(signal.SIGKILL)
 
     async def take_away(self, name: str, away_s: float) -> bool:
-        """Likewise, and it stays away for so many real seconds."""
+        """Kill a process and keep it away for so many real seconds; False when it had ended by itself."""
         return await control.kill(self._folder, name, away_s)
 
     def last_words(self, name: str) -> str:

@@ -87,7 +87,7 @@ class _Utterance:
 
 
 def judge(after: Aftermath) -> list[Finding]:
-    """Look for everything that must not be."""
+    """Find all violations."""
     events = after.history.events
     said = sorted(_said(events, after.heartbeats), key=lambda utterance: utterance.at_s)
     released = [_Utterance(0.0, "gateway", _release(order)) for order in after.orders]

@@ -27,7 +27,7 @@ T = TypeVar("T")
 REPEATS = 5
 
 AGAIN_S = 1.0
-"""The aim of the first experiment: heard again so long after the lease at the latest."""
+"""Aim of the first experiment: longest time after the lease until the vehicle is heard again."""
 
 AIR_S = 0.5
 """Largest difference in transit time between two heartbeats, on a busy computer."""

@@ -49,7 +49,7 @@ WINDOW = 500
 """Most messages under way: half a megabyte with seals, less than a link takes before it drops any."""
 
 RECEIPT_EVERY = 100
-"""The sink says so often how far it is."""
+"""Number of messages between two progress reports of the sink."""
 
 MOST_OVER_FRAC = 0.2
 """The aim: a message costs at most a fifth more than with bare Zenoh."""
@@ -93,7 +93,7 @@ class Bare(Line):
 
 
 class Read(Bare):
-    """The same, and the messages are written and read."""
+    """The same, with encoding and decoding of the messages."""
 
     def listen(self, name: str, on_sample: OnSample) -> None:
         def cross(sample: zenoh.Sample) -> None:
@@ -123,7 +123,7 @@ class Adapted(Line):
 
 
 class Published(Adapted):
-    """The adapter, and everybody may listen."""
+    """The adapter, with published messages."""
 
     def listen(self, name: str, on_sample: OnSample) -> None:
         super().listen(f"{name}-all", on_sample)

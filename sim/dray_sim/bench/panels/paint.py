@@ -31,7 +31,7 @@ TIMES, QUICK_TIMES = 9, 3
 """A page is opened so often; the middle one counts."""
 
 TARGET_MS = 1_000.0
-"""Up to here people wait without thinking of something else."""
+"""Longest wait in which people keep their train of thought."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,7 +53,7 @@ class Found:
 
     @property
     def faults(self) -> int:
-        """All that must never be."""
+        """Number of all violations."""
         return self.overlaps + self.double_holds + self.unbooked + self.in_mouths + self.outdated
 
 
@@ -184,7 +184,7 @@ class Checks:
         return not air.parts and not any(atv in air.deaf or self._pilots[atv].off for atv in atvs)
 
     def _lasts(self, what: tuple[str, str], holds: bool, longer_s: float) -> bool:
-        """Whether something has been so for longer than that."""
+        """Whether a condition has lasted longer than that."""
         if not holds:
             self._since_s.pop(what, None)
             return False

@@ -134,7 +134,7 @@ class Planner:
         self.clock.call_at(self.clock.now_s, self._tick)
 
     def plan_soon(self) -> None:
-        """Somebody has another goal."""
+        """A vehicle has another goal."""
         self._planned_s = min(self._planned_s, self.clock.now_s - REPLAN_S + TICK_S)
 
     def _tick(self) -> None:

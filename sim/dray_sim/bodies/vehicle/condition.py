@@ -14,7 +14,7 @@ SHIFTED = Problem(kind=ProblemKind.LOAD, passes=False, needs_person=True, load_m
 """A vehicle's own knowledge of a shifted load."""
 
 LOAD_DROPPED = "the load has fallen off"
-"""Known of it as much."""
+"""Reason of a load that has fallen off; the details are those of a shifted load."""
 
 BATTERY_EMPTY = "battery empty"
 

@@ -71,7 +71,7 @@ class Power:
 
     @property
     def charging_s(self) -> float:
-        """Until the battery is full, from when it was settled (s)."""
+        """Time from the last settling until the battery is full (s)."""
         return self._battery.charging_s(self.level_frac)
 
     def level(self, now_s: float) -> float:

@@ -68,7 +68,7 @@ class Travel:
         self._from_m = 0.0
         """The profile's beginning on the way."""
         self._driven_m = 0.0
-        """Up to the beginning of the profile."""
+        """Metres up to the beginning of the profile."""
 
     # --- where it is -----------------------------------------------------------------------------
 

@@ -32,7 +32,7 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory
 
 WORDS_KEPT = 1000
-"""Tasks about whose loads somebody has said something; a word is said until it is answered, and then no more."""
+"""Most remembered tasks with a person's word on their loads; a word is repeated only until it is answered."""
 
 ASKED_WITHIN_S = 60.0
 """Goods are called for at once, and again every 5 s."""

@@ -56,7 +56,7 @@ class Revoker:
         self._waiting: dict[tuple[type[Message], str, int], asyncio.Future[Message]] = {}
 
     async def revoke(self, revocations: Iterable[Revocation]) -> None:
-        """Do all of it; returns when the last order was taken again."""
+        """Revoke and publish all orders; returns when the last one was taken again."""
         async with asyncio.TaskGroup() as group:
             for each in revocations:
                 group.create_task(self._revoke(each))

@@ -1,4 +1,4 @@
-"""Case 3: connections come and go. Bidding endures it, and the radio mesh keeps the living from being replaced."""
+"""Case 3: connections come and go. Bidding endures it, and the radio mesh keeps living vehicles from being replaced."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Case 4: a busy vehicle cannot go on. A person helps in time, or promises to; else somebody else carries."""
+"""Case 4: a busy vehicle cannot go on. A person helps in time, or promises to; otherwise another vehicle carries."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ REASON = "the way is blocked"
 ON_THE_WAY_S = 5.0
 
 QUICK = Habits(react_s=(3.0, 5.0), promises_frac=0.0, walk_s=(5.0, 10.0), mend_s=(5.0, 10.0))
-"""Done before the vehicle's patience is over, without a word."""
+"""Time of a repair that is done before the vehicle's patience is over, without a promise."""
 
 SLOW = Habits(
     react_s=(3.0, 5.0), promises_frac=1.0, estimate=(1.3, 1.5), walk_s=(60.0, 90.0), mend_s=(240.0, 300.0)
 )
-"""Takes longer than the vehicle would wait, and says so."""
+"""Time of a repair that takes longer than the vehicle would wait, with a promise."""
 
 IN_TIME_S = 2.0
 """A takeover follows the end of the help's time by a heartbeat and a message round."""

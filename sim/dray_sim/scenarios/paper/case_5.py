@@ -25,7 +25,7 @@ from dray_sim.scenarios.paper.figure_6 import (
 )
 
 LOADING_S = 5.0
-"""Into the loading, which takes 20 s."""
+"""Time into the loading, which takes 20 s."""
 
 HABITS = Habits(slow_frac=0.5, slow_s=60.0)
 

@@ -34,7 +34,7 @@ AIR_S = 0.25
 TAKEOVER_S = 30.0
 
 REMOVED_S = 1800.0
-"""Somebody has come for the dead vehicle by then."""
+"""Time by which a person has come for the dead vehicle."""
 
 
 async def switch_off(stage: Stage) -> tuple[Check, ...]:
