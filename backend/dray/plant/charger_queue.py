@@ -135,7 +135,7 @@ class ChargerQueue:
     # --- how it is done ---
 
     def _settle(self, types: Iterable[str]) -> None:
-        """Reckon wait and session in turns until both stay as they are."""
+        """Compute wait and session in turns until both converge."""
         plant = self._plant
         kinds = [plant.vehicle_types[kind] for kind in types]
         for _ in range(TURNS):

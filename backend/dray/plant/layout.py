@@ -30,7 +30,7 @@ from dray.plant.floor.road import Road, over_crossing
 from dray.plant.model import Lane, Node, PlantFile, VehicleType
 
 PASSING_M = 0.4
-"""Between two vehicles that meet, as German workplace rules want it (ASR A1.8, passing allowance Z2)."""
+"""Distance between two vehicles that meet, as German workplace rules want it (ASR A1.8, passing allowance Z2)."""
 
 MARGIN_M = 0.2
 """Margin between a vehicle at a stop point and one that crosses or turns: the error of localisation and control."""

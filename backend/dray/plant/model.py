@@ -22,7 +22,7 @@ ID_RULE = "write letters, digits, _ . and -, a letter first, at most 32"
 
 
 def is_id(text: str) -> bool:
-    """Whether something may be called so."""
+    """Whether a text is a valid name."""
     try:
         msgspec.convert(text, Id)
     except msgspec.ValidationError:
@@ -176,7 +176,7 @@ class Box(Item, frozen=True):
 
 
 class Material(Item, frozen=True):
-    """Something that machines consume."""
+    """A material that machines consume."""
 
     id: Id
     name: Name
@@ -197,7 +197,7 @@ class BillLine(Item, frozen=True):
 
 
 class Product(Item, frozen=True):
-    """Something that machines make: customers order it, or other machines use it, or both."""
+    """A product of machines: customers order it, or other machines use it, or both."""
 
     id: Id
     name: Name
@@ -308,7 +308,7 @@ class MachineSpec(Item, frozen=True):
     id: Id
     name: Name
     station: Id
-    """The working station it belongs to."""
+    """Its working station."""
     node: Id
     """Node where vehicles dock."""
     box: Box
@@ -318,7 +318,7 @@ class MachineSpec(Item, frozen=True):
     counts: bool = True
     """Whether its dock counts the pieces that vehicles bring and take. Otherwise the vehicles' reports count."""
     working_time: WorkingHours | None = None
-    """When it works; left out, when the plant does."""
+    """Its working time; left out, the plant's."""
     handling_cv: Fraction | None = None
     """Variation of loading and unloading here; that of the vehicle's type if left out."""
     original: Foreign | None = None
@@ -356,7 +356,7 @@ class Unassigned(Item, frozen=True):
 
 
 Dock = Warehouse | Storage | Charger | Parking | MachineSpec
-"""Everything that has a node where vehicles dock."""
+"""All places with a node where vehicles dock."""
 
 
 class Hours(Item, frozen=True):
@@ -393,7 +393,7 @@ class VehicleType(Item, frozen=True):
     sheet)."""
     max_speed_mps: Positive = 1.5
     acceleration_mps2: Positive = 0.6
-    """Speeding up and braking."""
+    """Rate of speeding up and braking."""
     turn_speed_mps: Positive = 0.5
     """Highest speed at a node where the way bends by more than 30 degrees."""
     abilities: Annotated[tuple[Id, ...], Meta(min_length=1)] = ("tote",)
@@ -406,7 +406,7 @@ class VehicleType(Item, frozen=True):
     drive_wh_per_m: Positive = 0.03
     loaded_wh_per_m: Positive = 0.04
     idle_w: NotNegative = 30.0
-    """Computers and sensors, moving or not."""
+    """Power of computers and sensors, moving or not."""
     charge_w: Positive = 600.0
     """Up to `charge_taper_frac`; then falling in a straight line to a tenth of it at full."""
     charge_taper_frac: Fraction = 0.8

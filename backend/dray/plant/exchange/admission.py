@@ -46,7 +46,7 @@ class Admission:
         return found
 
     def only_some(self, types: dict[str, float | None]) -> bool:
-        """Whether these are not all."""
+        """Whether some types are left out."""
         return any(kind not in types for kind in self._all)
 
     def beside(self, first: TrackEdge, second: TrackEdge) -> list[str]:

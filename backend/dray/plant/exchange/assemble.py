@@ -21,7 +21,7 @@ EDGE_M = 2.0
 """Free floor around the outermost nodes."""
 
 GAP_M = 5.0
-"""Between layouts of different levels, which are laid side by side."""
+"""Distance between layouts of different levels, which are laid side by side."""
 
 SAME_M = 0.001
 """Ways there and back that differ by less are one road: systems write numbers with three digits."""
@@ -30,7 +30,7 @@ USUAL_MPS = 1.5
 """Limit of a lane without a given one, as in a plant file."""
 
 OPEN = ("materials", "products", "warehouses", "storages", "stations", "machines", "areas")
-"""Sections that no layout tells."""
+"""Sections that no layout has."""
 
 Data = dict[str, Any]
 

@@ -40,7 +40,7 @@ Curve = Callable[[float], Spot]
 
 
 class CurveError(ValueError):
-    """A curve that is none; the text says why."""
+    """An invalid curve; the text says why."""
 
 
 def nurbs(degree: int, knots: Sequence[float], points: Sequence[tuple[float, float, float]]) -> list[Spot]:

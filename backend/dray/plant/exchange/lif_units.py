@@ -23,7 +23,7 @@ FASTEST_MPS = 20.0
 """Faster than any vehicle of a plant; AGVs drive 0.3 to 3 m/s."""
 
 USUAL_MPS = (0.2, 5.0)
-"""Within which the limit of most lanes lies."""
+"""Range of the limits of most lanes."""
 
 
 def scales(lengths: Sequence[float], speeds: Sequence[float], unit: str, notes: Notes) -> tuple[float, float]:

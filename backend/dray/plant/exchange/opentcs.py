@@ -28,13 +28,13 @@ from dray.plant.exchange.xml_tree import Element
 from dray.plant.file.reasons import Reason
 
 MODELS = ("0.0.4", "0.0.5", "6.0.0", "7.0.0")
-"""Versions of which a file of openTCS was read."""
+"""Versions of openTCS whose files were read."""
 
 M = 0.001
 """A millimetre."""
 
 LENGTH_OFF_FRAC = 0.05
-"""A path's length and its drawn shape may differ by so much before it is said."""
+"""Largest difference between a path's length and its drawn shape without a note."""
 
 INITIAL = ("tcs:initialPosition", "loopback:initialPosition", "initialPosition")
 """Properties of a vehicle that name the point where it begins."""

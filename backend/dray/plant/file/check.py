@@ -59,15 +59,15 @@ PLAUSIBLE = {
     "unload_s": (0.01, 1e5),
     "width_m": (0.1, 10.0),
 }
-"""Lowest and highest value: beyond them somebody has mistaken the unit, and a simulation would hang."""
+"""Lowest and highest value: beyond them the unit is wrong, and a simulation would hang."""
 
 
 LEAST_CHARGE_FRAC = 0.05
-"""Between two thresholds of charging: for less, the way to a charger is not worth it."""
+"""Smallest difference between two thresholds of charging: for less, the way to a charger is not worth it."""
 
 
 def faults(file: PlantFile) -> Iterator[Fault]:
-    """Everything in a plant file that does not fit together; nothing for a good one. Reasons have codes (`dray.plant.file.reasons`)."""
+    """All contradictions in a plant file; none in a good one. Reasons have codes (`dray.plant.file.reasons`)."""
     yield from _ids(file)
     yield from _references(file)
     yield from _values(file)
@@ -112,7 +112,7 @@ def _ids(file: PlantFile) -> Iterator[Fault]:
 
 
 def _references(file: PlantFile) -> Iterator[Fault]:
-    """Names of things that are nowhere defined."""
+    """Names without a definition."""
     known = {
         section: {spec.id for spec in getattr(file, section)} for sections in SPACES for section in sections
     }
@@ -212,7 +212,7 @@ def _items(file: PlantFile) -> Iterator[Fault]:
     stored = stored_for_machines(file)
     made = {making.product for machine in file.machines for making in machine.makes}
     materials = {material.id: material for material in (*file.materials, *_parts(file))}
-    # Something unknown among them may be the misspelt one that is looked for: reported already.
+    # An unknown item may be a misspelt one, which is reported already.
     all_types = types <= kinds.keys()
     all_stored = stored <= materials.keys()
     all_made = made <= {product.id for product in file.products}

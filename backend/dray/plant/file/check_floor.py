@@ -25,7 +25,7 @@ MIN_LANE_M = 0.05
 """Shorter lanes are two nodes on one spot."""
 
 MIN_PIECE_M = 0.01
-"""Between two corners of a lane; a shorter piece has no direction."""
+"""Shortest distance between two corners of a lane; a shorter piece has no direction."""
 
 MAX_CORNERS = 200
 """Corners of an area: every edge is compared with every other."""
@@ -181,7 +181,7 @@ def _is_joined(file: PlantFile) -> bool:
 
 
 def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
-    """Everybody must be able to get from every dock to every other, or vehicles strand."""
+    """Every vehicle must be able to get from every dock to every other, or vehicles strand."""
     if not _is_joined(file):
         # The docks of a misspelt lane are unknown.
         return

@@ -25,7 +25,7 @@ FAR_TIMES, SLOW_MPS = 2.0, 0.3
 """Way, in lengths of the floor, and speed at which a battery that suffices needs no further check."""
 
 MOST_TIMES = 50.0
-"""Batteries so many times as large are no advice."""
+"""Largest multiple of a battery that is given as advice."""
 
 
 def power_faults(plant: Plant) -> Iterator[tuple[str, str]]:
@@ -68,7 +68,7 @@ def most_needed_frac(plant: Plant, queue: ChargerQueue, kind: str) -> float:
         try:
             _, way = routes.nearest(node, plant.closest(node, plant.chargers, 1))
         except NoWay:
-            continue  # Told as a trap, where it matters.
+            continue  # It is reported as a trap, where it matters.
         most_frac = max(most_frac, queue.needed_frac(kind, way.length_m, way.duration_s))
     return most_frac
 

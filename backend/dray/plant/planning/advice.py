@@ -141,7 +141,7 @@ def _uncounted(plant: Plant) -> Iterator[Advice]:
 
 
 def _large(plant: Plant) -> Iterator[Advice]:
-    """Types of the fleet that go round nodes at which they would be too large."""
+    """Types of the fleet that are too large for some nodes, and avoid these."""
     driving = {vehicle.type for vehicle in plant.fleet.values()}
     for kind in plant.vehicle_types.values():
         nodes = too_large_for(plant.file, kind)

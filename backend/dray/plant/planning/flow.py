@@ -23,7 +23,7 @@ from dray.plant.model import VehicleType
 from dray.plant.plant import Plant
 
 LOTS_PER_ORDER = 2.0
-"""Containers of an order, in the mean."""
+"""Mean number of containers of an order."""
 
 PART_LOADS = 1.25
 """Containers of goods for one that would be full: the last one of an order seldom is."""
@@ -163,7 +163,7 @@ class Flow:
                     if line.material == stream.item
                 )
                 limit = max(material.buffer - used, 1) / (stream.lead_s * per_s[machine, stream.item])
-                # Short of material a machine waits; it need not be without it for longer than a load leaves it idle.
+                # Without material a machine waits; up to its idle time at this load that does no harm.
                 remedy = Reason("remedy_buffer", item=stream.item, buffer=material.buffer)
                 yield Limit("buffer", Reason("at", name=stream.item, place=machine), limit, remedy)
             elif stream.source in plant.machines:
@@ -224,7 +224,7 @@ class Flow:
             yield Limit("vehicles", name, given / busy, remedy)
 
     def _charger_limits(self) -> Iterator[Limit]:
-        """All that the fleet uses comes through the chargers."""
+        """The fleet's consumption comes through the chargers."""
         plant = self.plant
         fleet = [(self._count[name], kind) for name, kind in self._kinds.items()]
         given_w = (

@@ -108,7 +108,7 @@ class Room:
     # --- what is found ------------------------------------------------------------------------------
 
     def places(self) -> Iterator[Finding]:
-        """Pairs of places where vehicles touch one another that stand or turn there."""
+        """Pairs of places where vehicles touch that stand or turn there."""
         found: dict[Subject, Reason] = {}
         cells: dict[tuple[int, int], list[str]] = {}
         for node in self._stops:
@@ -131,7 +131,7 @@ class Room:
             yield "near", "nodes", text, tuple(found)
 
     def beside_lanes(self) -> Iterator[Finding]:
-        """Places where a vehicle is in the way of one that drives past."""
+        """Places where a vehicle is in the way of a passing one."""
         cells: dict[tuple[int, int], list[str]] = {}
         for node in self._stops:
             here = self._plant.nodes[node]
@@ -199,7 +199,7 @@ class Room:
     # --- how far vehicles are apart -------------------------------------------------------------------
 
     def apart_m(self, one: str, other: str) -> float:
-        """Between vehicles at two places, at the least; below 0 how deep they overlap."""
+        """Smallest gap between vehicles at two places; below 0 the depth of their overlap."""
         plant = self._plant
         here, there = plant.nodes[one], plant.nodes[other]
         first, second = self._size_at[one], self._size_at[other]
