@@ -1,10 +1,10 @@
 """Benchmark `wired`: right of way between processes on the real bus, while one process after the other is killed.
 
 A whole fleet runs on this computer in real time and under load, with certificates. Every twelve seconds signal 9
-kills a vehicle, a machine that keeps books, a vehicle and a machine at once, all keepers of one book, or any other
-process except the floor, which has the bodies. Every fourth victim stays away for a while. Then there are no kills
-for some minutes. Afterwards all sent and received messages are judged (`checks.said_and_heard`), and compared with
-the books in the keepers' journals.
+kills a vehicle, a machine that keeps books, both at once, all keepers of one book, or any other process. Only the
+floor is spared, because it has the bodies. Every fourth victim stays away for a while. Then there are no kills for
+some minutes. Afterwards all sent and received messages are judged (`checks.said_and_heard`), and compared with the
+books in the keepers' journals.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The gate of the delivery warehouses: it counts goods in by goal, and lets in no more than its agent admits.
 
 It is the body (`dray.ports.Body`) of the gate's agent (`dray.protocol.gate`). Goals are fenced only here. A machine
-that was given up may live on behind a broken network and send its goods; the gate, which was shut for its goal,
-refuses these surplus pieces. So every ordered piece gets in exactly once (invariant 4), without a lease, and goods go
-on arriving while strategists and the gate's own agent are away.
+that was given up may live on behind a broken network and send its goods. The gate, which was shut for its goal,
+refuses these surplus pieces. So every ordered piece gets in exactly once (invariant 4), without a lease. Goods go on
+arriving while strategists and the gate's own agent are away.
 
 It decides nothing, and refused goods stay with their carrier. It is hardware that outlives every restart of its
 agent, which then senses the arrivals it missed.
@@ -22,7 +22,7 @@ NOT_ADMITTED = "not admitted"
 
 KEPT_GOALS = 4096
 """Largest number of goals in its memory. The large plant works on some hundred at a time and closes thousands in a
-day, so a finished goal is remembered for hours; goods are on the road for minutes."""
+day. So a finished goal is remembered for hours; goods are on the road for minutes."""
 
 
 @dataclass(slots=True)

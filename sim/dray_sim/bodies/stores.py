@@ -24,7 +24,7 @@ from dray_sim.bodies.reporter import Reporter
 
 REFILL_S = 120.0
 """Time from the order of a refill to a full stock. The paper does not model this transport (4.1: material "is
-supposed to be automatically distributed" to the storages); two minutes fit a tugger train that is about."""
+supposed to be automatically distributed" to the storages). Two minutes fit a tugger train that is about."""
 
 REFILL_BELOW_FRAC = 0.5
 """A stock below this part of its capacity is refilled."""

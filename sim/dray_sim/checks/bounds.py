@@ -8,9 +8,9 @@
     must charge_s = vehicles / chargers * charging from empty until a vehicle takes work again, where that takes long
 
 In the worst case a task waits while the whole fleet carries others. So its bound grows with the transports that were
-done meanwhile, and with nothing else. A task that waits while no transport is done is a deadlock; one that is passed
-over again and again is caught as soon as other tasks run out. The demand has ended by then, so they do. The stall
-bound holds for all work together: as long as any order is open, some progress must come within it.
+done meanwhile, and with nothing else. A task that waits while no transport is done is a deadlock. A task that is
+passed over again and again is caught as soon as other tasks run out. The demand has ended by then, so they do. The
+stall bound holds for all work together: as long as any order is open, some progress must come within it.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from dray_sim.people.operators import LOOK_S
 from dray_sim.people.tablet import ANSWER_S, TRIES
 
 NOTICE_S = bound_s(IDLE_INTERVAL_S, loss_frac=1.0, deviation_s=LATENESS_MAX_S) + 25.0
-"""Time from the end of the last fault until agents know which agents are alive and which vehicle carries which task:
-the longest bound of suspicion, for an idle vehicle on the worst link, and its consequences."""
+"""Time from the end of the last fault until agents know the living agents and the carriers of tasks. It is the
+longest bound of suspicion, for an idle vehicle on the worst link, and its consequences."""
 
 ASKING_S = 20.0
 """Docks that are held for a moment, questions asked again, a handover answered."""

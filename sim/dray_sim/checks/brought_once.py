@@ -48,7 +48,8 @@ class BroughtOnce:
         """Note one utterance.
 
         Raises:
-            InvariantBroken: a transport has ended twice, or with another quantity, went on after its end, was called off and brought, or has a carrier that it may not have.
+            InvariantBroken: a transport has ended twice or with another quantity, went on after its end, was called
+                off and still brought, or has a forbidden carrier.
         """
         if type(message) is TransportOrdered:
             self._asked.setdefault(message.transport, message.quantity)

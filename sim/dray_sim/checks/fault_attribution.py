@@ -1,9 +1,9 @@
 """Invariant 6 in reverse: no agent loses a contract without a reason.
 
-When a carrier is replaced or a goal is taken from its machine, a fault must have touched one of the agents concerned
-not long before. This shows a failure that spreads to others. A request to leave is no such fault: the vehicle gives
-its task back itself, or finishes it, and need not be missed. Neither is a process that restarts too soon to be
-missed, nor a clock that was set.
+When a carrier is replaced or a goal is taken from its machine, a recent fault must have touched one of the agents
+concerned. This shows a failure that spreads to others. A request to leave is no such fault: the vehicle gives its
+task back itself, or finishes it, and need not be missed. Neither is a process that restarts too soon to be missed,
+nor a clock that was set.
 """
 
 from __future__ import annotations

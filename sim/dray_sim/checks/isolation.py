@@ -116,8 +116,8 @@ class ReplacedInTime:
         DELAY_S + MISSES_MAX * WORKING_INTERVAL_S + LATENESS_MAX_S
 
     A good link makes it earlier, which is measured elsewhere; this check does not know the quality of links. There
-    are two exceptions: a secondary that is stopped or in error, for it cannot drive, and goods and things that may be
-    on board of the dead vehicle, for no other vehicle can fetch them.
+    are two exceptions. A secondary that is stopped or in error cannot drive. Goods and things that may be on board of
+    the dead vehicle cannot be fetched by another one.
     """
 
     BOUND_S = DELAY_S + MISSES_MAX * WORKING_INTERVAL_S + LATENESS_MAX_S

@@ -60,18 +60,18 @@ class LivenessCheck:
         self._bounds = bounds
         self._since_s = float("inf")
         self._open: dict[str, tuple[float, int, str]] = {}
-        """By transport: its first announcement, the number of transports done before, and its item."""
+        """First announcement, number of transports done before, and item, by transport."""
         self._coordinator: dict[str, str] = {}
         """Coordinator of every announced transport."""
         self._orders: dict[str, str] = {}
         """Undelivered orders, and plain transports; with the agent that asked for each."""
         self._ended_orders: dict[str, None] = {}
         self._returned: dict[str, int] = {}
-        """By withdrawn order: its newest release of which that is known."""
+        """Newest known release of each withdrawn order."""
         self._ended: dict[str, None] = {}
         """Transports that are not open any more."""
         self._busy: dict[str, tuple[str, float]] = {}
-        """By vehicle: the ended task that it still names as its own, and since when."""
+        """Ended task that a vehicle still names as its own, and since when, by vehicle."""
         self._done = 0
         self._done_before = 0
         """Transports that were done when the quiet phase began."""

@@ -1,9 +1,9 @@
 """Invariants 2 and 4 for parts: every piece is counted once, on every level.
 
 `invariants.MaterialConserved` checks for all items that none appears or vanishes. These checks compare reports with
-the truth: a machine reports no piece of a part that its workcell has not made, and a goal is closed with exactly its
-pieces. The strategist's sum of all reports of a part may exceed the real number only for as long as a piece takes
-from hand to hand.
+the truth. A machine reports no piece of a part that its workcell has not made, and a goal is closed with exactly its
+pieces. The strategist's sum of all reports of a part may exceed the real number only briefly: for as long as a piece
+takes from hand to hand.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ LOOK_S = 5.0
 
 TWICE_S = 4.0 * COUNTS_S
 """Reports may be of different moments: a vehicle that falls silent as it puts a load down reports the load for a
-minute longer. So a piece is counted twice now and then, but a different one each time; a sum that is wrong for this
+minute longer. So a piece is counted twice now and then, but a different one each time. A sum that is wrong for this
 long is an error."""
 
 

@@ -24,10 +24,10 @@ class Passing:
         self._taken_s: dict[str, float] = {}
         """When each goal was taken."""
         self._since_s: dict[str, float] = {}
-        """By goal: since when its machine makes pieces of later goals after its wanted time, and none of it."""
+        """Since when a goal's machine makes pieces of later goals after its wanted time, and none of it, by goal."""
         self._made: dict[str, int] = {}
         self._open: dict[str, dict[str, float]] = {}
-        """By machine: unfinished goals, each with its wanted time."""
+        """Unfinished goals, each with its wanted time, by machine."""
         self.longest_s, self.longest = 0.0, ""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:

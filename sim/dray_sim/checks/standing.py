@@ -1,6 +1,6 @@
 """Invariant 6, on the carrier's side: no contract is ended that its coordinator still counts on.
 
-The attribution of faults asks why a coordinator replaces a carrier. This check asks why a carrier gives up: it was
+The attribution of faults asks why a coordinator replaces a carrier. This check asks why a carrier gives up. It was
 released, or told that others carry, though its coordinator names it as the carrier in that very epoch. A restart that
 was over soon is no reason, for any agents and in any order.
 """
@@ -26,7 +26,7 @@ class Standing:
     def __init__(self, attribution: FaultAttribution) -> None:
         self._attribution = attribution
         self._carriers: dict[str, tuple[str, int, str]] = {}
-        """By open task, its coordinator's last word: the carrier, its epoch, and the coordinator."""
+        """Carrier, epoch and coordinator of each open task, by its coordinator's last word."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note the carriers of tasks.

@@ -1,8 +1,8 @@
 """Invariant 28: the stock that a station reports lies there, and it has ordered no more than it has room for.
 
-A report may be a moment old, or of a life that has not heard of a change yet; one that stays wrong for `WRONG_S` is
-an error. A returned load comes without an order. A load that has just been put down is both on order and there until
-its carrier has said so. So only orders beyond these are judged.
+A report may be a moment old, or of a life that has not heard of a change yet. A report that stays wrong for `WRONG_S`
+is an error. A returned load comes without an order. A load that has just been put down is both on order and there
+until its carrier has said so. So only orders beyond these are judged.
 """
 
 from __future__ import annotations

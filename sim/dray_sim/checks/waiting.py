@@ -1,7 +1,7 @@
 """Invariant 11: no vehicle stands at a dock for its contract longer than its promised time plus two minutes.
 
 A vehicle that waits longer is held by a shortage, and blocks others. A late vehicle's wait counts from its arrival
-only: a speed limit or a restart on the way makes it late, and holds it up nowhere. A fault of an agent concerned
+only. A speed limit or a restart on the way makes it late, and holds it up nowhere. A fault of an agent concerned
 explains a wait, and so does a person who has stopped the vehicle (`fault_attribution`).
 """
 
@@ -28,9 +28,9 @@ class NobodyWaitsInVain:
         self._attribution = attribution
         self._stations = stations
         self._promised_s: dict[str, tuple[str, float]] = {}
-        """By vehicle: its last task, and its promised finish."""
+        """Last task and promised finish, by vehicle."""
         self._docked_s: dict[str, float] = {}
-        """By vehicle: its arrival at a dock."""
+        """Arrival at a dock, by vehicle."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note promises, and look at standing vehicles.

@@ -1,8 +1,8 @@
 """The clock of one agent's computer in the simulation: right, until somebody sets it wrong.
 
 An agent lives on the plant's clock as its computer shows it. In service that clock is monotonic and follows the
-computer's unix time by at most a tenth faster or slower (`dray.adapters.system_clock`), and so does this one. After a
-step of unix time it drifts towards it; a process that is started meanwhile begins with the present unix time.
+computer's unix time by at most a tenth faster or slower (`dray.adapters.system_clock`). This one does the same. After
+a step of unix time it drifts towards it; a process that is started meanwhile begins with the present unix time.
 """
 
 from __future__ import annotations

@@ -41,15 +41,15 @@ Entry = tuple[float, int, Callable[..., object], tuple[Any, ...]]
 """When (s), the number of the call, the callback and its arguments. The number makes ties fair."""
 
 MAX_STEPS_PER_INSTANT = 1_000_000
-"""Callbacks and task steps in one instant. The start of a thousand agents takes some ten thousand; a million means
+"""Callbacks and task steps in one instant. The start of a thousand agents takes some ten thousand. A million means
 that some code asks to be called back at once, again and again."""
 
 MAX_SELECT_S = 3600.0
 """Longest sleep in the selector: a longer one overflows on some systems (asyncio caps it likewise)."""
 
 BURST_S = 0.005
-"""Longest real time in which a paced loop works off due instants before it polls its sockets: shorter than a person
-notices, and much longer than the 3 us of a poll."""
+"""Longest real time in which a paced loop works off due instants before it polls its sockets. It is shorter than a
+person notices, and much longer than the 3 us of a poll."""
 
 TICK_S = 1e-9
 """A shorter real time counts as reached: rounding must not cost a sleep of zero length."""
@@ -179,8 +179,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     Callbacks of asyncio itself keep asyncio's custom, the loop's exception handler.
 
     Args:
-        pace: `JUMP` or `paced(speed)`; real time counts from `begin`, or from the first moment in which the loop has
-            nothing to do, so that building a factory takes no virtual time.
+        pace: `JUMP` or `paced(speed)`; real time counts from `begin`, or from the loop's first idle moment, so that
+            building a factory takes no virtual time.
         start_s: the clock's first reading.
         selector: for tests; the system's best one by default.
         wall_s: real time in seconds that never goes back; for tests.
@@ -190,8 +190,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         lag_s: how far a paced loop is behind real time, in real seconds; 0 when it keeps up.
         steps: callbacks and task steps so far.
         stood: None, and a paced loop catches up with real time after any delay. Otherwise the clock stands still when
-            the delay exceeds `STANDS_FROM_S`, and at every input from outside, so that by the clock on the wall
-            nothing happens before its cause; the loop calls this with the real seconds for which it has stood.
+            the delay exceeds `STANDS_FROM_S`, and at every input from outside. So by the clock on the wall nothing
+            happens before its cause. The loop calls this with the real seconds for which it has stood.
     """
 
     _ready: deque[asyncio.Handle]

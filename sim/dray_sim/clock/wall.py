@@ -1,6 +1,6 @@
 """The clock on the wall of a process that holds a simulated factory and the gateway which shows it.
 
-Both use one clock, so that neither runs ahead of the other: it paces the factory's loop, and the gateway shows all
+Both use one clock, so that neither runs ahead of the other. It paces the factory's loop, and the gateway shows all
 times in it.
 """
 

@@ -11,7 +11,7 @@ from dray.memory import Changes, Memory, Note
 from dray.messages import Event
 
 HISTORY_FACTS = 1000
-"""Facts kept for agents that missed some: with 300 agents in one memory some 150 MB at worst; at one fact in ten
+"""Facts kept for agents that missed some: with 300 agents in one memory some 150 MB at worst. At one fact in ten
 seconds they cover nearly three hours of a historian's absence."""
 
 _READ: msgspec.json.Decoder[dict[str, Note]] = msgspec.json.Decoder(dict[str, Note])

@@ -54,8 +54,8 @@ class Behaviour:
         claims_floor: it says to all keepers of books that it holds every place, and wants every place.
         takes_name: it has stolen the certificate of a vehicle of the plant, whose owner lives, and in its name gives
             all its places back.
-        has_key: it has stolen the vehicle's key with its certificate (its disk), and repeats the vehicle's messages
-            in its name, under numbers that the vehicle has not reached yet.
+        has_key: it has stolen the vehicle's key with its certificate (its disk). In the vehicle's name it repeats its
+            messages under numbers that the vehicle has not reached yet.
         takes_keeper: it has stolen the certificate of a keeper of books, whose owner lives, and claims other keepers'
             books.
         leads_falsely: it has stolen the certificate of a keeper that leads books, and grants places that are held by

@@ -1,6 +1,6 @@
 """A vehicle's software without a vehicle: it drives through a plant in which every place gives and takes any load.
 
-The case is a body's driver that answers from a table, or a vehicle's computer that runs in an office: every message
+The case is a body's driver that answers from a table, or a vehicle's computer that runs in an office. Every message
 is that of an honest vehicle, and nothing moves.
 """
 

@@ -144,8 +144,8 @@ class SimThread(Generic[T]):
     """A simulated factory in a thread of its own.
 
     Args:
-        main: makes the coroutine that builds the factory, calls `ready` with anything that the outside needs (the
-            network, say), and then runs it until it is cancelled.
+        main: makes the coroutine that builds the factory and calls `ready` with anything that the outside needs (the
+            network, say). The coroutine then runs the factory until it is cancelled.
         pace: `paced(speed)`.
         start_s: the first reading of the factory's clock.
         wall: by which it is paced; the computer's when None.

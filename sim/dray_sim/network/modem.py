@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from dray_sim.network.links import Links
 
 NOTICE_S = 1.0
-"""Time from the loss or the return of the WLAN until the modem reports it: some lost beacons of an access point (one
-in 102 ms) and a few tries to reach another, or the time to join again."""
+"""Time from the loss or the return of the WLAN until the modem reports it. It covers some lost beacons of an access
+point (one in 102 ms) and a few tries to reach another, or the time to join again."""
 
 
 Notice = Callable[["Link", str], None]

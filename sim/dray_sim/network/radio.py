@@ -1,8 +1,8 @@
 """The radio between vehicles: short range, small frames, few of them, passed on from one to the next.
 
-A frame is flooded: a vehicle that hears it for the first time sends it again, up to `hops` hops, unless it is the
-receiver or can relay it to the bus. Later copies are dropped, so a frame takes the first way that worked. The network
-interprets frames, and decides which vehicles relay to the bus.
+A frame is flooded: a vehicle that hears it for the first time sends it again, up to `hops` hops. The receiver does
+not, nor does a vehicle that can relay it to the bus. Later copies are dropped, so a frame takes the first way that
+worked. The network interprets frames, and decides which vehicles relay to the bus.
 
 Each vehicle has a token bucket: excess frames are dropped and counted, never queued.
 """

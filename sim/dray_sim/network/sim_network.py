@@ -1,13 +1,12 @@
 """The network of the simulated factory: a `dray.ports.Bus` in one process, on virtual time.
 
-Every delivery to every receiver is an event of its own on the clock, after a delay of its own. Chance
-comes from the generators that are handed in and from nothing else, and receivers are gone through in the
-order in which they joined, so one seed gives one run.
+Every delivery to every receiver is an event of its own on the clock, after a delay of its own. Chance comes only from
+the generators that are handed in, and receivers are served in the order in which they joined. So one seed gives one
+run.
 
-Here it is decided which way a message goes. As long as nothing is wrong, there is one, the WLAN; another is
-looked for while a fault is active or a vehicle could be without WLAN (`_publish_ill`, `_send_ill`). A run without
-faults pays for faults with one question per utterance. What a message meets on its way is left to `dray_sim.network.wlan`
-and `dray_sim.network.radio`.
+This module decides which way a message goes. Without faults there is one way, the WLAN. Another is looked for while a
+fault is active or a vehicle could be without WLAN (`_publish_ill`, `_send_ill`). A run without faults pays for faults
+with one question per utterance. `dray_sim.network.wlan` and `dray_sim.network.radio` apply delays and losses.
 
     sender --WLAN--> receiver                                    all is well, or the link has troubles
     vehicle --radio--> vehicles ... gateway --WLAN--> receiver   the sender has no WLAN: a frame rises
@@ -147,7 +146,7 @@ class SimNetwork:
     def steal(self, agent: str, receive: Receive) -> SimSession:
         """Join under the name of an agent that is there and stays, like a thief of its certificate.
 
-        The thief also hears messages to the agent alone, and the agent's messages to others: it can open everything
+        The thief also hears messages to the agent alone, and the agent's messages to others. It can open everything
         that is sealed with the certificate.
         """
         self._joins += 1

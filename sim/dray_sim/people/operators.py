@@ -51,8 +51,8 @@ class Operator:
     """One person, who is responsible for one area and joins the bus as `operator-<area>`.
 
     Invariants: a command is given only after the answer to the one before it. Every stop of an operator is followed
-    by an acknowledge and a resume as soon as the vehicle hears it, from the same operator or from the one in whose
-    area the vehicle has come to stand.
+    by an acknowledge and a resume as soon as the vehicle hears it. They come from the same operator, or from the one
+    in whose area the vehicle has come to stand.
 
     Args:
         area: responsible for the vehicles in it; `EVERYWHERE` for all of them.

@@ -86,7 +86,7 @@ class Tablet:
     ) -> None:
         self.heard: dict[str, LastHeard] = {}
         self._calls: dict[tuple[str, str], tuple[HelpCall, float]] = {}
-        """By the subject of a call: the newest call, and when it was heard."""
+        """Newest call about a subject, and when it was heard."""
         self.machines: dict[str, MachineHeartbeat] = {}
         self._person = person
         self._areas = areas

@@ -3,7 +3,7 @@
     count_pieces  -- query {plant}/floor/@pieces -> all pieces that are there now
 
 A floor that begins anew knows nothing of the one before. It says nothing to an agent of the earlier floor, so that
-the agent finds its body lost; to that agent's next life it says that the body is new.
+the agent finds its body lost. To that agent's next life it says that the body is new.
 
 `server` lets agents elsewhere use the bodies of a floor, `floor_monitor` sees whether two vehicles are in one spot,
 `pieces` counts the pieces of a floor elsewhere.

@@ -100,7 +100,7 @@ class FloorServer:
         self._crossing = Crossing(asyncio.get_running_loop())
         self.failures = Failures("the floor")
         self._moved: dict[str, tuple[tuple[int, int], bytes]] = {}
-        """By foreign vehicle: its newest transfer, by life and number, and the answer."""
+        """Newest transfer by life and number, and the answer, by foreign vehicle."""
         self._foreign = frozenset(foreign)
         for atv in self._foreign:
             floor.lift(atv)

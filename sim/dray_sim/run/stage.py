@@ -96,7 +96,7 @@ class Shift:
         people: how the operators of all areas work; None for an empty floor.
         keep: classes of facts and messages that the witness keeps.
         overlaps: whether overlapping vehicles are counted (False), break the run (True), or are not looked for
-            (None); with right of way they always break it.
+            (None). With right of way they always break it.
         embody: makes adapters between vehicles and their agents; none by default.
         strategists: their number; None for that of the context (`with_strategists`), which is one by default.
     """

@@ -14,8 +14,7 @@ from dray_sim.scenarios.tally import HEAD, Tally, all_delivered, listed, row, ru
 LOSSES_FRAC = (0.0, 0.05, 0.10, 0.20, 0.30, 0.40)
 
 ENDURED_FRAC = 0.30
-"""Largest loss under which the claim must hold: an agent that receives two of five messages less is suspected before
-others have learned the loss."""
+"""Largest loss under which the claim must hold. At 40 % an agent is suspected before others have learned the loss."""
 
 SHIFT = Shift(name="loss-sweep", duration_s=2 * 3600.0, load=0.6)
 

@@ -29,7 +29,7 @@ SHIFT = Shift(name="problems", duration_s=2 * 3600.0, load=0.6, keep=(TaskClosed
 
 EVERY_S = 90.0
 """Between two problems, in the mean, where somebody is on the way: hardly two vehicles stand at a time. A vehicle
-that stands before a dock holds up all others there, and the cost of one problem shows only where there is no other."""
+that stands before a dock holds up all others there. The cost of one problem shows only where there is no other."""
 
 CARRIED_AFTER_S = 180.0
 """Time after which a person carries a vehicle away that is not repaired, and repairs it elsewhere."""
@@ -131,7 +131,7 @@ async def _carry_away(stage: Stage, office: FloorOffice, atv: str, lasts_s: floa
 def _busy(stage: Stage, struck: Mapping[str, object]) -> dict[str, tuple[str, float]]:
     """Vehicles on their way with an undisturbed transport, each with its expected end.
 
-    A vehicle that is late already is left out: the cause of its delay, as an obstacle, is not the cost of its own
+    A vehicle that is late already is left out. The cause of its delay, as an obstacle, is not the cost of its own
     problem. So is one with finished goods on board: they exist once, and wait for their carrier in any case.
     """
     busy: dict[str, tuple[str, float]] = {}

@@ -23,8 +23,8 @@ SHIFT = Shift(name="scale", duration_s=1800.0, load=0.85)
 
 GROWTH = 1.5
 """Largest work of an agent in the largest plant, as a multiple of that in the plant of `REFERENCE` vehicles. In a
-smaller plant all agents are within reach of one another, so each hears less; and a machine bids for the goals of the
-whole plant."""
+smaller plant all agents are within reach of one another, so there is less to hear. A machine bids for the goals of
+the whole plant."""
 
 REFERENCE = 50
 

@@ -1,12 +1,13 @@
 """Benchmark `history`: how long a person waits for a search in a factory's whole history.
 
-It writes 100,000 orders, as many tasks and 3,000,000 events (`quick`: a tenth of each) into a new database, with the
-alerts, the audit log, the minutes and the spells of those ten weeks. Then it asks as the panels ask: for a name that
-one order in ten thousand has, a page deep in the list, all late orders, the page of an order (also of one whose
-events are forgotten), and a shift's report. The time to build the database is reported separately. The baseline
-counts the rows of the same table in the same run and on the same connection: it reads every row once and returns
-none. A search for an order has another baseline: a bare SQL query of an index, for the id of the order with exactly
-this reference. All tables have their statistics (ANALYZE). `replay` measures the moments that panels showed.
+It writes 100,000 orders, as many tasks and 3,000,000 events (`quick`: a tenth of each) into a new database. The
+alerts, the audit log, the minutes and the spells of those ten weeks are added. Then it asks as the panels ask. It
+looks for a name that one order in ten thousand has, a page deep in the list, and all late orders. It also reads the
+page of an order, with its events or without forgotten ones, and a shift's report. The time to build the database is
+reported separately. The baseline counts the rows of the same table in the same run and on the same connection. It
+reads every row once and returns none. A search for an order has another baseline: a bare SQL query of an index. It
+asks for the id of the order with exactly this reference. All tables have their statistics (ANALYZE). `replay`
+measures the moments that panels showed.
 
 Afterwards the same pages are read over REST and orders are placed, while a hundredth of the log is forgotten (`use`).
 The duration of one such transaction, in which nobody else can write, is reported separately.

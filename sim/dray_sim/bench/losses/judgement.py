@@ -1,7 +1,7 @@
 """The judgement over a factory whose processes were killed: which violations there were.
 
-The checks are the simulator's invariants (`dray_sim.checks.invariants`), which replay the messages afterwards, and
-counts of what the floor and the database hold in the end. Pure.
+The checks are the simulator's invariants (`dray_sim.checks.invariants`), which replay the messages afterwards. Counts
+of the final state of floor and database are added. Pure.
 """
 
 from __future__ import annotations
@@ -146,10 +146,10 @@ def _broken(check: Listener, said: Iterable[_Utterance]) -> tuple[str, ...]:
 def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
     """Transports of which a carrier was released that its coordinator had contracted and not replaced since.
 
-    A release has a good reason in these cases and is left out: the carrier was silent when it was asked, even if it
-    was asked again later, or a takeover came from a living vehicle. The same holds for a carrier that comes back
-    after its task has ended. Such a task was withdrawn, because its goal was given to another machine or waited in
-    vain, or its load was counted before the kill and its coordinator has restarted since.
+    A release is left out in these cases. The carrier was silent when it was asked, even if it was asked again later.
+    Or a takeover came from a living vehicle. The same holds for a carrier that comes back after its task has ended.
+    Such a task was withdrawn, because its goal was given to another machine or waited in vain. Or its load was
+    counted before the kill, and its coordinator has restarted since.
     """
     accepted_s: dict[tuple[str, int, str], float] = {}
     let_go: set[tuple[str, str]] = set()

@@ -34,7 +34,7 @@ T = TypeVar("T")
 FLOOR = "floor"
 
 PIECES, MATERIAL, PER_PIECE = 2, "housing", 12
-"""An order of two pieces, for which machine 8 asks for one load of one material at once: its buffer begins with less
+"""An order of two pieces, for which machine 8 asks for one load of one material at once. Its buffer begins with less
 than a piece takes."""
 
 STATIONS = laboratory().storages_of(MATERIAL)

@@ -3,9 +3,9 @@
 The baseline is a straightforward implementation: FastAPI, the same model of the body, and the same rows inserted by
 SQLAlchemy, a statement for each table: the order, its items, the customer's link, the Idempotency-Key, a line of the
 audit log and one of the change log. Like ours, it has the order on disk before it answers. Both are served by uvicorn
-with the same settings, each in a process of its own, and asked by the same client over kept connections; they take
-turns. Ours also knows the caller by an API key and a repeated request by its Idempotency-Key, checks whether the
-order is probably sent twice, offers each order to a strategist that takes it at once, and writes the change log by
+with the same settings, each in a process of its own. The same client asks both over kept connections, in turns. Ours
+also knows the caller by an API key and a repeated request by its Idempotency-Key, and checks whether the order is
+probably sent twice. It offers each order to a strategist that takes it at once, and writes the change log by
 triggers.
 """
 

@@ -1,17 +1,16 @@
 """How a vehicle moves along a way: speed profiles of constant acceleration, in closed form.
 
 A way is a row of straight lanes. `plan` makes the fastest profile over it that keeps every limit; `brake` stops as
-soon as possible. A `Profile` gives the place at a time, and the time at a place, without stepping through time; so a
+soon as possible. A `Profile` gives the place at a time, and the time at a place, without stepping through time. So a
 simulated vehicle needs no ticks. `dray_sim.bodies.vehicle.way` and `dray_sim.bodies.vehicle.vehicle` choose the lanes
 of the way and act at its nodes.
 
 Theory of operation: under a constant acceleration `a` the square of the speed grows by `2 a` per metre. A backward
-pass over the lanes' ends lowers each speed so that the vehicle can brake for the next ones; a forward pass lowers it
+pass over the lanes' ends lowers each speed so that the vehicle can brake for the next ones. A forward pass lowers it
 to a reachable one. Between two ends it accelerates, keeps the limit and brakes.
 
-A vehicle that learns too late that it has to stop or to turn brakes harder than its usual rate: staying on the road
-comes before comfort. A vehicle that learns of a lower limit brakes normally, and exceeds that limit until it has done
-so.
+A vehicle that learns too late of a stop or a turn brakes harder than its usual rate: staying on the road comes before
+comfort. A vehicle that learns of a lower limit brakes normally, and exceeds that limit until it has done so.
 """
 
 from __future__ import annotations

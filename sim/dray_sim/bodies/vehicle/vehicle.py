@@ -94,7 +94,7 @@ class SimVehicle:
     """Implements `dray.ports.Body`.
 
     Invariants: a held, broken or empty vehicle comes to a stand and does not start (invariant 5), also when its power
-    is back; only a place or a person that gives or receives pieces changes the load; `battery_frac` is in 0..1.
+    is back. Only a place or a person that gives or receives pieces changes the load; `battery_frac` is in 0..1.
 
     Args:
         spec: its id, and its node at the beginning.

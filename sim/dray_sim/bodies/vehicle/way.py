@@ -1,8 +1,8 @@
 """A way through the plant as a vehicle drives it: points, the lanes between them, places in metres.
 
-Immutable: how far the vehicle has come, and how far it may go, is the vehicle's own knowledge. A place
-is counted in metres from the first point. A vehicle that is given a way while it is on a lane finishes
-that lane first; the lane then leads the way, and the first point is where it began.
+Immutable: how far the vehicle has come, and how far it may go, is the vehicle's own knowledge. A place is counted in
+metres from the first point. A vehicle that is given a way while it is on a lane finishes that lane first. The lane
+then leads the way, and the first point is where it began.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
 Every vehicle is a rectangle as long and wide as its type. Its motion is known in closed form until something changes
 (`Course`), so the time between two changes is judged afterwards, and as a whole. From any moment, two vehicles need
-at least the time to close the gap between them at their highest speeds; then they are examined again (conservative
-advancement). An overlap that is deeper than `MISSED_M` is found, however short it is. A vehicle that sets off in
-another direction has turned on the spot: the area that it sweeps is judged in the same way, by the angle.
+at least the time to close their gap at their highest speeds. Then they are examined again (conservative advancement).
+An overlap that is deeper than `MISSED_M` is found, however short it is. A vehicle that sets off in another direction
+has turned on the spot. The area that it sweeps is judged in the same way, by the angle.
 
 A lifted vehicle is in no one's way until it is put down. Vehicles without a body are nowhere.
 """

@@ -102,9 +102,9 @@ class NoCallIsLost:
     def __init__(self, excused: Callable[[str], bool] = lambda _agent: False) -> None:
         self._excused = excused
         self._since_s: dict[str, float] = {}
-        """By vehicle or machine with a problem: since when, or since its last call."""
+        """Beginning of a problem, or time of the last call, by vehicle or machine."""
         self._heard: dict[str, tuple[int, float]] = {}
-        """By vehicle or machine: its last known life, and when that was heard."""
+        """Last known life, and when that was heard, by vehicle or machine."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.

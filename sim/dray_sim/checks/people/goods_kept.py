@@ -48,7 +48,7 @@ class GoodsKept:
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._goods: dict[str, tuple[str, str]] = {}
-        """By open task of goods or of a thing: its item and its coordinator."""
+        """Item and coordinator of each open task of goods or of a thing."""
         self._heard_s: dict[str, float] = {}
         """When each vehicle has spoken last."""
         self._words: dict[str, None] = {}
@@ -107,7 +107,7 @@ class GoodsCalledFor:
 
     def __init__(self) -> None:
         self._since_s: dict[str, dict[str, float]] = {}
-        """By coordinator and its transport whose load waits: since when, or since the last call for it."""
+        """Beginning of the wait, or time of the last call, by coordinator and its transport whose load waits."""
         self._aboard: dict[str, str] = {}
         """Vehicle by such a transport."""
         self._lives: dict[str, int] = {}

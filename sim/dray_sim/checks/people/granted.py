@@ -34,7 +34,7 @@ class GrantedOnly:
         self._given: dict[tuple[str, str], list[VehicleCommand | MachineCommand]] = {}
         """All commands under one name, by agent and name."""
         self._goods_at: dict[str, dict[str, None]] = {}
-        """By task, the last known position of its carrier: the operators of that area decide about goods on board."""
+        """Last known position of its carrier, by task: the operators of that area decide about goods on board."""
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if type(message) is VehicleCommand or type(message) is MachineCommand:

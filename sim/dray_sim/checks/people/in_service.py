@@ -24,8 +24,7 @@ class InServiceOnly:
         self._made: dict[str, int] = {}
         """Pieces of machines since then."""
         self._newest: dict[str, tuple[int, int]] = {}
-        """By agent, the life and number of its newest heartbeat: one that neighbours pass on may be heard after a
-        later one."""
+        """Life and number of an agent's newest heartbeat: one that neighbours pass on may be heard after a later one."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
