@@ -2,8 +2,8 @@
 
 Without two-lane roads it is the floor of the file. A road of two lanes becomes two lanes with room between them, each
 on the right of the middle. A node where such roads meet becomes a *crossing*: vehicles cross it one at a time and
-never stop in it. They stop before and after it, at *stop points* on their own lane, at such a distance from the node
-that a crossing vehicle does not touch them. Widths and distances follow from the largest vehicle of the plant.
+never stop in it. They stop before and after it, at *stop points* on their own lane. There a crossing vehicle does not
+touch them. Widths and distances follow from the largest vehicle of the plant.
 
     a --- b --- c        the lane from a to b:    a.to-b -> b.from-a
           |              straight on over b:                b.from-a -> b.to-c
@@ -89,7 +89,7 @@ class Crossing(msgspec.Struct, frozen=True):
     """Its first node in the plant file. It is a node of the floor only where a single track begins in it. A lane with a shape
     is a crossing, too: it has the name of its first corner's lane (`dray.plant.floor.shapes`)."""
     nodes: tuple[str, ...]
-    """Of the plant file: more than one where there is no stop point between them; none for a lane with a shape."""
+    """Nodes of the plant file: more than one where there is no stop point between them; none for a lane with a shape."""
     x_m: float
     y_m: float
     """Position of its middle."""

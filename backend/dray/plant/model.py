@@ -233,8 +233,8 @@ class Warehouse(Item, frozen=True):
     handling_cv: Fraction | None = None
     """Variation of loading and unloading here; that of the vehicle's type if left out."""
     stocks: tuple[Stock, ...] = ()
-    """Items of a source warehouse that vehicles fetch there, and their capacity: then it has a station, as a storage
-    has, and more comes from outside. Without any, nothing is fetched there."""
+    """Items of a source warehouse that vehicles fetch there, and their capacity. With any, it has a station, as a
+    storage has, and more comes from outside. Without any, nothing is fetched there."""
     original: Foreign | None = None
     """The vehicles' name for it; left out, its id."""
     direct: bool = False
@@ -257,9 +257,9 @@ class Storage(Item, frozen=True):
     handling_cv: Fraction | None = None
     """Variation of loading and unloading here; that of the vehicle's type if left out."""
     refill: Literal["itself", "vehicles", "none"] = "itself"
-    """Source of its material: other means than these vehicles, as in the paper; vehicles, which its station hires to
-    fetch it from source warehouses; or only transports that people call, as for a manual working place. Parts come
-    from their machines."""
+    """Source of its material. `itself`: other means than these vehicles, as in the paper. `vehicles`: its station
+    hires them to fetch it from source warehouses. `none`: only transports that people call, as for a manual working
+    place. Parts come from their machines."""
 
     original: Foreign | None = None
     """The vehicles' name for it; left out, its id."""

@@ -1,8 +1,8 @@
 """Shortest ways for one type of vehicle: the hot path of every bid.
 
 A way is the one with the least lane time (length over the lower of lane limit and vehicle speed, and the opening time
-of a door). Among equals it is the one that goes straight on, because every bend costs a vehicle its speed, and then
-the first in file order. The duration of a way, once chosen, is that of the real motion.
+of a door). Among equals it goes straight on, because every bend costs a vehicle its speed; then the first in file
+order wins. The duration of a way, once chosen, is that of the real motion.
 
 One search backwards from a goal answers for all starts. The search goes as far as a question needs, and is kept
 (`lane_times`). Finished ways are kept as well, so that a second question costs two dictionary lookups.

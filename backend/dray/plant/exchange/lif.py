@@ -1,6 +1,6 @@
 """Reading LIF, the Layout Interchange Format of VDMA: 1.0.0 of March 2024, its drafts before, and 2.0.0 of September 2026 with origins.
 
-Few files keep to the format, so reading is lenient: numbers may be text, types of vehicles may have the names of any
+Few files keep to the format, so reading is lenient. Numbers may be text, types of vehicles may have the names of any
 version, and missing values are reported. Metres; a file that can only be in millimetres is read so, and that is said.
 """
 

@@ -1,8 +1,9 @@
 """Reading plant models of openTCS: 0.0.4, 0.0.5, 6.0.0 and 7.0.0; for older ones, the parts in common with these.
 
 Millimetres, and millimetres in a second. A path is driven forwards from its source to its destination
-(`maxVelocity`), and backwards, with the back of the vehicle ahead, from there to its source (`maxReverseVelocity`). A
-speed of 0 forbids a direction. Control points are in units of the drawing, its y axis downwards.
+(`maxVelocity`). It is driven backwards, with the back of the vehicle ahead, from there to its source
+(`maxReverseVelocity`). A speed of 0 forbids a direction. Control points are in units of the drawing, its y axis
+downwards.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """YAML text as plain values, with the line of every field: the only place that knows YAML.
 
-The text is read event by event rather than composed at once, because a file may come from any source: deep nesting
+The text is read event by event rather than composed at once, because a file may come from any source. Deep nesting
 overflows the stack of the composer, and aliases let a few lines stand for gigabytes. A plant file needs neither; both
 are refused by name.
 """

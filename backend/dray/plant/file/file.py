@@ -1,8 +1,8 @@
 """Reading a plant file: text to shapes to a checked `Plant`, or every fault by line and field.
 
-There are three passes, each only when the one before it found nothing: the YAML (`document`), the shape of every
-entry (`model`), and the relations between entries (`check`). In an unfinished file (`unfinished`) open values are
-named, and contradictions among the lanes that are drawn.
+There are three passes, each only when the one before it found nothing. They check the YAML (`document`), the shape of
+every entry (`model`), and the relations between entries (`check`). In an unfinished file (`unfinished`) open values
+are named, and contradictions among the lanes that are drawn.
 """
 
 from __future__ import annotations

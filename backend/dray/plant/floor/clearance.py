@@ -13,7 +13,7 @@ CLEARANCE_M = 0.005
 coordinates."""
 
 SHARPEST_SIN = 0.2
-"""Sine of the smallest angle between separate lanes: lanes that leave a node at less than 12 degrees are one road,
+"""Sine of the smallest angle between separate lanes. Lanes that leave a node at less than 12 degrees are one road,
 and differ by their ends only."""
 
 SAME_RAD = 1e-6

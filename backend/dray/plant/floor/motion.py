@@ -2,8 +2,8 @@
 
 A vehicle speeds up and brakes with one constant acceleration, keeps to the limit of every lane, and passes a bend at
 its turning speed at most. It stands at both ends of a way, and before a door until that is open. The fastest motion
-within those bounds is a chain of trapezoids of speed over time, one per run (triangles where a run is too short to
-reach its limit), and its duration is exact.
+within those bounds is a chain of trapezoids of speed over time, one per run. A run that is too short to reach its
+limit has a triangle. The duration is exact.
 
 A *run* is a piece of a way with constant properties: straight lanes of one limit in a row. It is a tuple of its
 length (m), its speed limit (m/s) and the highest speed at its end (m/s). It is not a class, because a way into a

@@ -2,7 +2,7 @@
 
     a --- b         a lane from a to b with two corners:  a -> a.to-b.1 -> a.to-b.2 -> b
 
-No vehicle stops between its ends: the whole lane is one `Crossing` of the layout, with the name that a straight one's
+No vehicle stops between its ends. The whole lane is one `Crossing` of the layout, with the name that a straight one's
 stop point would have. So a vehicle enters it only when it may drive to its end. Its length is that of the chain.
 """
 

@@ -1,8 +1,8 @@
 """Warnings about a valid plant file: shortages, each with a figure and a remedy.
 
 Faults (`dray.plant.file.check`) say that a plant cannot be run at all. A warning says that it can be run, and with
-which limits: the resource that is full before the machines are (`dray.plant.planning.flow`), a vehicle that cannot be
-replaced, a trap, a floor that is too narrow for the vehicles (`dray.plant.planning.advice_floor`).
+which limits. It names the resource that is full before the machines are (`dray.plant.planning.flow`), a vehicle that
+cannot be replaced, a trap, or a floor that is too narrow for the vehicles (`dray.plant.planning.advice_floor`).
 """
 
 from __future__ import annotations

@@ -8,9 +8,9 @@ it sets off it may turn on the spot, with the places of that lane. So two vehicl
   place (`narrow`);
 - they are on two lanes that have no place in common (`touch`).
 
-Each case is checked with the rectangles of the possible types, in every direction in which a vehicle comes, sets off
-or begins the day, and with `CLEARANCE_M` between them. A finding is an error: vehicles would be in one spot although
-all keep the rules.
+Each case is checked with the rectangles of the possible types, and with `CLEARANCE_M` between them. All directions
+count in which a vehicle comes, sets off or begins the day. A finding is an error: vehicles would be in one spot
+although all keep the rules.
 """
 
 from __future__ import annotations
