@@ -11,8 +11,7 @@ from dray_sim.run.evidence import HELD, Check
 from dray_sim.run.stage import Played, Stage
 
 SETTLE_S = 2 * 3600.0
-"""Longest time after the demand: the last order takes half an hour on a good network, and after four times that it
-hangs. The last order takes half an hour on a good network; four times that says it hangs."""
+"""Longest time after the demand. The last order takes half an hour on a good network; after four times that it hangs."""
 
 HEAD = (
     "delivered",

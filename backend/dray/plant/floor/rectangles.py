@@ -25,7 +25,7 @@ class Rectangle(msgspec.Struct, frozen=True, gc=False):
 
 
 def gap_m(first: Rectangle, second: Rectangle) -> float:
-    """Smallest gap between two rectangles; below 0 the depth of their overlap.
+    """Lower bound of the distance between two rectangles; below 0 the depth of their overlap.
 
     Their shadows are compared along each of the four directions of their sides; they overlap where the shadows do in
     all four (separating axes). The true distance is this or more, where the nearest points are two corners.

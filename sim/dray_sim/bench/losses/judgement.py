@@ -147,7 +147,7 @@ def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
     """Transports of which a carrier was released that its coordinator had contracted and not replaced since.
 
     A release is left out in these cases. The carrier was silent when it was asked, even if it was asked again later.
-    Or a takeover came from a living vehicle. The same holds for a carrier that comes back after its task has ended.
+    Or it took over from a living vehicle. The same holds for a carrier that comes back after its task has ended.
     Such a task was withdrawn, because its goal was given to another machine or waited in vain. Or its load was
     counted before the kill, and its coordinator has restarted since.
     """
