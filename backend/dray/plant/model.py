@@ -364,7 +364,7 @@ class Hours(Item, frozen=True):
 
     start_h: Annotated[float, Meta(ge=0, lt=24)]
     end_h: Annotated[float, Meta(gt=0, le=24)]
-    """First hour that does not belong to it. Before `start_h` it is an hour of the next day."""
+    """End of the part, which does not belong to it (h). Before `start_h` it is an hour of the next day."""
 
 
 class Charging(Item, frozen=True):

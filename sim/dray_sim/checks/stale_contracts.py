@@ -55,7 +55,7 @@ class StaleContracts:
         self._bound: dict[Key, float] = {}
         """Contracts that vehicles believe in, and since when they could have ended them."""
         self._loading: set[Key] = set()
-        """Bound vehicles whose pick has begun."""
+        """Those of these contracts whose pick has begun."""
         self._look_s = 0.0
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:

@@ -15,7 +15,7 @@ LATENCIES_S = (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)
 """Up to the latency that the longest bidding window allows for."""
 
 ENDURED_S = 1.0
-"""Largest latency under which the claim must hold. A granted place takes four links, one after the other, so vehicles
+"""Largest latency under which the claim must hold. The grant of a place takes four links, one after the other, so vehicles
 that take up room drive ever more slowly beyond it, as the table shows."""
 
 SHIFT = Shift(name="latency-sweep", duration_s=2 * 3600.0, load=0.6)

@@ -1,4 +1,4 @@
-"""Kills and restarts of agents, vehicles and brokers in any order, behind a proxy that spoils messages: is all work done once?
+"""Kills and restarts of agents, vehicles and brokers in any order, behind a proxy that spoils messages: is all work done exactly once?
 
 The default plant at its full load, its vehicles of VDA 5050 2.0, 2.1 and 3.0 by turns, in virtual time: everything follows from the seed.
 """

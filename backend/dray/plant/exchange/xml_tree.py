@@ -1,6 +1,6 @@
 """XML as a tree with line numbers, by expat of the standard library.
 
-A document type is refused. Without one there are no entities, so no text grows and nothing is fetched.
+A document type is refused. Without one there are no entities, so no text grows beyond the file, and nothing is fetched.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def crossing(first: tuple[Point, Point], second: tuple[Point, Point]) -> bool:
 
 
 def crossed_edges(polygon: Sequence[Point]) -> tuple[int, int] | None:
-    """Two edges of a polygon that meet without being neighbours, by index; None where it is simple.
+    """Two edges of a polygon that meet or overlap against the rules, by index; None where it is simple.
 
     Edge `i` begins at corner `i`. Neighbours share one corner and may not overlap otherwise.
     """

@@ -22,7 +22,7 @@ LEFT_AT_FULL = 0.1
 
 
 HALVINGS = 50
-"""Bisections that find when the battery ends on a ride of minutes: far below a nanosecond."""
+"""Number of bisections that find when the battery ends on a ride of minutes: far below a nanosecond."""
 
 
 class Battery:
