@@ -93,7 +93,7 @@ def _value(hint: Any, name: str, number: int) -> Any:
 
 def _plain(hint: Any, name: str, number: int) -> Any:
     if hint is int:
-        return number if name in ("seq", "number") else 1
+        return number if name in ("seq", "number", "version") else 1
     if hint is float:
         return 0.5
     if hint is str:

@@ -1,8 +1,8 @@
-"""The plant: what stands where, and how to get from one place to another.
+"""The plant: its places, and the ways between them.
 
-`model` holds the shapes of a plant file, `document` and `file` read it, `check` tells what does not
-fit together, `advice` what will starve by the arithmetic of `flow`, `plant` answers questions, `roads` is the network of lanes, `motion` the kinematics on
-it, `routes` finds ways.
+`model` holds the shapes of a plant file, `document` and `file` read it, `check` finds contradictions, and `advice`
+predicts shortages by the arithmetic of `flow`. `plant` answers questions, `roads` is the network of lanes, `motion`
+the kinematics on it, and `routes` finds ways.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a vehicle needs to come to a charger, and to wait there for the others: pure arithmetic over a plant file.
+"""The battery that a vehicle needs to reach a charger and to wait there for others: pure arithmetic over a plant file.
 
     needed    = way * Wh per metre + max(RESERVE_FRAC, SPARE_FRAC + detour + draw * (way + held up + wait))
     wait      = the longest sessions of as many as are ahead, or those of all others / chargers if that is less; each with a changeover
@@ -8,9 +8,9 @@
     detour    = from the charger to a waiting place and back
     changeover = LOOKS_AGAIN_S, and the way of the detour
 
-`draw` is what computers and sensors take, moving or not. The wait depends on the session, and the session on the wait, so both are
-reckoned in turns until they stay as they are. Where they do not, the vehicles that wait use more than the chargers give meanwhile,
-and the plant file is refused.
+`draw` is the power of computers and sensors, moving or not. The wait depends on the session, and the session on the
+wait, so both are computed in turns until they no longer change. If they do not converge, the waiting vehicles use
+more than the chargers give meanwhile, and the plant file is refused.
 
 It is the worst case: all vehicles come to the chargers at once, and each has one session before the next one plugs in.
 `dray.protocol.vehicle` works by these figures, and `dray plant check` (`dray.plant.planning.power`) checks them.
@@ -33,7 +33,7 @@ RESERVE_FRAC = 0.10
 """Battery that no promise may touch: ways around obstacles, a short wait for a charger, and ageing."""
 
 SPARE_FRAC = 0.05
-"""What is left of that for obstacles and ageing where the wait is reckoned by itself."""
+"""Remainder of the reserve for obstacles and ageing where the wait is computed separately."""
 
 WORTH_FRAC = 0.15
 """The least charge that is worth the way to a charger. A charger is left to a vehicle that is emptier by as much, since both
@@ -43,7 +43,7 @@ LOOKS_AGAIN_S = 65.0
 """The longest time until a waiting vehicle asks for the charger again: `TAKEN_MEMORY_S` and the contest that follows, rounded up."""
 
 CHANGEOVER_S = 6.0
-"""From one vehicle at a dock to the next: the answer that the dock is open, and the way into it."""
+"""Time from one vehicle at a dock to the next: the answer that the dock is open, and the way into it."""
 
 DOCKS_OF_A_TASK = 2
 
@@ -54,7 +54,7 @@ CHARGERS_LOOKED_AT = 24
 """Chargers whose waiting places are looked for, evenly among all: those of a large plant are much alike."""
 
 TURNS = 200
-"""Until wait and session stay as they are: each turn comes nearer by a constant factor, unless there is no such end."""
+"""Most turns until wait and session converge: each comes nearer by a constant factor, unless there is no limit."""
 
 SAME_FRAC = 1e-6
 
@@ -62,7 +62,7 @@ HOUR_S = 3600.0
 
 
 def charging_s(kind: VehicleType, from_frac: float, to_frac: float) -> float:
-    """How long a type of vehicle charges from one level to another; 0 where it is there already."""
+    """Duration of charging a type of vehicle from one level to another; 0 where it is there already."""
     if to_frac <= from_frac:
         return 0.0
     full_s = HOUR_S * kind.battery_wh / kind.charge_w
@@ -77,17 +77,17 @@ def charging_s(kind: VehicleType, from_frac: float, to_frac: float) -> float:
 
 
 class ChargerQueue:
-    """The queue at the chargers of one plant, as each type of vehicle has to reckon with it.
+    """The queue at the chargers of one plant, as seen by each type of vehicle.
 
     Args:
         plant: as it stands in its file.
-        chargers: how many there are; by default those of the plant. Another number answers what more of them would do.
+        chargers: how many there are; by default those of the plant. Another number shows the effect of more chargers.
         battery: how much larger all batteries are.
 
     Attributes:
         ahead: vehicles that may be charged before one that comes to a charger.
         wait_s: how long a vehicle waits for a charger at most, when all come at once.
-        starved: types of the fleet whose battery cannot last for the wait, whatever is left in it.
+        starved: types of the fleet whose battery cannot last for the wait, even when it is full.
     """
 
     def __init__(self, plant: Plant, *, chargers: int = 0, battery: float = 1.0) -> None:
@@ -104,7 +104,10 @@ class ChargerQueue:
         self._settle(sorted(types))
 
     def base_frac(self, kind: str) -> float:
-        """What a vehicle before a charger must have to wait for it. Of a type that is starved, as much as still leaves a charge to be had."""
+        """Battery level that a vehicle before a charger needs for its wait.
+
+        For a starved type, the level that still leaves a charge to be had.
+        """
         return self._base_frac[kind]
 
     def enough_frac(self, kind: str) -> float:
@@ -114,7 +117,7 @@ class ChargerQueue:
         return min(rules.up_to_frac, max(worth_frac, self._base_frac[kind] + WORTH_FRAC))
 
     def needed_frac(self, kind: str, way_m: float, way_s: float) -> float:
-        """What must be left in a battery as far from the nearest charger as that, so that the vehicle can come there and wait."""
+        """Battery level that a vehicle at this distance from the nearest charger needs to come there and to wait."""
         spec = self._plant.vehicle_types[kind]
         battery_wh = spec.battery_wh * self._battery
         drive_frac = way_m * spec.drive_wh_per_m / battery_wh
@@ -124,7 +127,7 @@ class ChargerQueue:
         return drive_frac + max(RESERVE_FRAC, self._own_frac(spec) + draw_frac)
 
     def way_frac(self, kind: str, way_m: float, way_s: float) -> float:
-        """What a vehicle must have that sets off to a charger, so that it comes there."""
+        """Battery level that a vehicle needs when it sets off to a charger."""
         spec = self._plant.vehicle_types[kind]
         used_wh = way_m * spec.drive_wh_per_m + way_s * spec.idle_w / HOUR_S
         return used_wh / (spec.battery_wh * self._battery) + SPARE_FRAC
@@ -132,7 +135,7 @@ class ChargerQueue:
     # --- how it is done ---
 
     def _settle(self, types: Iterable[str]) -> None:
-        """Reckon wait and session in turns until both stay as they are."""
+        """Compute wait and session in turns until both converge."""
         plant = self._plant
         kinds = [plant.vehicle_types[kind] for kind in types]
         for _ in range(TURNS):
@@ -150,7 +153,7 @@ class ChargerQueue:
             self._base_frac[kind] = min(rules.below_frac, rules.up_to_frac - WORTH_FRAC)
 
     def _reckon_wait_s(self, kinds: Iterable[VehicleType]) -> float:
-        """Until the last of all has a charger: each of the others is at some charger for a session, and one goes on where one is free first."""
+        """Time until the last vehicle has a charger: all others have a session each, at the first free charger."""
         each_s = {
             kind.id: self._battery * charging_s(kind, SPARE_FRAC, self.enough_frac(kind.id))
             + LOOKS_AGAIN_S
@@ -171,14 +174,14 @@ class ChargerQueue:
         return SPARE_FRAC + detour_frac + spec.idle_w * idle_s / HOUR_S / battery_wh
 
     def _held_up_s(self, spec: VehicleType) -> float:
-        """Beyond what it has quoted, a vehicle waits at both docks of a task for as many as share a dock."""
+        """Longest wait at both docks of a task beyond the quoted time: for as many vehicles as share a dock."""
         plant = self._plant
         docks = len(plant.machines) + len(plant.storages) + len(plant.warehouses)
         others = ceil(len(plant.fleet) / max(docks, 1)) if len(plant.fleet) > 1 else 0
         return DOCKS_OF_A_TASK * others * (max(spec.load_s, spec.unload_s) + CHANGEOVER_S)
 
     def _apart(self) -> tuple[float, float]:
-        """Metres, and seconds there and back, from a charger to the waiting place that the last of the queue finds near by."""
+        """Distance (m), and time there and back (s), from a charger to the waiting place of the last vehicle in the queue."""
         plant = self._plant
         farthest_m = farthest_s = 0.0
         if not self.ahead:

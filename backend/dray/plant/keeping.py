@@ -1,4 +1,4 @@
-"""Who keeps what: storages and source warehouses, and from where each is supplied."""
+"""The keepers of items: storages and source warehouses, and the source of each one's supplies."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from dray.plant.model import PlantFile, Storage
 
 
 class Keeping:
-    """For one plant file.
+    """The keepers of one plant file.
 
     Args:
         file: the plant file.
-        materials: what comes from outside, and parts.
+        materials: external items, and parts.
 
     Attributes:
-        stores: whatever has a station, by id: storages, and the source warehouses where something is fetched, each as a storage.
+        stores: places with a station, by id: storages, and the source warehouses where something is fetched, each as
+            a storage.
         places: material -> those that keep it.
         for_machines: material -> those of them where machines fetch it.
         supplies: material -> the source warehouses that have it, from which storages are refilled.

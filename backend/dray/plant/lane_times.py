@@ -1,7 +1,7 @@
-"""Least lane time to one node, from as far away as somebody asks.
+"""Least lane time to one node, from any distance that is asked for.
 
-A vehicle asks about what is near. In a plant of 13,000 nodes a search that ends where the question begins visits some hundred of
-them; what it has found is kept, and the next question goes on from there.
+A vehicle asks about near nodes. In a plant of 13,000 nodes a search that ends at the start of the question visits
+some hundred of them. Its results are kept, and the next question goes on from there.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from math import inf
 from typing import Any, Generic, TypeVar
 
 N = TypeVar("N", bound=Any)
-"""What nodes are named by: anything that has an order."""
+"""Type of the nodes' names: any type with an order."""
 
 Neighbours = Callable[[N], Iterable[tuple[N, float]]]
 """The nodes from which lanes lead to one (or to which they lead from there), and their times in seconds."""
@@ -32,7 +32,7 @@ class LaneTimes(Generic[N]):
         self._neighbours = neighbours
         self._settled_s: dict[N, float] = {}
         self._order: list[N] = []
-        """What is settled, nearest first."""
+        """Settled nodes, nearest first."""
         self._frontier: list[tuple[float, N]] = [(0.0, node)]
 
     def __call__(self, node: N) -> float:

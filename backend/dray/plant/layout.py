@@ -1,19 +1,19 @@
 """The floor as vehicles drive on it: worked out from the nodes and lanes of a plant file.
 
-Without two-lane roads it is what the file says. A road of two lanes becomes two lanes with room between them, each on
-the right of the middle. A node where such roads meet becomes a *crossing*: vehicles cross it one at a time and never
-stop in it. They stop before it and after it, at *stop points* on their own lane, as far from the node that whoever
-crosses does not touch them. Widths and distances follow from the largest vehicle of the plant.
+Without two-lane roads it is the floor of the file. A road of two lanes becomes two lanes with room between them, each
+on the right of the middle. A node where such roads meet becomes a *crossing*: vehicles cross it one at a time and
+never stop in it. They stop before and after it, at *stop points* on their own lane. There a crossing vehicle does not
+touch them. Widths and distances follow from the largest vehicle of the plant.
 
     a --- b --- c        the lane from a to b:    a.to-b -> b.from-a
           |              straight on over b:                b.from-a -> b.to-c
           d              to the dock d of a spur:           b.from-a -> b -> d
 
-A vehicle goes from stop point to stop point in a straight line: a right turn is short, a left turn goes across. Spurs,
-docks and other single tracks stay as they are, and begin in the middle of the crossing. Where a road is too short for
-a stop point, the crossings at its ends are one crossing; so are those that a single track joins.
+A vehicle goes from stop point to stop point in a straight line: a right turn is short, a left turn goes across.
+Spurs, docks and other single tracks stay as they are, and begin in the middle of the crossing. Where a road is too
+short for a stop point, the crossings at its ends are merged; so are crossings that a single track joins.
 
-What is left to others: who may cross next, and what is too narrow (`dray.plant.planning.advice_floor`).
+Other modules decide which vehicle may cross next, and find narrow places (`dray.plant.planning.advice_floor`).
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from dray.plant.floor.road import Road, over_crossing
 from dray.plant.model import Lane, Node, PlantFile, VehicleType
 
 PASSING_M = 0.4
-"""Between two vehicles that meet, as German workplace rules want it (ASR A1.8, passing allowance Z2)."""
+"""Distance between two vehicles that meet, as German workplace rules want it (ASR A1.8, passing allowance Z2)."""
 
 MARGIN_M = 0.2
-"""Between a vehicle at a stop point and one that crosses or turns: what localisation and control may be off."""
+"""Margin between a vehicle at a stop point and one that crosses or turns: the error of localisation and control."""
 
 SQRT_2 = sqrt(2.0)
 """A left turn leads across at half a right angle."""
@@ -42,7 +42,7 @@ LONGEST_ID = 32
 """Characters of an id (`dray.plant.model.Id`)."""
 
 DIGEST_CHARS = 8
-"""Of the names of stop points that would be too long."""
+"""Digest characters in the names of stop points that would be too long."""
 
 
 class Size(msgspec.Struct, frozen=True):
@@ -54,7 +54,7 @@ class Size(msgspec.Struct, frozen=True):
 
     @classmethod
     def of(cls, kinds: Iterable[VehicleType]) -> Size:
-        """Of some types of vehicles; at least one."""
+        """The largest dimensions of some types of vehicles; at least one."""
         kinds = tuple(kinds)
         return cls(
             max(kind.length_m for kind in kinds),
@@ -63,22 +63,22 @@ class Size(msgspec.Struct, frozen=True):
         )
 
     def at(self, node: Node, heading_rad: float) -> Rectangle:
-        """What such a vehicle covers that stands on a node."""
+        """The area of such a vehicle that stands on a node."""
         return standing(node, heading_rad, self.length_m, self.width_m)
 
     @property
     def offset_m(self) -> float:
-        """From the middle of a two-lane road to each of its lanes.
+        """Distance from the middle of a two-lane road to each of its lanes.
 
-        There two vehicles pass, both may turn on the spot beside one another, and one that turns left at a crossing is clear
-        of one that has just left it on the road where the first came from.
+        At this distance two vehicles pass, and both may turn on the spot beside one another. A vehicle that turns
+        left at a crossing is clear of one that has just left the crossing on the first one's road.
         """
         left_turn_m = (self.turning_radius_m + self.width_m / 2.0 + MARGIN_M / 2.0) * SQRT_2
         return max(self.width_m + PASSING_M, 2.0 * self.turning_radius_m + MARGIN_M / 2.0, left_turn_m) / 2.0
 
     @property
     def spacing_m(self) -> float:
-        """From one stop point to the next: one vehicle stands, the other turns on the spot."""
+        """Distance between two stop points: one vehicle stands, the other turns on the spot."""
         return self.length_m / 2.0 + self.turning_radius_m + MARGIN_M
 
 
@@ -89,29 +89,30 @@ class Crossing(msgspec.Struct, frozen=True):
     """Its first node in the plant file. It is a node of the floor only where a single track begins in it. A lane with a shape
     is a crossing, too: it has the name of its first corner's lane (`dray.plant.floor.shapes`)."""
     nodes: tuple[str, ...]
-    """Of the plant file: more than one where there is no stop point between them; none for a lane with a shape."""
+    """Nodes of the plant file: more than one where there is no stop point between them; none for a lane with a shape."""
     x_m: float
     y_m: float
-    """Its middle."""
+    """Position of its middle."""
     entries: tuple[str, ...]
-    """Where a vehicle stands that wants to cross it."""
+    """Nodes where vehicles stand before they cross it."""
     exits: tuple[str, ...]
-    """Where a vehicle stands that has crossed it: it is entered by whoever may drive on to one of these."""
+    """Nodes where vehicles stand after they have crossed it: a vehicle enters it only if it may drive on to one of
+    these."""
     lanes: tuple[tuple[str, str], ...]
-    """Those that lead into it, through it or out of it, by their ends."""
+    """Lanes into it, through it or out of it, by their ends."""
     inner: tuple[str, ...]
-    """Nodes of the floor that lie in it: nobody stops there."""
+    """Nodes of the floor that lie in it: no vehicle stops there."""
 
 
 class Layout(msgspec.Struct, frozen=True):
     """Nodes and lanes as they are driven."""
 
     nodes: tuple[Node, ...]
-    """Those of the file that are driven to, then stop points in the order of the lanes."""
+    """Nodes of the file that are driven to, then stop points in the order of the lanes."""
     lanes: tuple[Lane, ...]
     """None of them has two lanes."""
     crossings: Mapping[str, Crossing]
-    """By id, in file order."""
+    """Crossings by id, in file order."""
     inner: Mapping[str, str]
     """Node of the floor that lies in a crossing -> its id. All other nodes are where a vehicle may stand."""
     crossed: Mapping[tuple[str, str], str]
@@ -135,7 +136,7 @@ def stop_names(file: PlantFile) -> frozenset[str]:
 
 
 def stop_points(file: PlantFile) -> frozenset[str]:
-    """The stop points of a file; none of one whose lanes join what is not there."""
+    """The stop points of a file; none where its lanes have unknown ends."""
     nodes = {node.id for node in file.nodes}
     if not all(end in nodes for lane in file.lanes for end in (lane.start, lane.end)):
         return frozenset()
@@ -154,7 +155,7 @@ def name_before(start: str, end: str) -> str:
 
 
 def dock_nodes(file: PlantFile) -> frozenset[str]:
-    """Where vehicles dock, charge or park."""
+    """Nodes where vehicles dock, charge or park."""
     return frozenset(
         place.node
         for places in (file.machines, file.storages, file.warehouses, file.chargers, file.parkings)
@@ -202,7 +203,7 @@ class _Draft:
         """The nodes that become crossings."""
         self._wide = {(lane.start, lane.end) for lane in wide}
         self._roads: dict[Lane, tuple[Road, ...]] = {}
-        """What becomes of a lane between crossings; a lane that is not in here stays as it is."""
+        """Roads that replace a lane between crossings; other lanes stay as they are."""
         for lane in file.lanes:
             if lane.start in self._ends and lane.end in self._ends:
                 self._roads[lane] = self._split(lane)
@@ -250,7 +251,7 @@ class _Draft:
         return (Road(lane.start, lane.end, limit_mps, 0.0, types=lane.types),)
 
     def _find_arms(self) -> dict[str, list[tuple[float, float]]]:
-        """What leaves each crossing's node: direction (rad) and half of the width that vehicles take there (m)."""
+        """The arms of each crossing's node: direction (rad) and half of the width that vehicles take there (m)."""
         half_m = self._size.width_m / 2.0
         arms: dict[str, list[tuple[float, float]]] = {node: [] for node in self._ends}
         for lane in self._file.lanes:
@@ -262,7 +263,7 @@ class _Draft:
         return arms
 
     def _clear_m(self, node: str, other: str) -> float:
-        """From a node to the stop point on the road to another, so that the vehicle there is clear of all that crosses."""
+        """Distance from a node to the stop point on the road to another, at which a vehicle is clear of all that cross."""
         size = self._size
         ahead_rad = self._heading_rad(node, other)
         own_m = next(reach_m for rad, reach_m in self._arms[node] if rad == ahead_rad)
@@ -310,7 +311,7 @@ class _Draft:
     # --- how they are joined ------------------------------------------------------------------------
 
     def _lanes(self, crossing_of: Mapping[str, str]) -> tuple[tuple[Lane, ...], dict[tuple[str, str], str]]:
-        """Lanes between stop points, single tracks, and ways over crossings; and which of them crosses what."""
+        """Lanes between stop points, single tracks, and ways over crossings; and the crossing of each."""
         lanes: list[Lane] = []
         crossed: dict[tuple[str, str], str] = {}
         into: dict[str, list[tuple[Road, str]]] = {node: [] for node in crossing_of}

@@ -1,7 +1,7 @@
 """The plant as it is written down: immutable, in metres, seconds and pieces.
 
-Only shapes live here. `dray.plant.file.file` reads and checks a plant file, `dray.plant.routes` finds
-ways, and `dray.plant` ties them together as `Plant`.
+It holds only shapes. `dray.plant.file.file` reads and checks a plant file, `dray.plant.routes` finds ways, and
+`dray.plant` ties them together as `Plant`.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ Id = Annotated[str, Meta(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,31}$")]
 """Letters, digits, ``_ . -``; begins with a letter, at most 32: it becomes a chunk of a bus key."""
 
 ID_RULE = "write letters, digits, _ . and -, a letter first, at most 32"
-"""The same for people who have written something else."""
+"""The same rule, for people whose id is invalid."""
 
 
 def is_id(text: str) -> bool:
-    """Whether something may be called so."""
+    """Whether a text is a valid name."""
     try:
         msgspec.convert(text, Id)
     except msgspec.ValidationError:
@@ -38,7 +38,7 @@ Name = Annotated[
     str,
     Meta(min_length=1, max_length=80, pattern=r"^[^\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069]*(?!\n)$"),
 ]
-"""For people: without what cannot be seen, and what makes text read in another order, as U+202E does."""
+"""A name for people: without invisible characters, and without those that change the order of text, as U+202E does."""
 
 
 class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -53,26 +53,26 @@ class Point(Item, frozen=True):
 
 
 Foreign = Annotated[str, Meta(min_length=1, max_length=200)]
-"""What a vehicle, or the system that a layout is from, calls something: any text."""
+"""A name that a vehicle, or the system of a layout, uses: any text."""
 
 
 class MapFrame(Item, frozen=True):
-    """Where a map of vehicles lies in the plant, and how: scaled and mirrored first, then turned, then moved."""
+    """Position of a vehicles' map in the plant: it is scaled and mirrored first, then turned, then moved."""
 
     id: Annotated[str, Meta(max_length=200)] = ""
-    """`mapId`; empty for the only one, whatever vehicles call it."""
+    """`mapId`; empty for the only one, under any name of the vehicles'."""
     x_m: Annotated[float, Meta(ge=-1e6, le=1e6)] = 0.0
     y_m: Annotated[float, Meta(ge=-1e6, le=1e6)] = 0.0
-    """Of its origin, in the plant."""
+    """Position of its origin in the plant."""
     heading_deg: Annotated[float, Meta(ge=-360, le=360)] = 0.0
-    """Of its x axis, from the plant's x axis towards y."""
+    """Direction of its x axis, from the plant's x axis towards y."""
     mirrored: bool = False
     """Whether its y axis lies to the right of its x axis, and its angles count clockwise."""
     scale: Annotated[float, Meta(ge=1e-4, le=1e4)] = 1.0
-    """Metres of the plant per unit of the map. Speeds are in metres a second all the same."""
+    """Metres of the plant per unit of the map. Speeds are in metres a second in any case."""
 
     def to_plant(self, x: float, y: float, theta: float) -> tuple[float, float, float]:
-        """A pose in the map, in the plant's frame: metres and radians, of whatever turn."""
+        """A pose in the map, in the plant's frame: metres and radians, with any turn."""
         turn = radians(self.heading_deg)
         x, y = x * self.scale, y * self.scale
         if self.mirrored:
@@ -96,7 +96,7 @@ class VehicleSize(Item, frozen=True):
 
     length_m: Positive
     width_m: Positive
-    """With its load."""
+    """Width with its load."""
 
 
 class Node(Item, frozen=True):
@@ -106,7 +106,7 @@ class Node(Item, frozen=True):
     x_m: float
     y_m: float
     originals: Annotated[tuple[Foreign, ...], Meta(max_length=50)] = ()
-    """What vehicles call it: the first one is said to them, all are understood. Left out, its id."""
+    """The vehicles' names for it: the first one is sent to them, all are understood. Left out, its id."""
     map: Annotated[str, Meta(max_length=200)] = ""
     """The one of `maps` that it lies on; left out, the only one."""
     max_vehicle: VehicleSize | None = None
@@ -128,23 +128,23 @@ class Lane(Item, frozen=True):
     end: Id
     speed_limit_mps: Positive = 1.5
     both_ways: bool = False
-    """It is driven the other way, too."""
+    """Whether it is two-way."""
     two_lanes: bool | None = None
-    """Only with `both_ways`: whether two vehicles can pass one another, each on a lane of its own on the right. What the
-    plant says if it is left out; a road to a dock is single track. See `dray.plant.layout`."""
+    """Only with `both_ways`: whether two vehicles can pass one another, each on a lane of its own on the right. If
+    left out, the plant's value; a road to a dock is single track. See `dray.plant.layout`."""
     shape: Annotated[tuple[Point, ...], Meta(max_length=200)] = ()
-    """The corners between its ends, from `start` on, of a lane that is not straight: a curve is written as short pieces.
-    Such a lane is single track, and nobody stops on it. See `dray.plant.floor.shapes`."""
+    """The corners between its ends, from `start` on, of a lane that is not straight: a curve is written as short
+    pieces. Such a lane is single track, and no vehicle stops on it. See `dray.plant.floor.shapes`."""
     types: Annotated[tuple[LaneType, ...], Meta(max_length=50)] = ()
     """The types of vehicles that may drive on it, where these are not all."""
     original: Foreign | None = None
-    """What vehicles call it from `start` to `end`. Left out, both nodes with two dashes between them."""
+    """The vehicles' name for it from `start` to `end`. Left out, both nodes with two dashes between them."""
     original_back: Foreign | None = None
-    """Only with `both_ways`: what they call it from `end` to `start`."""
+    """The vehicles' name for it from `end` to `start`; only with `both_ways`."""
 
 
 class LaneEnds(Item, frozen=True):
-    """One lane of the file, by its nodes, in whichever direction."""
+    """One lane of the file, by its nodes, in either direction."""
 
     start: Id
     end: Id
@@ -161,13 +161,13 @@ class Door(Item, frozen=True):
     lanes: Annotated[tuple[LaneEnds, ...], Meta(min_length=1, max_length=20)]
     """The lanes that lead through it, each once: one that is driven both ways is shut in both directions."""
     opening_s: Positive
-    """From shut to open: so long a vehicle waits before it."""
+    """Time from shut to open, for which a vehicle waits before it (s)."""
     closes_after_s: NotNegative = 5.0
-    """So long it stays open behind the last vehicle."""
+    """Time for which it stays open behind the last vehicle (s)."""
 
 
 class Box(Item, frozen=True):
-    """Where something stands on the floor, for drawing: middle and size."""
+    """An area on the floor, for drawing: middle and size."""
 
     x_m: float
     y_m: float
@@ -176,16 +176,16 @@ class Box(Item, frozen=True):
 
 
 class Material(Item, frozen=True):
-    """Something that machines consume."""
+    """A material that machines consume."""
 
     id: Id
     name: Name
     lot: Count
-    """Pieces in one container: what a vehicle brings at most."""
+    """Pieces in one container: the most that a vehicle brings."""
     buffer: Count
     """Pieces that a machine's buffer holds; at least one lot more than a cycle needs."""
     ability: Id = "tote"
-    """What a vehicle must be able to carry."""
+    """Ability that a vehicle needs to carry it."""
 
 
 class BillLine(Item, frozen=True):
@@ -197,7 +197,7 @@ class BillLine(Item, frozen=True):
 
 
 class Product(Item, frozen=True):
-    """Something that machines make: customers order it, or other machines use it, or both."""
+    """A product of machines: customers order it, or other machines use it, or both."""
 
     id: Id
     name: Name
@@ -206,8 +206,8 @@ class Product(Item, frozen=True):
     bill: Annotated[tuple[BillLine, ...], Meta(min_length=1)]
     ability: Id = "tote"
     buffer: Annotated[int, Meta(ge=0, le=100_000)] = 0
-    """Pieces that the buffer of a machine holds which uses it: then it is a part, stands in bills as a material does, and storages keep it.
-    0 for what goes to customers only."""
+    """Pieces in the buffer of each machine that uses it. Such a product is a part: it stands in bills as a material
+    does, and storages keep it. 0 for a product that only customers get."""
 
 
 class Stock(Item, frozen=True):
@@ -216,14 +216,14 @@ class Stock(Item, frozen=True):
     material: Id
     capacity: Count
     reorder_point: Annotated[int, Meta(ge=0, le=100_000)] | None = None
-    """Only where vehicles refill: so few pieces, or fewer, have more ordered. Left out, half the capacity, or less where a lot would
-    find no room above that."""
+    """Stock at which more is ordered; only where vehicles refill. Left out, half the capacity, or less where a lot
+    would find no room above that."""
     lot: Count | None = None
-    """Likewise: pieces that are ordered at once, at most what a container holds. Left out, a whole container."""
+    """Pieces in one order, at most a container's; only where vehicles refill. Left out, a whole container."""
 
 
 class Warehouse(Item, frozen=True):
-    """Where material comes from (`source`) or products go to (`delivery`)."""
+    """A source of material (`source`) or a destination of products (`delivery`)."""
 
     id: Id
     name: Name
@@ -231,18 +231,18 @@ class Warehouse(Item, frozen=True):
     node: Id
     box: Box
     handling_cv: Fraction | None = None
-    """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
+    """Variation of loading and unloading here; that of the vehicle's type if left out."""
     stocks: tuple[Stock, ...] = ()
-    """What of a source warehouse vehicles fetch there, and how much finds room: then it has a station, as a storage has, and more comes
-    from outside. Without any, nothing is fetched there."""
+    """Items of a source warehouse that vehicles fetch there, and their capacity. With any, it has a station, as a
+    storage has, and more comes from outside. Without any, nothing is fetched there."""
     original: Foreign | None = None
-    """What vehicles call it; left out, its id."""
+    """The vehicles' name for it; left out, its id."""
     direct: bool = False
-    """Whether machines have that fetched there themselves, besides from storages; else storages are refilled from it, and people may
-    call for it."""
+    """Whether machines have these items fetched there themselves, besides from storages; otherwise storages are
+    refilled from it, and people may call for them."""
 
     def as_storage(self) -> Storage:
-        """As its station sees it: a storage to which more comes from outside."""
+        """The warehouse as its station sees it: a storage with supplies from outside."""
         return Storage(self.id, self.name, self.node, self.box, self.stocks, self.handling_cv)
 
 
@@ -255,13 +255,14 @@ class Storage(Item, frozen=True):
     box: Box
     stocks: Annotated[tuple[Stock, ...], Meta(min_length=1)]
     handling_cv: Fraction | None = None
-    """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
+    """Variation of loading and unloading here; that of the vehicle's type if left out."""
     refill: Literal["itself", "vehicles", "none"] = "itself"
-    """How material comes here: by other means than these vehicles, as in the paper; by vehicles, which its station hires to fetch it from
-    source warehouses; or only when people have it brought, as to a manual working place. Parts come from whoever makes them."""
+    """Source of its material. `itself`: other means than these vehicles, as in the paper. `vehicles`: its station
+    hires them to fetch it from source warehouses. `none`: only transports that people call, as for a manual working
+    place. Parts come from their machines."""
 
     original: Foreign | None = None
-    """What vehicles call it; left out, its id."""
+    """The vehicles' name for it; left out, its id."""
 
     def refills(self, item: str) -> bool:
         """Whether vehicles refill it with a material, which is no part."""
@@ -275,7 +276,7 @@ class Charger(Item, frozen=True):
     node: Id
     box: Box
     original: Foreign | None = None
-    """What vehicles call it; left out, its id."""
+    """The vehicles' name for it; left out, its id."""
 
 
 class Parking(Item, frozen=True):
@@ -284,7 +285,7 @@ class Parking(Item, frozen=True):
     id: Id
     node: Id
     original: Foreign | None = None
-    """What vehicles call it; left out, its id."""
+    """The vehicles' name for it; left out, its id."""
 
 
 class Making(Item, frozen=True):
@@ -292,11 +293,13 @@ class Making(Item, frozen=True):
 
     product: Id
     cycle_s: Positive
-    """On average."""
+    """Average time (s)."""
     scrap_frac: Fraction = 0.0
-    """Of its cycles so many end with a bad piece, by chance. Only simulated machines go by it; real ones count what they see."""
+    """Fraction of its cycles that end with a bad piece, by chance. Only simulated machines use it; real ones count
+    their bad pieces."""
     cycle_cv: Fraction = 0.0
-    """How much cycles vary: the standard deviation over the average. Simulated times are log-normal; 0 for always the same."""
+    """Variation of cycles: the standard deviation over the average. Simulated times are log-normal; 0 for always the
+    same."""
 
 
 class MachineSpec(Item, frozen=True):
@@ -305,21 +308,21 @@ class MachineSpec(Item, frozen=True):
     id: Id
     name: Name
     station: Id
-    """The working station it belongs to."""
+    """Its working station."""
     node: Id
-    """Where vehicles dock."""
+    """Node where vehicles dock."""
     box: Box
     makes: Annotated[tuple[Making, ...], Meta(min_length=1)]
     goods_capacity: Count = 30
     """Finished pieces that wait at most; at least the lot of every product it makes."""
     counts: bool = True
-    """Whether its dock counts what vehicles bring and take. Where it does not, their word is taken."""
+    """Whether its dock counts the pieces that vehicles bring and take. Otherwise the vehicles' reports count."""
     working_time: WorkingHours | None = None
-    """When it works; left out, when the plant does."""
+    """Its working time; left out, the plant's."""
     handling_cv: Fraction | None = None
-    """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
+    """Variation of loading and unloading here; that of the vehicle's type if left out."""
     original: Foreign | None = None
-    """What vehicles call it; left out, its id."""
+    """The vehicles' name for it; left out, its id."""
 
 
 class WorkingStation(Item, frozen=True):
@@ -336,11 +339,11 @@ class Area(Item, frozen=True):
     name: Name
     polygon: Annotated[tuple[Point, ...], Meta(min_length=3)]
     working_time: WorkingHours | None = None
-    """When people are there; left out, when the plant works. Whoever is on duty is there at any time."""
+    """Working time of its people; left out, the plant's. A person on duty is there at any time."""
 
 
 class Unassigned(Item, frozen=True):
-    """A station of an imported layout, which does not tell what it is for. A plant with one is not finished."""
+    """A station of an imported layout without a known purpose. A plant with one is not finished."""
 
     id: Id
     name: Name
@@ -349,11 +352,11 @@ class Unassigned(Item, frozen=True):
     part_of: Id | None = None
     """The place at the first node of the same station, where that has several nodes."""
     original: Foreign | None = None
-    """What vehicles call it; left out, its id."""
+    """The vehicles' name for it; left out, its id."""
 
 
 Dock = Warehouse | Storage | Charger | Parking | MachineSpec
-"""Everything that has a node where vehicles dock."""
+"""All places with a node where vehicles dock."""
 
 
 class Hours(Item, frozen=True):
@@ -361,7 +364,7 @@ class Hours(Item, frozen=True):
 
     start_h: Annotated[float, Meta(ge=0, lt=24)]
     end_h: Annotated[float, Meta(gt=0, le=24)]
-    """Not part of it any more. Before `start_h` it is an hour of the next day."""
+    """End of the part, which does not belong to it (h). Before `start_h` it is an hour of the next day."""
 
 
 class Charging(Item, frozen=True):
@@ -370,39 +373,40 @@ class Charging(Item, frozen=True):
     must_below_frac: Fraction = 0.25
     """A vehicle with less takes no more work before it has charged for a while (`dray.protocol.vehicle.charging`)."""
     below_frac: Fraction = 0.6
-    """With less, a vehicle that has no work goes to charge; with more, it leaves its charger to an emptier one."""
+    """Below this level, an idle vehicle goes to charge; above it, it leaves its charger to an emptier one."""
     up_to_frac: Fraction = 0.95
-    """Then it leaves the charger: the rest would come slowly."""
+    """Level at which it leaves the charger: the rest would come slowly."""
     opportunity: bool = True
     """Whether it charges when it has no work; else only when it must."""
     quiet_hours: Annotated[tuple[Hours, ...], Meta(max_length=24)] = ()
-    """Then it charges only when it must, and only up to `below_frac`."""
+    """Hours in which it charges only when it must, and only up to `below_frac`."""
 
 
 class VehicleType(Item, frozen=True):
-    """What all vehicles of one make have in common."""
+    """The common properties of all vehicles of one make."""
 
     id: Id
     name: Name
     length_m: Positive = 0.823
     width_m: Positive = 0.592
-    """With its load: nothing sticks out of this rectangle. As long and wide as a Neobotix MP-500 (its data sheet)."""
+    """Width with its load: nothing sticks out of this rectangle. As long and wide as a Neobotix MP-500 (its data
+    sheet)."""
     max_speed_mps: Positive = 1.5
     acceleration_mps2: Positive = 0.6
-    """Speeding up and braking."""
+    """Rate of speeding up and braking."""
     turn_speed_mps: Positive = 0.5
-    """At a node where the way bends by more than 30 degrees."""
+    """Highest speed at a node where the way bends by more than 30 degrees."""
     abilities: Annotated[tuple[Id, ...], Meta(min_length=1)] = ("tote",)
     load_s: Positive = 15.0
     """The autonomous loading manoeuvre (paper, [19]), on average."""
     unload_s: Positive = 15.0
     handling_cv: Fraction = 0.0
-    """How much both vary (see `Making.cycle_cv`), where a station does not say it itself."""
+    """Variation of both (see `Making.cycle_cv`), where a station gives no own one."""
     battery_wh: Positive = 500.0
     drive_wh_per_m: Positive = 0.03
     loaded_wh_per_m: Positive = 0.04
     idle_w: NotNegative = 30.0
-    """Computers and sensors, moving or not."""
+    """Power of computers and sensors, moving or not."""
     charge_w: Positive = 600.0
     """Up to `charge_taper_frac`; then falling in a straight line to a tenth of it at full."""
     charge_taper_frac: Fraction = 0.8
@@ -410,12 +414,12 @@ class VehicleType(Item, frozen=True):
 
     @property
     def turning_radius_m(self) -> float:
-        """Of the circle that it sweeps when it turns on the spot: half its diagonal."""
+        """Radius of the circle that it sweeps when it turns on the spot: half its diagonal."""
         return hypot(self.length_m, self.width_m) / 2.0
 
     @property
     def braking_m(self) -> float:
-        """From its highest speed to a stand."""
+        """Braking distance from its highest speed."""
         return self.max_speed_mps**2 / (2.0 * self.acceleration_mps2)
 
 
@@ -425,7 +429,7 @@ class VehicleSpec(Item, frozen=True):
     id: Id
     type: Id
     node: Id
-    """Where it stands at the beginning."""
+    """Its node at the beginning."""
     battery_frac: Fraction = 0.9
 
 
@@ -442,7 +446,7 @@ class PlantFile(Item, frozen=True):
     products: Annotated[tuple[Product, ...], Meta(min_length=1)]
     warehouses: Annotated[tuple[Warehouse, ...], Meta(min_length=2)]
     storages: tuple[Storage, ...]
-    """None where machines fetch all from source warehouses."""
+    """Empty where machines fetch everything from source warehouses."""
     chargers: Annotated[tuple[Charger, ...], Meta(min_length=1)]
     stations: Annotated[tuple[WorkingStation, ...], Meta(min_length=1)]
     machines: Annotated[tuple[MachineSpec, ...], Meta(min_length=1)]
@@ -459,6 +463,6 @@ class PlantFile(Item, frozen=True):
     working_time: WorkingHours | None = None
     """When its machines work, and people are in its areas, where these do not say it themselves; left out, always."""
     time_zone: Annotated[str, Meta(min_length=1, max_length=64)] = "UTC"
-    """Of all working times, by its IANA name."""
+    """Time zone of all working times, by its IANA name."""
     cell_m: Positive = 20.0
     """Edge of the grid cells that announcements are addressed to."""

@@ -1,7 +1,7 @@
-"""The plant as agents ask for it: every question about what stands where, answered by lookup.
+"""The plant for agents: every question about the layout is a lookup.
 
-`Plant` trusts its file: `dray.plant.file.file` has checked it, or whoever built it in code.
-All orders are those of the file, so that two processes with one file decide alike.
+`Plant` trusts its file: `dray.plant.file.file` has checked it, or the code that built it. All orders are those of the
+file, so that two processes with one file decide alike.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ _Spec = TypeVar("_Spec", bound=_HasId)
 
 
 DRAWN_AT_ONCE = 128
-"""Parts of the floor that people have drawn whose nodes are remembered: twice as many as one list of closures has."""
+"""Most remembered drawn parts of the floor with their nodes: twice as many as one list of closures has."""
 
 RESTRICTED_KEPT = 16
 """Ways under restrictions that are kept. All agents of a process go by the newest list, or by the one before it."""
@@ -71,9 +71,9 @@ class Plant:
 
     Attributes:
         parts: products of which others are made; each is a material, too.
-        materials: what machines use: what comes from outside, and parts.
-        restrictions: of its lanes, as far as whoever asks knows of any; of a plant as it stands in its file there are none.
-        obstructed: lanes on which something is known to lie, likewise.
+        materials: items that machines use: external ones, and parts.
+        restrictions: of its lanes, as far as they are known; a plant as it stands in its file has none.
+        obstructed: lanes with known obstacles; none in a plant as it stands in its file.
     """
 
     restrictions = OPEN
@@ -89,7 +89,7 @@ class Plant:
         self.driven = _as_driven(file, layout, self.door_on)
         """The file with the nodes and lanes that vehicles drive on; the file itself where no road has two lanes."""
         self.nodes: Mapping[str, Node] = _by_id(layout.nodes)
-        """Of the floor as it is driven: with stop points, without the nodes of which they are made."""
+        """Nodes of the floor as it is driven: with stop points, without the nodes that these replace."""
         self.crossings: Mapping[str, Crossing] = MappingProxyType(dict(layout.crossings))
         self.stops = tuple(node.id for node in layout.nodes if node.id not in layout.inner)
         """The nodes where a vehicle may stand: all that lie in no crossing."""
@@ -101,7 +101,7 @@ class Plant:
         self.storages: Mapping[str, Storage] = _by_id(file.storages)
         self._keeping = Keeping(file, self.materials)
         self.stores = self._keeping.stores
-        """Whatever has a station: storages, and the source warehouses where something is fetched, each as a storage."""
+        """Places with a station: storages, and the source warehouses where something is fetched, each as a storage."""
         self.chargers: Mapping[str, Charger] = _by_id(file.chargers)
         self.parkings: Mapping[str, Parking] = _by_id(file.parkings)
         self.stations: Mapping[str, WorkingStation] = _by_id(file.stations)
@@ -112,7 +112,7 @@ class Plant:
         self.vehicle_types: Mapping[str, VehicleType] = _by_id(file.vehicle_types)
         self.fleet: Mapping[str, VehicleSpec] = _by_id(file.fleet)
         self.dwell_points: tuple[str, ...] = (*self.chargers, *self.parkings)
-        """Where a vehicle may stay: chargers, then parking places."""
+        """Places where a vehicle may stay: chargers, then parking places."""
         self.roads = Roads(layout.nodes, layout.lanes, self.door_on)
         self._inner, self._crossed = layout.inner, layout.crossed
         self._opposite = opposite_stops(file, self.nodes)
@@ -131,7 +131,7 @@ class Plant:
         self._materials_of = {machine: self._needed(cycles) for machine, cycles in self._cycle_s.items()}
         self._items: dict[str, Material | Product] = {**self.materials, **self.products}
         self.abilities = tuple(sorted({item.ability for item in self._items.values()}))
-        """What vehicles must be able to carry in this plant."""
+        """Abilities that the items of this plant need."""
         self._grid = Grid(file.width_m, file.height_m, file.cell_m)
         self._extents: dict[str, Extent] = {}
         self._drawn: dict[tuple[tuple[float, float], ...], Extent] = {}
@@ -139,7 +139,7 @@ class Plant:
 
     @property
     def charger_queue(self) -> ChargerQueue:
-        """What vehicles need to come to a charger and to wait there, by the plant file alone."""
+        """The battery that vehicles need to come to a charger and to wait there, by the plant file alone."""
         ways = self._ways
         if ways.queue is None:
             ways.queue = ChargerQueue(self)
@@ -164,12 +164,12 @@ class Plant:
 
     @cached_property
     def source_warehouses(self) -> tuple[str, ...]:
-        """Where material comes from."""
+        """Sources of material."""
         return tuple(each.id for each in self.file.warehouses if each.kind == "source")
 
     @cached_property
     def delivery_warehouses(self) -> tuple[str, ...]:
-        """Where products go to."""
+        """Destinations of products."""
         return tuple(each.id for each in self.file.warehouses if each.kind == "delivery")
 
     @property
@@ -192,14 +192,14 @@ class Plant:
         return self._inner.get(node, "")
 
     def way_back(self, start: str, end: str) -> Ends:
-        """The lane that leads back beside a lane of a two-lane road; of any other one, the same lane the other way round.
+        """The lane in the other direction: the one beside a lane of a two-lane road, otherwise the same lane backwards.
 
-        It need not be there: a one-way road has none.
+        It may not exist: a one-way road has none.
         """
         return self._opposite.get(end, end), self._opposite.get(start, start)
 
     def places_on(self, start: str, end: str) -> tuple[str, ...]:
-        """What a vehicle takes up that drives a lane: the crossing that the lane touches, and the node where it may stop.
+        """Places that a vehicle needs for a lane: the crossing that the lane touches, and the node where it may stop.
 
         A route is driven from stop to stop: all places of its lanes up to the next of `stops` belong together. Both ids
         are of one space: no crossing has the id of a node where a vehicle may stand.
@@ -228,7 +228,7 @@ class Plant:
         return self._node_of.keys()
 
     def position_of(self, place: str) -> tuple[float, float]:
-        """Where vehicles dock at a place, as (x_m, y_m)."""
+        """Position of a place's dock, as (x_m, y_m)."""
         node = self.nodes[self._node_of[place]]
         return node.x_m, node.y_m
 
@@ -244,7 +244,7 @@ class Plant:
         return self.working_time if hours is None else WorkingTime(hours, self.file.time_zone)
 
     def storages_of(self, material: str) -> tuple[str, ...]:
-        """Where machines fetch a material: the storages that keep it, and source warehouses that give it to machines."""
+        """Places where machines fetch a material: storages that keep it, and source warehouses that give it to machines."""
         return self._keeping.for_machines[material]
 
     def supplies_of(self, material: str) -> tuple[str, ...]:
@@ -252,7 +252,7 @@ class Plant:
         return self._keeping.supplies[material]
 
     def keepers_of(self, material: str) -> tuple[str, ...]:
-        """The places where a material can be fetched and put down: storages and warehouses, and machines that have a buffer for it."""
+        """Places where a material can be fetched and put down: storages, warehouses, and machines with a buffer for it."""
         machines = (machine for machine in self.machines if material in self._materials_of[machine])
         return (*self._keeping.places[material], *machines)
 
@@ -265,7 +265,7 @@ class Plant:
         return self._cycle_s[machine][product]
 
     def handling_cv(self, place: str, kind: VehicleType) -> float:
-        """How much loading and unloading vary where vehicles of a type dock: standard deviation over average."""
+        """Variation of loading and unloading where vehicles of a type dock: standard deviation over average."""
         own = self._handling_cv.get(place)
         return kind.handling_cv if own is None else own
 
@@ -274,12 +274,12 @@ class Plant:
         return self._materials_of[machine]
 
     def ability_of(self, item: str) -> str:
-        """What a vehicle must be able to carry for a material or product; empty for one that is not in the plant file."""
+        """Ability that a vehicle needs for a material or product; empty for an item that is not in the plant file."""
         known = self._items.get(item)
         return "" if known is None else known.ability
 
     def able(self, ability: str) -> tuple[str, ...]:
-        """The vehicles of the fleet that can carry what needs this ability."""
+        """The vehicles of the fleet with this ability."""
         return tuple(
             vehicle.id
             for vehicle in self.fleet.values()
@@ -314,7 +314,7 @@ class Plant:
     def closest(self, node: str, places: Iterable[str], count: int) -> tuple[str, ...]:
         """The `count` places whose docks are closest to a node as the crow flies, closest first.
 
-        A short list for whoever compares ways: in a large plant most places are out of the question.
+        It is a short list for comparing ways: in a large plant most places are out of the question.
         """
         here = self.nodes[node]
 
@@ -332,7 +332,7 @@ class Plant:
         return extent
 
     def extent_within(self, outline: tuple[tuple[float, float], ...]) -> Extent:
-        """The same of a part of the floor that somebody has drawn, by its corners (x, y); fewer than three are no part."""
+        """The extent of a drawn part of the floor, by its corners (x, y); empty for fewer than three."""
         if len(outline) < 3:
             return Extent(frozenset(), frozenset())
         extent = self._drawn.get(outline)
@@ -348,7 +348,7 @@ class Plant:
 
         Args:
             vehicle_type: its id.
-            restrictions: of its lanes; None for those that whoever asks knows of.
+            restrictions: of its lanes; None for the known ones.
         """
         return self._ways.of(vehicle_type, self.restrictions if restrictions is None else restrictions)
 
@@ -378,7 +378,7 @@ class _Ways:
     """Ways that were looked for: by type of vehicle, and for the restrictions that were asked for last.
 
     Attributes:
-        queue: at the chargers; reckoned when it is asked for, once for all who know the plant.
+        queue: at the chargers; computed at the first use, once for all users of the plant.
     """
 
     def __init__(self, roads: Roads, kinds: Mapping[str, VehicleType], node_of: Mapping[str, str]) -> None:
@@ -419,7 +419,7 @@ def _as_driven(file: PlantFile, layout: Layout, on: Mapping[Ends, Door]) -> Plan
 
 
 def _used(file: PlantFile) -> tuple[Mapping[str, Product], Mapping[str, Material]]:
-    """Its parts, and all that machines use."""
+    """Its parts, and all items that machines use."""
     parts = [product for product in file.products if product.buffer]
     as_materials = [Material(part.id, part.name, part.lot, part.buffer, part.ability) for part in parts]
     return _by_id(parts), _by_id((*file.materials, *as_materials))

@@ -1,4 +1,4 @@
-"""What vehicles may not drive on at present, or only slowly: a plant's lanes as people have restricted them."""
+"""Restrictions by people of a plant's lanes: closed, slow or one-way ones."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ Ends = tuple[str, str]
 """A lane in one direction, by its nodes."""
 
 SAMPLE_M = 0.25
-"""How densely a lane is looked at that may cross an area: what it touches for less is not crossed."""
+"""Step of the search along a lane that may cross an area: a shorter contact is no crossing."""
 
 
 class Restrictions(msgspec.Struct, frozen=True):
     """Restrictions of one plant at one moment. Equal ones are equal, so that ways are looked for once."""
 
     nodes: frozenset[str] = frozenset()
-    """Closed: nobody enters them from outside. Who is inside may drive through them on the way out."""
+    """Closed nodes: no vehicle enters them from outside. A vehicle inside may drive through them on its way out."""
     lanes: frozenset[Ends] = frozenset()
-    """Closed: nobody enters them from anywhere."""
+    """Closed lanes: no vehicle enters them from anywhere."""
     limits_mps: tuple[tuple[Ends, float], ...] = ()
     """The highest speeds on slow lanes, sorted, each lane once."""
 
@@ -50,7 +50,7 @@ class Restrictions(msgspec.Struct, frozen=True):
         }
 
     def limits_on(self, nodes: tuple[str, ...]) -> tuple[float | None, ...]:
-        """The highest speeds along a way (m/s), one per lane, None where it is not slow; empty where nothing on it is."""
+        """The speed limits along a way (m/s), one per lane, None for an unrestricted lane; empty where all are unrestricted."""
         if not self.limits_mps:
             return ()
         limits_mps = dict(self.limits_mps)
@@ -59,11 +59,11 @@ class Restrictions(msgspec.Struct, frozen=True):
 
 
 OPEN = Restrictions()
-"""Nothing is restricted."""
+"""No restrictions."""
 
 
 class Extent(msgspec.Struct, frozen=True):
-    """What of the lanes lies in an area."""
+    """The nodes and lanes in an area."""
 
     nodes: frozenset[str]
     """Borders included."""

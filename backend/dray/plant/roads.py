@@ -1,4 +1,4 @@
-"""The road network of a plant: directed lanes between nodes, and who can reach whom.
+"""The road network of a plant: directed lanes between nodes, and which nodes reach which.
 
 `dray.plant.routes` finds ways over it, `dray.plant.floor.motion` tells how long a vehicle takes.
 """
@@ -36,10 +36,10 @@ class DirectedLane(msgspec.Struct, frozen=True, gc=False):
     types: tuple[LaneType, ...] = ()
     """As in `dray.plant.model.Lane`."""
     opening_s: float = 0.0
-    """How long whoever enters it waits at its start until its door is open; 0 where there is none."""
+    """How long a vehicle waits at its start until its door is open (s); 0 where there is none."""
 
     def for_type(self, kind: str) -> DirectedLane | None:
-        """As a type of vehicle drives on it; None where it may not."""
+        """The lane with the properties for a type of vehicle; None where it may not."""
         if not self.types:
             return self
         for each in self.types:
@@ -62,7 +62,7 @@ class Roads:
     __slots__ = ("_by_ends", "entering", "lanes", "leaving")
 
     lanes: tuple[DirectedLane, ...]
-    """In file order; the way back of a lane follows it at once."""
+    """Lanes in file order; a lane's way back follows directly."""
     leaving: Mapping[str, tuple[DirectedLane, ...]]
     """Node -> lanes that begin there, in the order of `lanes`."""
     entering: Mapping[str, tuple[DirectedLane, ...]]
@@ -78,7 +78,7 @@ class Roads:
         self._index(points, tuple(road for lane in lanes for road in _directed(lane, points, door_on)))
 
     def for_type(self, kind: str) -> Roads:
-        """The lanes on which a type of vehicle may drive, with the limits that hold for it; itself where all lanes are for all."""
+        """The lanes on which a type of vehicle may drive, with its limits; itself where all lanes are for all."""
         if not any(lane.types for lane in self.lanes):
             return self
         own = Roads((), ())
@@ -101,13 +101,13 @@ class Roads:
         return self._by_ends.get((start, end))
 
     def reached_from(self, node: str, blocked: str = "") -> frozenset[str]:
-        """All nodes that a vehicle at `node` can drive to, itself included; while nobody passes a node that is blocked."""
+        """All nodes that a vehicle at `node` can drive to, itself included; no vehicle passes the blocked node."""
         return _flood(
             node, {here: [road.end for road in roads] for here, roads in self.leaving.items()}, blocked
         )
 
     def reaching(self, node: str, blocked: str = "") -> frozenset[str]:
-        """All nodes from which a vehicle can drive to `node`, itself included; while nobody passes a node that is blocked."""
+        """All nodes from which a vehicle can drive to `node`, itself included; no vehicle passes the blocked node."""
         return _flood(
             node, {here: [road.start for road in roads] for here, roads in self.entering.items()}, blocked
         )
@@ -115,7 +115,7 @@ class Roads:
     def parts(self) -> list[frozenset[str]]:
         """The strongly connected parts: within one, a vehicle gets from every node to every other.
 
-        Two passes over all lanes (Kosaraju), so that a file full of loose ends costs no more.
+        It takes two passes over all lanes (Kosaraju), so that a file full of loose ends costs no more.
         """
         parts: list[frozenset[str]] = []
         placed: set[str] = set()

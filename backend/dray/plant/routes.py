@@ -1,11 +1,11 @@
 """Shortest ways for one type of vehicle: the hot path of every bid.
 
-A way is the one with the least lane time (length over the lower of lane limit and vehicle speed, and the opening time of a door);
-among equals the one that goes straight on, because every bend costs a vehicle its speed, and then
-the first in file order. The duration of a way, once chosen, is that of the real motion.
+A way is the one with the least lane time (length over the lower of lane limit and vehicle speed, and the opening time
+of a door). Among equals it goes straight on, because every bend costs a vehicle its speed; then the first in file
+order wins. The duration of a way, once chosen, is that of the real motion.
 
-One search backwards from a goal answers for all starts. It goes as far as somebody asks, and is kept (`lane_times`); finished
-ways are kept as well, so that a second question costs two dictionary lookups.
+One search backwards from a goal answers for all starts. The search goes as far as a question needs, and is kept
+(`lane_times`). Finished ways are kept as well, so that a second question costs two dictionary lookups.
 """
 
 from __future__ import annotations
@@ -29,37 +29,37 @@ MAX_WAYS = 250_000
 """Ways kept per vehicle type, about 100 MB in the largest plants; then all are dropped and found anew."""
 
 INSIDE_FACTOR = 10.0
-"""By how much longer a lane to a closed node counts than it is, so that who is inside takes the shortest way out."""
+"""Factor on the cost of a lane to a closed node, so that a vehicle inside takes the shortest way out."""
 
 _SLACK_S = 1e-9
-"""Two sums of the same lanes in another order may differ by this; real lanes never do."""
+"""Largest difference between two sums of the same lanes in another order; real lanes never differ so little."""
 
 
 class Way(msgspec.Struct, frozen=True, gc=False):
-    """How to get from one node to another."""
+    """A way from one node to another."""
 
     nodes: tuple[str, ...]
-    """From the start to the goal, both included; a single one where they are the same."""
+    """Nodes from the start to the goal, both included; a single one where they are the same."""
     length_m: float
     duration_s: float
-    """From standstill to standstill with nobody in the way and every door shut."""
+    """Duration from standstill to standstill with a free way and every door shut (s)."""
 
 
 class _Step(msgspec.Struct, frozen=True):
     """A lane as the search sees it."""
 
     node: str
-    """Where the lane ends."""
+    """Node at the end of the lane."""
     start: int
     end: int
     length_m: float
     top_mps: float
     lane_s: float
-    """What it costs: its time at the lane's limit or the vehicle's own top speed, whichever is lower, and that of its door."""
+    """Its cost: its time at the lower of the lane's limit and the vehicle's top speed, and that of its door."""
     opening_s: float
-    """Of its door."""
+    """Opening time of its door."""
     onward: list[tuple[_Step, float]]
-    """What may follow, with the highest speed at the node between: straight on first, then in file order."""
+    """The next steps, with the highest speed at the node between: straight on first, then in file order."""
 
 
 class Routes:
@@ -69,8 +69,8 @@ class Routes:
         roads: the plant's network.
         vehicle: the type of vehicle.
         places: place id -> node id, for `nearest`.
-        restrictions: what may not be driven on, or only slowly. Whoever stands on a closed node may leave it by others that
-            are closed; no way leads to one.
+        restrictions: closed and slow lanes. A vehicle on a closed node may leave it over other closed ones; no way
+            leads to one.
     """
 
     __slots__ = (
@@ -137,7 +137,7 @@ class Routes:
         return self.leads(start_node, goal_node)
 
     def leads(self, start_node: str, goal_node: str) -> bool:
-        """Whether a way leads from one node to another, be it through what lies there."""
+        """Whether a way leads from one node to another, with or without obstacles."""
         try:
             self.way(start_node, goal_node)
         except NoWay:
@@ -159,7 +159,7 @@ class Routes:
         if goal is None or goal_node in self.restrictions.nodes:
             return best_s
         wanted = {self._index[node] for node in start_nodes}
-        # No way is shorter than its lane time, so whoever is farther off than the best way takes is not nearer.
+        # No way is shorter than its lane time, so no place beyond the best way's duration is nearer.
         for index, least_s in self._left_to(goal).nearest_first():
             if least_s > best_s or not wanted:
                 break
@@ -184,7 +184,7 @@ class Routes:
         wanted: dict[int, tuple[int, str]] = {}
         for number, place in enumerate(places):
             wanted.setdefault(self._index[self._places[place]], (number, place))
-        # No way is shorter than its lane time, so whoever is farther off than the best way takes is not nearer.
+        # No way is shorter than its lane time, so no place beyond the best way's duration is nearer.
         reached = LaneTimes(here, self._after).nearest_first() if here is not None else iter(())
         for index, least_s in reached:
             if best is not None and least_s > best[0]:
@@ -259,7 +259,7 @@ class Routes:
         nodes = [start_node]
         runs: list[Run] = []
         length_m = run_m = top_mps = doors_s = 0.0
-        # From standstill it is all the same in which direction.
+        # The direction does not matter from standstill.
         onward: Iterable[tuple[_Step, float]] = ((step, 0.0) for step in self._leaving[here])
         while here != goal:
             left_here_s = left_s(here)
@@ -293,7 +293,7 @@ def _steps(
     index: Mapping[str, int],
     closed: Container[str],
 ) -> list[list[_Step]]:
-    """The lanes that leave each node, in node order, each knowing what follows it."""
+    """The lanes that leave each node, in node order, each with its next steps."""
     steps: dict[str, list[_Step]] = {}
     for node, lanes in leaving.items():
         steps[node] = []

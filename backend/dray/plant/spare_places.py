@@ -1,10 +1,11 @@
-"""Where vehicles without a dwell point wait: nodes of the roads that nobody needs.
+"""Waiting places of vehicles without a dwell point: nodes of the roads that no other vehicle needs.
 
-A plant with fewer chargers and parking places than vehicles has some that stand in the lanes. While they stand at the nodes named first
-here, everybody else still gets from every dock to every other, and each of them gets away and back. Where these are too few, some vehicles
-are a *reserve*, which takes no work that others can do: it may shut some chargers and parking places off, in which others of the reserve
-stand, and no dock where goods are handed over. Where that is too little as well the floor is too small for the fleet: the least used nodes
-follow that are before no dock. Every agent works the same nodes out, and vehicles claim them as they claim parking places.
+A plant with fewer chargers and parking places than vehicles has some that stand in the lanes. While they stand at the
+nodes named first here, all other vehicles still get from every dock to every other, and each of them gets away and
+back. Where these are too few, some vehicles are a *reserve*, which takes no work that others can do. The reserve may
+shut off some chargers and parking places, in which others of the reserve stand, but no dock for goods. Where that is
+too little as well, the floor is too small for the fleet: then the least used nodes that are before no dock follow.
+Every agent computes the same nodes, and vehicles claim them as they claim parking places.
 """
 
 from __future__ import annotations
@@ -22,13 +23,14 @@ class SparePlaces(msgspec.Struct, frozen=True):
     """Nodes where vehicles wait."""
 
     clear: tuple[str, ...]
-    """In nobody's way."""
+    """Nodes that are in no vehicle's way."""
     others: tuple[str, ...]
-    """In somebody's way: for whom there is nothing better."""
+    """Nodes that are in a vehicle's way, for vehicles without a better one."""
     reserve: tuple[str, ...] = ()
-    """Of the reserve: while vehicles stand there, all docks for goods reach one another, and those in `shut` do not."""
+    """Nodes of the reserve: while vehicles stand there, all docks for goods reach one another, and those in `shut` do
+    not."""
     shut: frozenset[str] = frozenset()
-    """Nodes of chargers and parking places that the reserve shuts off: whoever stands there belongs to it."""
+    """Nodes of chargers and parking places that the reserve shuts off: a vehicle there belongs to it."""
 
     @property
     def all(self) -> tuple[str, ...]:
@@ -37,11 +39,11 @@ class SparePlaces(msgspec.Struct, frozen=True):
 
     @property
     def reserve_size(self) -> int:
-        """How many vehicles may be in the reserve at one time."""
+        """Most vehicles in the reserve at one time."""
         return len(self.reserve) + len(self.shut)
 
     def holds_back_from(self, able: int) -> bool:
-        """Whether the reserve leaves to others what so many vehicles can carry: a third of them is at work, even if all others are the reserve."""
+        """Whether the reserve leaves work for so many able vehicles to others: a third of them is outside of the reserve."""
         return 2 * able >= 3 * self.reserve_size
 
     def is_reserve(self, node: str) -> bool:
@@ -110,9 +112,9 @@ def _reserve(
     used: Mapping[str, int],
     needed: int,
 ) -> tuple[list[str], frozenset[str]]:
-    """Nodes for what is left of the fleet, and the docks without goods that are shut off by vehicles there.
+    """Nodes for the rest of the fleet, and the docks without goods that vehicles there shut off.
 
-    Each next one is the one that shuts off the fewest, and of those the least used.
+    Each next node shuts off the fewest docks, and is the least used among equals.
     """
     dwells = frozenset(docked).difference(goods)
     mouths = {mouth for dock in goods for one in every for mouth in _mouths(one, dock)}
@@ -143,14 +145,14 @@ def _reached(floors: list[_Floor], goods: tuple[str, ...], taken: tuple[str, ...
 
 
 def _mouths(roads: Roads, dock: str) -> Iterable[str]:
-    """The nodes before a dock at a spur, where whoever waits keeps others from it."""
+    """The nodes before a dock at a spur, where a waiting vehicle keeps others from it."""
     before = {lane.start for lane in roads.entering[dock]}
     after = {lane.end for lane in roads.leaving[dock]}
     return before | after if len(before) == 1 or len(after) == 1 else ()
 
 
 def _use(roads: Roads, docks: tuple[str, ...]) -> dict[str, int]:
-    """How many of the shortest ways between docks lead over each node."""
+    """Number of the shortest ways between docks over each node."""
     step = max(1, -(-len(docks) // SOURCES))
     used: dict[str, int] = {}
     for source in docks[::step]:
@@ -179,7 +181,7 @@ def _shortest(roads: Roads, source: str) -> dict[str, str]:
 
 
 class _Floor:
-    """Which nodes lanes lead to, and come from."""
+    """The next and the previous nodes of each node."""
 
     def __init__(self, roads: Roads) -> None:
         self.after = {node: [lane.end for lane in lanes] for node, lanes in roads.leaving.items()}

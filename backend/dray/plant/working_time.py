@@ -1,7 +1,7 @@
-"""When a plant, one of its machines, or the people of an area work: shifts of the week in local time, without breaks and holidays.
+"""The working time of a plant, a machine, or an area's people: weekly shifts in local time, less breaks and holidays.
 
-The plant's clock is unix time in service, and so is what a calendar is asked for. A simulation begins at 0: on a Thursday, at
-midnight of UTC. Everything is a lookup: whoever has the same plant file answers alike.
+In service the plant's clock is unix time, and so are the times of a calendar. A simulation begins at 0: on a
+Thursday, at midnight of UTC. Everything is a lookup: all users of one plant file get the same answers.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ DAY_S = 86_400.0
 WEEK_S = 7 * DAY_S
 
 TimeOfDay = Annotated[str, Meta(pattern="^([01][0-9]|2[0-3]):[0-5][0-9]$")]
-"""Of a clock on the wall, as ``06:00``."""
+"""Time of a clock on the wall, as ``06:00``."""
 
 IsoDate = Annotated[str, Meta(pattern="^[0-9]{4}-[0-9]{2}-[0-9]{2}$")]
-"""As ``2026-12-25``."""
+"""A date, as ``2026-12-25``."""
 
 JOINED_MAX_S = 8 * DAY_S
-"""Working time without a break is told in pieces of this length, so that what is always on is found at once."""
+"""Longest piece of working time without a break, so that a calendar that is always on is found at once."""
 
 DAYS_MAX = 3660
-"""How far is looked ahead or back for working time: ten years. What lies beyond is never."""
+"""Most days of a search ahead or back for working time: ten years. Working time beyond that counts as never."""
 
 Span = tuple[float, float]
-"""From when to when, in seconds of the plant's clock; the end does not belong to it."""
+"""Start and end, in seconds of the plant's clock; the end does not belong to it."""
 
 
 class WeeklySpan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -43,9 +43,9 @@ class WeeklySpan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     start: TimeOfDay
     end: TimeOfDay
-    """Not part of it any more. Not after `start`, it is a time of the next day: a night shift."""
+    """First time that does not belong to it. If it is not after `start`, it is a time of the next day: a night shift."""
     days: Annotated[tuple[Day, ...], Meta(min_length=1, max_length=7)] = DAYS
-    """On which it begins."""
+    """Days on which it begins."""
 
 
 class WorkingHours(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -55,21 +55,21 @@ class WorkingHours(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     breaks: Annotated[tuple[WeeklySpan, ...], Meta(max_length=50)] = ()
     """Taken out of the shifts, whichever they fall into."""
     holidays: Annotated[tuple[IsoDate, ...], Meta(max_length=1000)] = ()
-    """On which no shift begins."""
+    """Dates on which no shift begins."""
 
 
 class WorkingTime:
     """The calendar of one machine, of the people of an area, or of the plant. Times are of the plant's clock, in seconds.
 
     Args:
-        hours: when it works; None for always.
-        time_zone: whose clock `hours` are of, by its IANA name.
+        hours: its shifts; None for always.
+        time_zone: of `hours`, by its IANA name.
     """
 
     def __init__(self, hours: WorkingHours | None, time_zone: str = "UTC") -> None:
         self._hours, self._time_zone = hours, time_zone
         self._days: dict[int, tuple[Span, ...]] = {}
-        """By day since 1970, what of its shifts is worked; reckoned once."""
+        """Working spans of the shifts by day since 1970; computed once."""
 
     @cached_property
     def _zone(self) -> ZoneInfo:
@@ -91,7 +91,7 @@ class WorkingTime:
         return self._hours is None or self.next_on_s(now_s) == now_s
 
     def next_on_s(self, now_s: float) -> float:
-        """From when on it works, not before `now_s`; infinite for never."""
+        """First working time from `now_s` on; infinite for never."""
         if self._hours is None:
             return now_s
         return next((max(start_s, now_s) for start_s, _ in self._from(now_s)), float("inf"))
@@ -183,7 +183,7 @@ class WorkingTime:
             until_s = from_s
 
     def _of(self, day: int) -> tuple[Span, ...]:
-        """What is worked of the shifts that begin on a local day."""
+        """Working spans of the shifts that begin on a local day."""
         known = self._days.get(day)
         if known is None:
             if len(self._days) >= DAYS_MAX:
@@ -210,7 +210,7 @@ class WorkingTime:
                 yield from_s, end_s
 
     def _spans(self, weekly: Iterable[WeeklySpan], day: date) -> Iterator[Span]:
-        """Those that begin on a day."""
+        """The spans that begin on a day."""
         name = DAYS[day.weekday()]
         for each in weekly:
             if name in each.days:
@@ -218,7 +218,7 @@ class WorkingTime:
                 yield self._moment_s(day, each.start), self._moment_s(ends_on, each.end)
 
     def _moment_s(self, day: date, time_of_day: str) -> float:
-        """A local time; one that the clocks leave out is as late as if they did not, one that comes twice is the first."""
+        """Moment of a local time; one that the clocks skip counts as if they did not, one that comes twice is the first."""
         hour, minute = map(int, time_of_day.split(":"))
         local = datetime(day.year, day.month, day.day, hour, minute, tzinfo=self._zone)
         return local.astimezone(UTC).timestamp()

@@ -1,8 +1,8 @@
 """Benchmarks: every figure stands beside a baseline measured in the same run.
 
-Machines differ, and so does one machine from minute to minute; a ratio against a stated baseline is
-what can be compared. A benchmark is a function `measure(quick) -> list[Row]`, registered in `BENCHES`
-under the name that `dray bench NAME` knows.
+Rates differ between machines and from minute to minute, so only the ratio to a stated baseline can be compared. A
+benchmark is a function `measure(quick) -> list[Row]`, registered in `BENCHES` under the name that `dray bench NAME`
+knows.
 """
 
 from __future__ import annotations
@@ -56,11 +56,11 @@ DRIVEN: dict[str, Callable[..., list[Row]]] = {
     "calls": losses.measure_calls,
     "work": rest_work.measure,
 }
-"""Those with a whole factory, whose vehicles can drive with right of way or without (`traffic`). `wired` has it
+"""Benchmarks of a whole factory, whose vehicles can drive with right of way or without (`traffic`). `wired` has it
 always, `traffic` compares."""
 
 LONG = frozenset({"calls", "history", "losses", "replay", "stop", "traffic", "wired", "work"})
-"""Those that take some minutes or more, or all of the computer: they run only when they are asked for by name."""
+"""Benchmarks that take some minutes or more, or all of the computer; they run only when asked for by name."""
 
 
 def as_json(rows: list[Row]) -> str:

@@ -17,7 +17,7 @@ def document(rows: Sequence[Row], command: str) -> str:
 
     Args:
         rows: in the order in which they were measured.
-        command: what measured and wrote them.
+        command: the command that measured and wrote them.
     """
     aims = [row for row in rows if row.target is not None]
     missed = sum(not row.met for row in aims)

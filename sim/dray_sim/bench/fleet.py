@@ -1,11 +1,12 @@
-"""Benchmark `fleet`: what a factory costs whose agents are processes, by the number of its vehicles.
+"""Benchmark `fleet`: the cost of a factory whose agents are processes, by its number of vehicles.
 
-`dray fleet up` runs in real time, with certificates and with orders for all machines. Its processes are
-measured from outside: processor time and memory as the kernel tells them, messages by a listener on the bus. The
-baseline is the same with as many vehicles as the default plant has.
+`dray fleet up` runs in real time, with certificates and with orders for all machines. Its processes are measured from
+outside: processor time and memory by the kernel, messages by a listener on the bus. The baseline is the same with as
+many vehicles as the default plant has.
 
-Every message of an agent counts once, however many hear it. What stands for a vehicle's own wires does not:
-the simulated floor tells every agent ten times a second how its body is. The agents' processor time has that in it.
+Every message of an agent counts once, however many hear it. Messages between the simulated floor and an agent do not
+count, for they stand for a vehicle's own wires. The floor reports each body's state to its agent ten times a second;
+the agents' processor time includes that.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ SEED = 1
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How much is measured, and for how long.
+    """Size and duration of one measurement.
 
     Attributes:
         machines, vehicles: of the factory.
@@ -62,17 +63,17 @@ SIZES = Size(20, 50, 60.0, 60.0), Size(12, 8, 60.0, 60.0)
 QUICK_SIZES = Size(3, 4, 20.0, 20.0), Size(2, 2, 20.0, 20.0)
 
 JOIN_S = 600.0
-"""For all processes with their imports, on a computer that is busy elsewhere."""
+"""Longest time for all processes to import and join, on a busy computer."""
 
 LEASE_S = 30.0
-"""While dozens of processes begin on one computer, each may wait for its turn for longer than the usual lease;
-links would be cut and made anew, which is more work still."""
+"""Longer than the usual lease, because dozens of processes that start on one computer wait for the processor. A
+shorter lease would cut links, and making them anew is still more work."""
 
 PIECES = 60
-"""Of every product, for every machine that makes it: half an hour's work."""
+"""Ordered pieces of each product, for each machine that makes it: half an hour's work."""
 
 DUE_S = 86_400.0
-"""A day: these orders are there to keep machines busy."""
+"""A day: the orders only keep machines busy."""
 
 SAID = {"hb": "heartbeats", "event": "facts", "agent": "to one agent", "task": "announcements"}
 """Kinds of messages by the second chunk of their key; the rest are goals and dwell points."""
@@ -85,9 +86,9 @@ class Observed:
     Attributes:
         joined_s: until all were on the bus.
         said: messages a second, by kind.
-        kinds: what one process of each kind uses in a second.
+        kinds: usage per second of one process of each kind.
         processes: how many there are.
-        processor_s: what all of them use in a second.
+        processor_s: processor time per second of all processes.
         memory_mb: likewise.
     """
 
@@ -100,7 +101,7 @@ class Observed:
 
 
 class Listener:
-    """Counts what is said on a bus, by kind.
+    """Counts the messages on a bus, by kind.
 
     Attributes:
         heard: so far.
@@ -109,12 +110,12 @@ class Listener:
     def __init__(self, bus: ZenohBus, agents: frozenset[str]) -> None:
         self.heard: Counter[str] = Counter()
         self._bus = bus
-        # What is said to one agent is matched by no wildcard.
+        # No wildcard matches a message to one agent.
         for key in (f"{bus.keys.plant}/**", *map(bus.keys.addressed, agents)):
             bus.inner.declare_subscriber(key, Callback(self._on_sample, indirect=False))
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
-        """On a thread of Zenoh's."""
+        """Runs on a thread of Zenoh's."""
         kind = str(sample.key_expr).split("/")[1]
         with self._bus.lock:
             self.heard[SAID.get(kind, "other")] += 1
@@ -187,10 +188,10 @@ async def _order(fleet: Fleet, plant: Plant) -> None:
 
 
 def _refuse_new_lives(before: Iterable[Member], after: Iterable[Member]) -> None:
-    """A process that has begun anew has other work to do than one that takes part.
+    """Check that no process has restarted: a restarted process has other work than one that takes part.
 
     Raises:
-        UnavailableError: there is one.
+        UnavailableError: one has restarted.
     """
     starts = {member.name: member.starts for member in before}
     anew = [member.name for member in after if member.starts != starts[member.name]]
@@ -200,7 +201,7 @@ def _refuse_new_lives(before: Iterable[Member], after: Iterable[Member]) -> None
 
 
 def _used(members: Iterable[Member]) -> dict[str, Usage]:
-    """What the processes of each kind have used together."""
+    """Total usage of the processes of each kind."""
     kinds: dict[str, list[int]] = {}
     for member in members:
         kinds.setdefault(member.kind, []).append(member.pid)

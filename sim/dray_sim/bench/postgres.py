@@ -1,6 +1,6 @@
 """A PostgreSQL server of one's own, on a free port of 127.0.0.1, from the binaries that are installed.
 
-For whoever has to end a database, the benchmark that kills it and the tests, and for whoever compares it with SQLite.
+The benchmark and the tests that kill a database use it, and benchmarks that compare PostgreSQL with SQLite.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from dray.errors import UnavailableError
 MISSING = "no PostgreSQL; on Debian: apt-get install postgresql"
 
 USERS = ("postgres", "nobody")
-"""Whom the server runs as when we run as root, which PostgreSQL refuses to do: the first there is."""
+"""Users to run the server as when we run as root, which PostgreSQL refuses; the first that exists is taken."""
 
 STARTS = 3
 """Attempts to start the server: somebody else may take the free port before it does."""
 
 PARENT = 1
-"""Its place in `/proc/PID/stat`, counted after the name of the program (proc(5), field 4)."""
+"""Index of the parent's id in `/proc/PID/stat`, counted after the name of the program (proc(5), field 4)."""
 
 
 def installed() -> Path | None:
@@ -45,7 +45,7 @@ class PostgresServer:
 
     Args:
         programs: where `installed` has found them.
-        configuration: what differs from PostgreSQL's own, by the name of the setting.
+        configuration: settings that differ from PostgreSQL's defaults, by name.
 
     Attributes:
         port: the same for all of its lives.
@@ -76,7 +76,7 @@ class PostgresServer:
             raise
 
     def url(self, database: str = "postgres") -> str:
-        """Of one of its databases; this one is there from the beginning."""
+        """The URL of one of its databases; the default one exists from the beginning."""
         return f"postgresql+asyncpg://dray@127.0.0.1:{self.port}/{database}"
 
     def start(self) -> None:
@@ -109,14 +109,15 @@ class PostgresServer:
         """End all of its processes at once, as a power failure does; returns when they are gone."""
         lock = self._data / "postmaster.pid"
         first = Process.of(int(lock.read_text().split()[0]))
-        # Held, so that it starts no other while its children are looked for.
+        # Stop it, so that it starts no child while its children are listed.
         first.signal(signal.SIGSTOP)
         processes = (first, *map(Process.of, _children(first.pid)))
         for process in processes:
             process.signal(signal.SIGKILL)
         for process in processes:
             await process.gone()
-        # After a power failure its number is nobody's. Here it is taken until somebody asks how it has ended.
+        # After a power failure, no process has its id. Here the id stays taken until its parent has read its exit
+        # status.
         lock.unlink()
 
     def dump(self, file: Path) -> None:
@@ -132,7 +133,7 @@ class PostgresServer:
         self._guard.communicate()
 
     def _keep_guard(self) -> subprocess.Popen[bytes]:
-        """A process that cleans up when this one has ended, in whatever way: then the pipe between them ends."""
+        """A process that cleans up when this one has ended in any way: then the pipe between them closes."""
         script = 'cat; "$0" stop --mode=immediate --pgdata="$1/data"; rm -r "$1"'
         return subprocess.Popen(  # noqa: S603 (no shell expands what is ours alone)
             ["/bin/sh", "-c", script, str(self._programs / "pg_ctl"), str(self._home)],
@@ -142,7 +143,7 @@ class PostgresServer:
             user=None if self._user is None else self._user.pw_uid,
             group=None if self._user is None else self._user.pw_gid,
             extra_groups=None if self._user is None else [],
-            # Not ended with us by the terminal.
+            # The terminal must not end it together with us.
             start_new_session=True,
         )
 
@@ -158,7 +159,7 @@ class PostgresServer:
             check=check,
             text=True,
             stdin=subprocess.DEVNULL,
-            # Not a pipe: the server that is started inherits it, and would keep it open.
+            # Not a pipe: the server inherits it, and would keep it open.
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )

@@ -18,13 +18,13 @@ class Row:
     """One figure.
 
     Attributes:
-        name: what was measured.
-        figure: how much it was.
+        name: of the measurement.
+        figure: the measured value.
         unit: of both figures.
-        baseline: the same work done in the plainest way, or what is required.
-        baseline_name: what the baseline is.
-        target: what we want to reach, or None where only the ratio says something.
-        note: what else was seen in the same run.
+        baseline: the same work done in the plainest way, or the requirement.
+        baseline_name: describes the baseline.
+        target: the aim, or None where only the ratio has a meaning.
+        note: other observations of the same run.
         less: whether less is better, else more is.
     """
 
@@ -39,7 +39,7 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        """How many times the baseline."""
+        """The figure as a multiple of the baseline."""
         return self.figure / self.baseline
 
     @property
@@ -65,10 +65,10 @@ def tail_row(
     """The 95th percentile of some times (s), beside their median.
 
     Args:
-        name: what was measured.
+        name: of the measurement.
         times_s: all of them.
         note: by which clock.
-        target: what is to be reached (s); None for nothing.
+        target: the aim (s); None for none.
     """
     longest_s = max(times_s, default=0.0)
     return Row(
@@ -84,7 +84,7 @@ def tail_row(
 
 
 HEADS = ("benchmark", "figure", "times the baseline", "aim", "")
-"""Of a table of rows."""
+"""Column heads of a table of rows."""
 
 
 def _number(value: float) -> str:
@@ -94,9 +94,9 @@ def _number(value: float) -> str:
 def rates(
     work: Callable[[], int], baseline: Callable[[], int], repeats: int = REPEATS
 ) -> tuple[float, float]:
-    """How often per second each of the two does whatever it counts.
+    """Rates per second of the work and of the baseline.
 
-    They take turns, so that both have the same share of whatever else the machine is doing.
+    They take turns, so that other load on the machine affects both alike.
 
     Args:
         work: does it, and returns how many times.
@@ -106,7 +106,7 @@ def rates(
     best = [0.0, 0.0]
     for _ in range(repeats):
         for place, run in enumerate((work, baseline)):
-            # What the run before left behind must not be cleaned up on this one's time.
+            # Garbage of the run before must not be collected in this one's time.
             gc.collect()
             start_s = time.perf_counter()
             done = run()

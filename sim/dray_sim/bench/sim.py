@@ -1,7 +1,7 @@
 """Benchmark `sim`: how much faster than real time whole factories run on one core, at three sizes.
 
-Every size runs in a process of its own, so that its memory is its own too. The baseline is what the
-same number of events costs when nobody decides anything: a heap of timed calls, and the call.
+Every size runs in a process of its own, so that its memory is its own too. The baseline is the cost of the same
+number of events without decisions: a heap of timed calls, and the calls.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from dray_sim.plants.generator import generate_plant
 
 SEED = 1
 LOAD = 0.85
-"""As in the scenario `day`."""
+"""The load of the scenario `day`."""
 
 WARM_UP_S = 600.0
 """Virtual time before the clock is taken: orders have come, goals are made, transports run."""
@@ -61,11 +61,11 @@ SIZES = (
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """What one run has cost.
+    """The cost of one run.
 
     Attributes:
         speed: virtual seconds per real second.
-        events: what agents handled.
+        events: events that agents handled.
         messages: deliveries on the bus.
         memory_mb: the most that the process ever held.
     """
@@ -166,4 +166,4 @@ def _bare_s(calls: int, pending: int) -> float:
 
 
 def _nothing() -> None:
-    """What an event costs when nobody decides anything."""
+    """An event without any decision."""

@@ -1,4 +1,4 @@
-"""What processes of this computer use, as the kernel tells it (proc(5))."""
+"""Resource usage of processes of this computer, by the kernel's figures (proc(5))."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ USER_TICKS, SYSTEM_TICKS = 11, 12
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
 SHARE = "Pss:"
-"""Of memory that several processes share, each is charged its part: so the sum is what they use together."""
+"""Each process is charged its part of shared memory, so the sum is their joint usage."""
 
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """What some processes have used so far.
+    """The usage of some processes so far.
 
     Attributes:
         processor_s: seconds of one processor.
@@ -33,7 +33,7 @@ class Usage:
 
     @classmethod
     def of(cls, pids: Iterable[int]) -> Self:
-        """What these processes have used together.
+        """The joint usage of these processes.
 
         Raises:
             UnavailableError: one of them has ended.

@@ -1,9 +1,10 @@
 """Benchmark `wired`: right of way between processes on the real bus, while one process after the other is killed.
 
-A whole fleet runs on this computer in real time and under load, with certificates. Every twelve seconds somebody is killed with
-signal 9: a vehicle, a machine that keeps books, a vehicle and a machine at once, all keepers of one book, or anybody else but
-the floor, with which the bodies would end; every fourth stays away for a while. Then nobody is killed for some minutes. What
-all have said and heard is judged afterwards (`checks.said_and_heard`), and held against the books in the keepers' journals.
+A whole fleet runs on this computer in real time and under load, with certificates. Every twelve seconds signal 9
+kills a vehicle, a machine that keeps books, both at once, all keepers of one book, or any other process. Only the
+floor is spared, because it has the bodies. Every fourth victim stays away for a while. Then there are no kills for
+some minutes. Afterwards all sent and received messages are judged (`checks.said_and_heard`), and compared with the
+books in the keepers' journals.
 """
 
 from __future__ import annotations
@@ -39,23 +40,23 @@ from dray_sim.checks.floor.said_and_heard import (
 )
 
 JOIN_S = 240.0
-"""For three dozen processes with their imports, on a computer that is busy elsewhere."""
+"""Longest time for three dozen processes to import and join, on a busy computer."""
 
 STUCK_S = 120.0
-"""Nobody stands longer while nobody is away: as in simulation."""
+"""Longest stand of a vehicle while no process is away: as in simulation."""
 
 
 @dataclass(frozen=True, slots=True)
 class Campaign:
-    """What is done.
+    """The plan of a campaign.
 
     Attributes:
         plant: the factory.
         killing_s: real seconds in which somebody is killed.
-        calm_s: real seconds after that in which nobody is.
+        calm_s: real seconds after that without a kill.
         pause_s: real seconds from one kill to the next.
         away_s: real seconds for which some stay away, from and to.
-        seed: of who is killed.
+        seed: of the choice of victims.
     """
 
     plant: Plant
@@ -125,7 +126,7 @@ async def _kill(campaign: Campaign, fleet: Fleet, places: Places) -> Counter[str
 
 
 def _victims(random: Random, plant: Plant, fleet: Fleet, places: Places) -> tuple[str, list[str]]:
-    """Who is killed next, at once."""
+    """The next victims, which are killed at the same moment."""
     atv, machine = random.choice(list(plant.fleet)), random.choice(list(plant.machines))
     others = [member.name for member in fleet.registry.running if member.name != FLOOR]
     kinds: tuple[tuple[str, list[str]], ...] = (
@@ -217,7 +218,7 @@ def rows(
 
 
 def _transports(journals: Path, plant: Plant) -> int:
-    """How many came to their good end, by the journals of those who had asked for them."""
+    """Number of delivered transports, by their coordinators' journals."""
     return sum(
         isinstance(event.fact, TaskClosed) and event.fact.outcome == "delivered"
         for machine in plant.machines
@@ -226,7 +227,7 @@ def _transports(journals: Path, plant: Plant) -> int:
 
 
 def _books(journals: Path, places: Places) -> Mapping[str, Mapping[str, str]]:
-    """District -> place -> who holds it, of the newest copy that a keeper's journal has."""
+    """District -> place -> holder, from the newest copy in the keepers' journals."""
     return dict(_newest(journals, places))
 
 

@@ -1,1 +1,1 @@
-"""Bodies of agents and what is around them: vehicles, workcells, storages, the gate, and the floor that holds them."""
+"""Bodies of agents and their surroundings: vehicles, workcells, storages, the gate, and the floor that holds them."""

@@ -13,7 +13,7 @@ class Chargers:
         """Connect a vehicle; harmless when it is connected already.
 
         Returns:
-            "" when it is connected now, else who is in the way.
+            "" when it is connected now, else the reason, which names the other vehicle.
         """
         occupant = self._plugged.setdefault(charger, vehicle)
         return "" if occupant == vehicle else f"occupied by {occupant}"

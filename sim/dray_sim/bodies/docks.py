@@ -1,4 +1,4 @@
-"""The dock of a body: open for one vehicle and one load, once; shut for everybody else."""
+"""The dock of a body: open for one vehicle and one load, once; shut for all others."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Iterator
 SHUT = "the dock is shut"
 
 WHATEVER = "", 0
-"""Item and quantity of a dock that is open for whatever the vehicle does, as one is that a controller opens."""
+"""Item and quantity of a dock that accepts any load, as a controller opens it."""
 
 
 class OpenDocks:
-    """For whom the dock of a workcell or a storage is open."""
+    """The vehicles for which the dock of a workcell or a storage is open."""
 
     __slots__ = ("_open",)
 
     def __init__(self) -> None:
         self._open: dict[str, tuple[str, int]] = {}
-        """Vehicle -> what it may carry in or out, once."""
+        """Vehicle -> the item and quantity that it may carry in or out, once."""
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._open)
@@ -37,7 +37,7 @@ class OpenDocks:
         return "" if self._open.get(vehicle) in ((item, quantity), WHATEVER) else SHUT
 
     def refusal_of_part(self, vehicle: str, item: str, quantity: int) -> str:
-        """Why a vehicle may not load or unload as much, or less than the dock was opened for; empty when it may."""
+        """Why a vehicle may not load or unload this quantity, or less than the dock was opened for; empty when it may."""
         opened = self._open.get(vehicle)
         if opened is None or quantity <= 0:
             return SHUT

@@ -1,4 +1,4 @@
-"""Where simulated workcells have their documents from: a store in which everything is as it should be, until somebody spoils it."""
+"""The document store of simulated workcells: every document is correct until a caller spoils it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dray.messages import Document, DocumentState
 from dray.ports import Clock
 
 FETCHED_S = 1.0
-"""How long it takes to fetch one and to count its checksum."""
+"""Time to fetch a document and to compute its checksum."""
 
 
 class SimDocuments:
@@ -19,7 +19,8 @@ class SimDocuments:
         clock: the plant's clock.
 
     Attributes:
-        lies: by address, the checksum of what lies there, where that is not what it should be; None where nothing can be fetched.
+        lies: by address, the checksum of a document that differs from the correct one; None where it cannot be
+            fetched.
     """
 
     def __init__(self, clock: Clock) -> None:

@@ -2,8 +2,8 @@
 
     shut --a vehicle asks--> opening --opening_s--> open --closes_after_s behind the last vehicle--> shut
 
-A door that fails stays open as long as it is; once it is shut it does not open any more. Whoever asks it sees so when it should be
-open. When it is put right it opens for whoever stands before it.
+A door that fails while it is open stays open; once it is shut it does not open any more. A vehicle that asks notices
+the failure when the door should be open. After its repair the door opens for vehicles that stand before it.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from dray.plant.restrictions import Ends
 from dray.ports import Clock
 
 LOOK_AGAIN_S = 1.0
-"""A door that cannot shut yet, because somebody comes too fast to stop before it, tries again so much later."""
+"""Interval between two tries of a door that cannot shut yet, because a vehicle comes too fast to stop before it."""
 
 
 class DoorState(StrEnum):
-    """Of one door."""
+    """The state of one door."""
 
     SHUT = "shut"
     OPENING = "opening"
     OPEN = "open"
     FAILED = "failed"
-    """Shut, and it does not open: somebody has asked it in vain."""
+    """Shut and defective: a vehicle has asked it in vain."""
 
 
 class Passer(Protocol):
@@ -38,7 +38,7 @@ class Passer(Protocol):
 
     @property
     def can_stop(self) -> bool:
-        """Whether it can brake in time before whatever is in its way."""
+        """Whether it can brake in time before any obstacle in its way."""
 
     def look(self) -> None:
         """Something about the lanes has changed."""
@@ -55,7 +55,7 @@ class Doors:
         passers: the vehicles of the floor.
 
     Attributes:
-        leaves: what each door covers unless it is open, by lane.
+        leaves: the area that each door covers unless it is open, by lane.
     """
 
     def __init__(self, plant: Plant, clock: Clock, passers: Mapping[str, Passer]) -> None:
@@ -71,7 +71,7 @@ class Doors:
 
     @property
     def states(self) -> dict[str, DoorState]:
-        """Of every door, by its id."""
+        """The state of every door, by its id."""
         return {name: door.state for name, door in self._doors.items()}
 
     def is_shut(self, lane: Ends) -> bool:
@@ -80,7 +80,7 @@ class Doors:
         return door is not None and door.state is not DoorState.OPEN
 
     def has_failed(self, lane: Ends) -> bool:
-        """Whether somebody has found that the door on a lane does not open."""
+        """Whether a vehicle has found that the door on a lane does not open."""
         door = self._on.get(lane)
         return door is not None and door.state is DoorState.FAILED
 
@@ -116,7 +116,7 @@ class Doors:
             broken.state = DoorState.SHUT
 
     def repair(self, door: str) -> None:
-        """Put a door right: it opens for whoever stands before it; harmless when it works.
+        """Repair a door: it opens for the vehicles that stand before it; harmless when it works.
 
         Raises:
             KeyError: there is no such door.
@@ -176,17 +176,17 @@ class Doors:
 
 
 class _Door:
-    """One door, and who is about it."""
+    """One door, and the vehicles at it."""
 
     def __init__(self, spec: Door) -> None:
         self.spec = spec
         self.state = DoorState.SHUT
         self.fails = False
         self.tries = False
-        """It is opening, or should be."""
+        """Whether it is opening, or should be."""
         self.within: dict[str, None] = {}
-        """Who is on its lanes."""
+        """Vehicles on its lanes."""
         self.asked: dict[str, None] = {}
-        """Who stands before it."""
+        """Vehicles that stand before it."""
         self.plan = 0
-        """The number of what is to be done next: a call of the clock for something else is stale."""
+        """Number of the current plan: a call of the clock with another number is stale."""

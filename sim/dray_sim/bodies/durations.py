@@ -1,4 +1,4 @@
-"""How long something takes this time: around an average, by the seed."""
+"""Random durations around an average, by the seed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from random import Random
 
 
 class Durations:
-    """Times of one body. Nothing is drawn where nothing varies.
+    """Times of one body. Nothing is drawn where the variation is zero.
 
     Args:
         name: of the body and the seed; everything follows from it.

@@ -1,7 +1,7 @@
 """The floor of a plant: bodies and places, with no agent in it.
 
-Vehicles, workcells, storages and the gate of the delivery warehouses act on one another here, as things
-do: a load that a vehicle puts down is there. Who tells them what to do is none of this module's business.
+Vehicles, workcells, storages and the gate of the delivery warehouses act on one another here as physical things do: a
+load that a vehicle puts down is there. The module takes no decisions; instructions come from agents or people.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ FIRST_STOCK_FRAC = (0.4, 1.0)
 """Buffers at the start of a run: a shift begins where the one before it ended."""
 
 NEARLY_EMPTY_FRAC = (0.02, 0.15)
-"""Buffers of a plant to look at, so that vehicles are hired with the first orders: with full ones the first
-minutes in real time would show none that moves."""
+"""Buffer levels of a plant to look at: vehicles get work with the first orders. With full buffers none would move in
+the first minutes of real time."""
 
 
 TAKEN_UP_WITHIN_S = 1.0
-"""So soon after a person has taken up a lost load it does not lie there any more."""
+"""Longest time until a lost load that a person has taken up is off the floor."""
 
 
 class Pieces(msgspec.Struct, frozen=True):
@@ -58,24 +58,25 @@ class Pieces(msgspec.Struct, frozen=True):
 
 
 class Floor:
-    """What stands and drives in a plant.
+    """All bodies and places of a plant.
 
     Args:
-        plant: what stands where.
+        plant: the layout.
         clock: the plant's clock.
-        seed: what is left to chance follows from it: how full buffers are, how long what varies takes.
-        stock_frac: how full buffers are at the start, from and to, of what they hold.
+        seed: of everything random: how full buffers are, and durations that vary.
+        stock_frac: how full buffers are at the start, as a range of fractions of their capacity.
 
     Attributes:
         vehicles, workcells, storages, delivery: the bodies and places by id.
         doors: those of the plant file.
-        obstacles: what lies or stands on the lanes.
+        obstacles: on the lanes.
         source: where material comes from.
         gate: of all delivery warehouses.
         in_hands: pieces that people carry, by item.
-        held_out: those of them that vehicles may take, by node.
+        held_out: pieces in hands that vehicles may take, by node.
         lifted: vehicles that people have taken off the floor.
-        carried: the same, and those that were put down and not switched on since: what their last life held is not theirs.
+        carried: lifted vehicles, and those that were put down and not switched on since: the places that their last
+            life held are void.
     """
 
     def __init__(
@@ -128,7 +129,7 @@ class Floor:
 
     @property
     def standing(self) -> tuple[str, ...]:
-        """The vehicles that nobody has lifted."""
+        """The vehicles that stand on the floor."""
         return tuple(atv for atv in self.vehicles if atv not in self.lifted)
 
     def lift(self, atv: str) -> None:
@@ -152,10 +153,10 @@ class Floor:
             self.vehicles[atv].place_at(node)
 
     def follow(self, atv: str, action: Pick | Drop) -> str:
-        """A vehicle that is not simulated here has picked or dropped: its double does so, and the place counts it as ever.
+        """Repeat a pick or drop of a vehicle that is not simulated here: its double does it, and the place counts it.
 
-        What the place refuses is not counted. Pieces that were put down past it, or that the vehicle no longer has, are in
-        people's hands.
+        A load that the place refuses is not counted. Pieces that were put down past it, or that the vehicle no longer
+        has, are in people's hands.
 
         Returns:
             "" when it is counted, else why not.
@@ -180,7 +181,8 @@ class Floor:
         """Put something in the middle of a lane.
 
         Returns:
-            False when it would lie under a vehicle, or so near before one that this cannot stop in time; nothing has changed then.
+            False when it would lie under a vehicle, or so near before one that this cannot stop in time; then nothing
+                has changed.
 
         Raises:
             KeyError: there is no such lane.
@@ -212,7 +214,7 @@ class Floor:
         return True
 
     def _take_up(self, atv: str, lane: Ends) -> None:
-        """What a vehicle has lost is gone when a person has put the vehicle right, or has the load."""
+        """Clear the lost load once a person has repaired the vehicle or taken the load."""
         vehicle = self.vehicles[atv]
         if vehicle.problem and vehicle.sense().load:
             self._clock.call_at(self._clock.now_s() + TAKEN_UP_WITHIN_S, partial(self._take_up, atv, lane))
@@ -294,11 +296,11 @@ class Floor:
 
     @property
     def bodies(self) -> dict[str, Body]:
-        """By the agent that acts with it."""
+        """The bodies by the names of their agents."""
         return {**self.workcells, **self.storages, **self.vehicles, GATE: self.gate}
 
     def lying(self) -> Counter[str]:
-        """Everything that can be seen, by item, apart from what was delivered: on board of dead vehicles and in people's hands, too."""
+        """All visible pieces by item, except delivered ones; those on dead vehicles and in people's hands count."""
         lies: Counter[str] = Counter(self.in_hands)
         for storage in self.storages.values():
             lies.update(storage.stock)
@@ -317,7 +319,7 @@ class Floor:
     def count(self) -> Pieces:
         """Count all pieces.
 
-        On board means of dead vehicles, too; goods that were set aside and what people carry are in sight.
+        Pieces on dead vehicles count as on board; goods set aside and pieces in people's hands count as seen.
         """
         balance: Counter[str] = Counter(dict.fromkeys((*self._plant.materials, *self._plant.products), 0))
         balance.update(self.lying())

@@ -1,12 +1,12 @@
-"""The gate of the delivery warehouses: it counts goods in by goal, and lets in no more than it was told.
+"""The gate of the delivery warehouses: it counts goods in by goal, and lets in no more than its agent admits.
 
-It is the body (`dray.ports.Body`) of the gate's agent (`dray.protocol.gate`). A goal is fenced here and nowhere else: a machine that
-was given up may live on behind a broken network and send what it makes, and whatever comes then is one
-piece too many for a gate that was shut for its goal. So every ordered piece gets in exactly once
-(invariant 4), without a lease, and goods go on arriving while strategists and the gate's own agent are away.
+It is the body (`dray.ports.Body`) of the gate's agent (`dray.protocol.gate`). Goals are fenced only here. A machine
+that was given up may live on behind a broken network and send its goods. The gate, which was shut for its goal,
+refuses these surplus pieces. So every ordered piece gets in exactly once (invariant 4), without a lease. Goods go on
+arriving while strategists and the gate's own agent are away.
 
-It decides nothing: what is refused stays with whoever brought it. It is hardware and outlives every
-restart of its agent, who senses then what arrived meanwhile.
+It decides nothing, and refused goods stay with their carrier. It is hardware that outlives every restart of its
+agent, which then senses the arrivals it missed.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from dray_sim.bodies.reporter import Reporter
 NOT_ADMITTED = "not admitted"
 
 KEPT_GOALS = 4096
-"""How many goals it keeps in mind. The large plant works on some hundred at a time and closes thousands
-in a day, so a finished goal is remembered for hours, and goods are on the road for minutes."""
+"""Largest number of goals in its memory. The large plant works on some hundred at a time and closes thousands in a
+day. So a finished goal is remembered for hours; goods are on the road for minutes."""
 
 
 @dataclass(slots=True)
 class _Permit:
-    """One goal at the gate."""
+    """The permit of one goal."""
 
     admitted: int
     arrived: int = 0
@@ -36,17 +36,17 @@ class _Permit:
 class Gate:
     """Implements `dray.ports.Body`; the delivery warehouses of a plant share one.
 
-    Invariants: pieces of a goal get in only while no more than admitted are in; what has arrived never
-    falls. A full memory forgets the goal that was quiet the longest, a finished one first. The goods of
-    a forgotten goal are refused, as those of one that was never admitted are: forgetting can hold a
-    piece up, and never let one in twice.
+    Invariants: pieces of a goal get in only while no more than admitted are in; what has arrived never falls. A full
+    memory forgets the goal that was quiet the longest, a finished one first. The goods of a forgotten goal are
+    refused like those of a goal that was never admitted. So forgetting can hold a piece up, but never lets one in
+    twice.
 
     Args:
         clock: the plant's clock.
         kept: how many goals it keeps in mind.
 
     Attributes:
-        is_open: it lets everything in, and still counts: people are its agent's body, and say what has come.
+        is_open: it lets everything in and still counts; people stand for its agent's body, and report arrivals.
     """
 
     def __init__(self, clock: Clock, kept: int = KEPT_GOALS) -> None:
@@ -55,12 +55,12 @@ class Gate:
         self._kept = kept
         self.is_open = False
         self._permits: dict[str, _Permit] = {}
-        """In the order of the last `Admit` or arrival of each, so that the quietest stands first."""
+        """Ordered by the last `Admit` or arrival of each, so that the quietest stands first."""
 
     # --- Body ------------------------------------------------------------------------------------
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What a gate cannot do is ignored: no report would fit it."""
+        """See `dray.ports.Body`. Other instructions are ignored: no report would fit them."""
         if isinstance(instruction, Admit):
             self._reporter.say(self.admit(instruction))
             self._reporter.flush_soon()
@@ -76,7 +76,7 @@ class Gate:
     # --- the world -------------------------------------------------------------------------------
 
     def arrived(self, goal: str) -> int:
-        """How many pieces of a goal are in; 0 for one that it does not know."""
+        """Pieces of a goal that are in; 0 for one that it does not know."""
         permit = self._permits.get(goal)
         return 0 if permit is None else permit.arrived
 

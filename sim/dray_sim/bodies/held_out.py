@@ -1,4 +1,4 @@
-"""What people hold out at a node of the floor, for vehicles to take."""
+"""Pieces that people hold out at a node of the floor, for vehicles to take."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class HeldOut:
     """Pieces in people's hands that a vehicle may take at one node. Implements `dray_sim.bodies.stores.Place`.
 
     Args:
-        in_hands: all that people have in their hands, by item; what is held out here is a part of it.
+        in_hands: all pieces in people's hands, by item, of which these are a part.
     """
 
     def __init__(self, in_hands: Counter[str]) -> None:
@@ -40,5 +40,5 @@ class HeldOut:
         return ""
 
     def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
-        """Nothing is put down on a lane."""
+        """Refuse: a vehicle puts nothing down on a lane."""
         return NOBODY_TAKES

@@ -1,7 +1,8 @@
-"""What lies or stands on the lanes and is no vehicle: pallets, people, doors. How far a vehicle can drive before it.
+"""Obstacles on the lanes: pallets, people, doors. They decide how far a vehicle can drive.
 
-A door of the plant file (`dray_sim.bodies.doors`) shuts its lanes as a whole: whoever wants through waits before them. An obstacle is a rectangle in the middle of a lane. It is in the way on every lane on which a vehicle would come too near to it,
-by geometry alone: so it blocks both directions of a single track, and of a road with two lanes the one on which it lies.
+A door of the plant file (`dray_sim.bodies.doors`) shuts its lanes as a whole: vehicles wait before them. An obstacle
+is a rectangle in the middle of a lane. It blocks every lane on which a vehicle would come too near to it, by geometry
+alone. So it blocks both directions of a single track, and only its own lane of a road with two lanes.
 """
 
 from __future__ import annotations
@@ -20,23 +21,24 @@ Ends = tuple[str, str]
 
 
 SIZES_M: Mapping[str, tuple[float, float]] = {"pallet": (1.2, 0.8), "person": (0.6, 0.6), "door": (0.2, 1.6)}
-"""What can be in the way. Along the lane and across: a EUR pallet, a person with the room that they need, a door as wide as a lane."""
+"""Sizes of obstacles. Length along the lane and width: a EUR pallet, a person with the room that they need, a door as
+wide as a lane."""
 
 CLEAR_M = 0.3
 """A vehicle stops so far before an obstacle."""
 
 FALLS_M = 0.1
-"""So far behind its vehicle a lost pallet lies."""
+"""Gap between a vehicle and a pallet that it has lost."""
 
 STEP_M = 0.05
-"""How densely a lane is looked at."""
+"""Step of the search along a lane."""
 
 REACH_M = 12.0
 """Lanes that are farther away from an obstacle than they are long, and this, do not touch it."""
 
 
 def behind(pose: Pose, vehicle_m: float) -> Rectangle:
-    """What a pallet covers that has slid off the back of a vehicle of this length."""
+    """The area of a pallet that has slid off the back of a vehicle of this length."""
     length_m, width_m = SIZES_M["pallet"]
     back_m = vehicle_m / 2.0 + FALLS_M + length_m / 2.0
     x_m = pose.x_m - back_m * cos(pose.heading_rad)
@@ -52,7 +54,7 @@ class Obstacles:
 
     Attributes:
         doors: as given.
-        shapes: what each covers, by the lane on which it was put.
+        shapes: the area that each covers, by the lane on which it was put.
     """
 
     def __init__(self, plant: Plant, doors: Doors | None = None) -> None:
@@ -60,10 +62,10 @@ class Obstacles:
         self.shapes: dict[Ends, Rectangle] = {}
         self._plant = plant
         self._found: dict[tuple[Ends, float, float], dict[Ends, float]] = {}
-        """By obstacle and size of a vehicle: the lanes on which it is in the way, and how far one comes there."""
+        """By obstacle and size of a vehicle: the lanes that it obstructs, and how far a vehicle can drive on each."""
 
     def shape(self, lane: Ends, thing: str) -> Rectangle:
-        """What a thing would cover in the middle of a lane.
+        """The area that a thing would cover in the middle of a lane.
 
         Raises:
             KeyError: there is no such lane.
@@ -76,27 +78,27 @@ class Obstacles:
         return Rectangle(*middle, road.heading_rad, *SIZES_M[thing])
 
     def put(self, lane: Ends, thing: str) -> None:
-        """Put something in the middle of a lane, in the place of what is there."""
+        """Put something in the middle of a lane; it replaces the obstacle there."""
         self.lay(lane, self.shape(lane, thing))
 
     def lay(self, lane: Ends, shape: Rectangle) -> None:
-        """Let something lie anywhere on a lane, in the place of what is there."""
+        """Put something anywhere on a lane; it replaces the obstacle there."""
         self.take_away(lane)
         self.shapes[lane] = shape
 
     def take_away(self, lane: Ends) -> None:
-        """Clear what is on a lane; harmless where nothing is."""
+        """Clear a lane; harmless when it is clear."""
         self.shapes.pop(lane, None)
         self._found = {key: found for key, found in self._found.items() if key[0] != lane}
 
     def room_m(self, start: str, end: str, kind: VehicleType, driven_m: float = 0.0) -> float | None:
-        """How far a vehicle may drive on a lane (its middle, from the lane's beginning); None where nothing is in the way.
+        """How far a vehicle's middle may drive from the beginning of a lane; None where the lane is clear.
 
         Args:
             start: the lane's first node.
             end: its last.
             kind: of the vehicle.
-            driven_m: where the vehicle is already: whatever it is past it leaves behind.
+            driven_m: the vehicle's present place: it leaves obstacles that it has passed behind.
         """
         rooms = [
             room_m
@@ -107,7 +109,7 @@ class Obstacles:
         return min(rooms, default=None)
 
     def touches(self, shape: Rectangle, x_m: float, y_m: float) -> bool:
-        """Whether a thing would come too near to a vehicle of whatever type that is there, and may turn where it stands."""
+        """Whether a thing would come too near to a vehicle of any type that stands at this spot and may turn there."""
         types = self._plant.vehicle_types.values()
         body_m = max((hypot(kind.length_m, kind.width_m) for kind in types), default=0.0) / 2.0
         return hypot(shape.x_m - x_m, shape.y_m - y_m) - body_m - shape.radius_m < CLEAR_M
@@ -134,7 +136,7 @@ class Obstacles:
                 x_m, y_m = start.x_m + run_m * along_x, start.y_m + run_m * along_y
                 body = Rectangle(x_m, y_m, lane.heading_rad, kind.length_m, kind.width_m)
                 if run_m >= lane.length_m:
-                    # Where it may turn it needs the room for that.
+                    # A vehicle that may turn there needs room to turn.
                     body = Rectangle(x_m, y_m, lane.heading_rad, turns_m, turns_m)
                 if gap_m(body, shape) < CLEAR_M:
                     last_m = run_m - STEP_M if run_m < lane.length_m else lane.length_m - turns_m

@@ -1,8 +1,8 @@
 """The way of a body's reports to its agent: in order, and never inside an instruction.
 
-A body says things while it is in the middle of changing its own state. Whoever hears them may answer
-with an instruction, so they go out when the change is complete: at the end of a clock's callback at
-once, after an instruction by a callback of the clock at the same instant.
+A body says things while it is in the middle of changing its own state. The agent may answer with an instruction, so
+reports go out when the change is complete. After a callback of the clock that is at once; after an instruction it is
+in a callback at the same instant.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dray.ports import Clock
 
 
 class Reporter:
-    """Holds what a body says until it may be heard. What nobody is attached for is lost, as on a wire."""
+    """Holds a body's reports until they may be delivered. Reports without an attached agent are lost, as on a wire."""
 
     __slots__ = ("_asked", "_clock", "_mute", "_on_report", "_waiting")
 
@@ -28,7 +28,7 @@ class Reporter:
         self._mute = False
 
     def attach(self, on_report: Callable[[Report], None]) -> None:
-        """Report to `on_report` from now on, and to no other."""
+        """Deliver to `on_report` from now on, instead of the earlier receiver."""
         self._on_report = on_report
 
     def say(self, report: Report) -> None:
@@ -37,7 +37,7 @@ class Reporter:
             self._waiting.append(report)
 
     def mute(self) -> None:
-        """Say nothing from now on, what is not heard yet included: the body has no power."""
+        """Drop all reports from now on, waiting ones included: the body has no power."""
         self._mute = True
         self._waiting.clear()
 

@@ -1,12 +1,11 @@
-"""Where material comes from and goods go to: storages and warehouses, and what every place offers.
+"""The sources and destinations of goods: storages and warehouses, and the interface of every place.
 
-`Place` is what a vehicle sees of a station: it takes something out or puts something in, at once and
-wholly or not at all. Every place counts, so that material can be balanced over a whole run
-(invariant 2):
+`Place` is a vehicle's view of a station: it takes something out or puts something in, at once, and wholly or not at
+all. Every place counts, so that material can be balanced over a whole run (invariant 2):
 
     stock at the beginning + supplied = in storages + on board + in buffers + consumed + scrapped
 
-Products that nobody admits at the delivery warehouse are set aside there, and counted too.
+Products without a permit at the delivery warehouse are set aside there, and counted too.
 """
 
 from __future__ import annotations
@@ -24,8 +23,8 @@ from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.reporter import Reporter
 
 REFILL_S = 120.0
-"""From a low stock to a full one. The paper leaves this way to somebody else (4.1: material "is supposed
-to be automatically distributed" to the storages); two minutes is a tugger train that is about."""
+"""Time from the order of a refill to a full stock. The paper does not model this transport (4.1: material "is
+supposed to be automatically distributed" to the storages). Two minutes fit a tugger train that is about."""
 
 REFILL_BELOW_FRAC = 0.5
 """A stock below this part of its capacity is refilled."""
@@ -58,7 +57,7 @@ class SourceWarehouse:
 
     Args:
         id_: the warehouse.
-        materials: ids of what it has.
+        materials: ids of its materials.
 
     Attributes:
         left: pieces that went out, by vehicle or as a refill.
@@ -95,11 +94,11 @@ class SourceWarehouse:
 
 
 class DeliveryWarehouse:
-    """Where finished products go, counted as they arrive.
+    """The destination of finished products, which counts them as they arrive.
 
     Args:
         id_: the warehouse.
-        materials: ids of what it does not accept.
+        materials: ids that it does not accept.
         gate: admits goods by their goal; without one, all goods are let in.
 
     Attributes:
@@ -115,11 +114,11 @@ class DeliveryWarehouse:
         self._gate = gate
 
     def take(self, vehicle: str, item: str, quantity: int) -> str:
-        """See `Place`. What is delivered stays delivered."""
+        """See `Place`. Delivered goods stay delivered."""
         return NOT_KEPT
 
     def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
-        """See `Place`. With a gate, the goods of a goal need its leave; those of none are set aside."""
+        """See `Place`. With a gate, goods of a goal need its permit; goods without a goal are set aside."""
         if item in self._materials:
             return NOT_KEPT
         if self._gate is not None:
@@ -134,13 +133,15 @@ class DeliveryWarehouse:
 
 
 class Storage:
-    """A storage: the body of its station. One that fills itself has more come from the source warehouse, a source warehouse from outside.
+    """A storage: the body of its station.
 
-    Implements `dray.ports.Body` and `Place`. A vehicle fetches only what the dock is open for; people help themselves. What
-    is brought back is taken without a question.
+    One that fills itself is refilled from the source warehouse; a source warehouse is refilled from outside.
 
-    Invariants: a stock is never negative and never above its capacity; of every material at most
-    one refill is on its way.
+    Implements `dray.ports.Body` and `Place`. A vehicle fetches only the load for which the dock is open; people help
+    themselves. Returned pieces are accepted without a dock.
+
+    Invariants: a stock is never negative and never above its capacity; each material has at most one refill on its
+    way.
 
     Args:
         spec: which materials, and how many pieces of each.
@@ -148,12 +149,14 @@ class Storage:
         source: where refills come from.
         refill_s: from the order of a refill to its arrival.
         stock: pieces at the beginning; full where a material is not named, and of parts none.
-        parts: what machines of this factory make: no refill of it comes.
-        takes_all: what is brought back finds room, however much lies there: a source warehouse, where material goes that has no other place.
+        parts: items that machines of this factory make: they are never refilled.
+        takes_all: returned pieces always find room, as in a source warehouse, the last destination of material
+            without another place.
 
     Attributes:
         stock: pieces of every material.
-        things: things without master data that were brought here, less those that were fetched: nobody has counted how many lay here.
+        things: things without master data that were brought here, less those that were fetched; the number at the
+            beginning is unknown.
     """
 
     def __init__(
@@ -176,7 +179,7 @@ class Storage:
         self.stock = {item: min(begin.get(item, room), room) for item, room in self._capacity.items()}
         self.things = 0
         self._seq = 0
-        """Of the last change of the stock that a report tells of."""
+        """Number of the last change of the stock that a report tells of."""
         self._takes_all = takes_all
         self._docks = OpenDocks()
         self._reporter = Reporter(clock)
@@ -188,7 +191,7 @@ class Storage:
     # --- Body ------------------------------------------------------------------------------------
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What a storage cannot do is ignored: no report would fit it."""
+        """See `dray.ports.Body`. Other instructions are ignored: no report would fit them."""
         if isinstance(instruction, OpenDock):
             self._docks.open(instruction.vehicle, instruction.item, instruction.quantity)
         elif isinstance(instruction, CloseDock):
@@ -207,7 +210,7 @@ class Storage:
     # --- Place -----------------------------------------------------------------------------------
 
     def take(self, vehicle: str, item: str, quantity: int) -> str:
-        """See `Place`. Only what the dock is open for; without a vehicle it is a person."""
+        """See `Place`. A vehicle takes only the load for which the dock is open; without a vehicle it is a person."""
         at_hand = 1 if item == THING else self.stock.get(item)
         if at_hand is None:
             return NOT_KEPT

@@ -1,8 +1,8 @@
 """A machine's body: buffers of material, a cycle, finished goods, and a dock for vehicles.
 
-It works when told to and decides nothing. A cycle takes its whole bill out of the buffers when it
-starts and puts one piece into the goods when it ends. Vehicles load and unload only where the dock was
-opened for them; the rest of the negotiation is the agent's (`dray.protocol.machine.machine`).
+It follows instructions and decides nothing. A cycle takes its whole bill out of the buffers when it starts and puts
+one piece into the goods when it ends. Vehicles load and unload only where the dock was opened for them; the rest of
+the negotiation is the agent's (`dray.protocol.machine.machine`).
 
 Pieces that came in = buffers + consumed; pieces that were made = goods + taken away. Both are counted,
 so that material can be balanced (invariant 2).
@@ -49,7 +49,7 @@ NO_POWER = "no power"
 
 @dataclass(frozen=True, slots=True)
 class WorkcellTimes:
-    """What a workcell's time went into; the body cannot know why it is not cycling."""
+    """How a workcell's time was spent; the body cannot know why it is not cycling."""
 
     cycling_s: float
     broken_s: float
@@ -63,7 +63,7 @@ class _Cycle:
 
     product: str
     left_s: float
-    """As of the last settling; stands still while the machine is broken or without power."""
+    """Remaining time as of the last settling; it stands still while the machine is broken or without power."""
 
 
 class SimWorkcell:
@@ -83,8 +83,9 @@ class SimWorkcell:
         consumed: pieces of every material that cycles have taken.
         made: good pieces of every product that cycles have put out.
         scrapped: bad ones.
-        things: things without master data that were brought here, less those that were fetched: nobody has counted how many lay here.
-        documents: where it has documents from.
+        things: things without master data that were brought here, less those that were fetched; the number at the
+            beginning is unknown.
+        documents: its document store.
     """
 
     def __init__(
@@ -119,16 +120,16 @@ class SimWorkcell:
         self.things = 0
         self._counts = spec.counts
         self._unbooked: Counter[str] = Counter()
-        """Pieces that lie there and that a body which does not count knows nothing of; below 0 for those that it
-        believes in and that are not there."""
+        """Pieces that lie there unknown to a body that does not count; below 0 for pieces that it wrongly believes to
+        be there."""
         self._seq = 0
-        """Of the last change of the stock that a report tells of."""
+        """Number of the last change of the stock that a report tells of."""
         self._docks = OpenDocks()
         self._cycle: _Cycle | None = None
         self._broken = ""
         self._about = NOTHING_KNOWN
         self._resettable = False
-        """What was wrong is put right, and nobody has told it so yet."""
+        """The fault is repaired, and the machine has not been reset yet."""
         self._speed_frac = 1.0
         self._off = False
         self._turn = 0
@@ -139,7 +140,7 @@ class SimWorkcell:
     # --- Body ------------------------------------------------------------------------------------
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What only a vehicle can do is ignored: no report would fit it.
+        """See `dray.ports.Body`. Instructions for vehicles are ignored: no report would fit them.
 
         Without power nothing is heard.
         """
@@ -189,7 +190,7 @@ class SimWorkcell:
     # --- Place -----------------------------------------------------------------------------------
 
     def take(self, vehicle: str, item: str, quantity: int) -> str:
-        """See `Place`. Only what the dock is open for."""
+        """See `Place`. A vehicle takes only the load for which the dock is open."""
         reason = self._refusal(vehicle, item, quantity)
         if reason:
             return reason
@@ -201,7 +202,7 @@ class SimWorkcell:
         return ""
 
     def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
-        """See `Place`. Only what the dock is open for; goods may come back, too."""
+        """See `Place`. A vehicle puts down only the load for which the dock is open; goods may come back, too."""
         reason = self._refusal(vehicle, item, quantity)
         if reason:
             return reason
@@ -220,7 +221,7 @@ class SimWorkcell:
         return 0
 
     def _provide(self, item: str) -> None:
-        """Have a buffer for a material that is brought for the first time: each has room for any of the plant's."""
+        """Make a buffer for a material that is brought for the first time: each machine has room for all."""
         if item in self._plant.materials and item not in self._stock:
             self._buffers[item] = self._plant.materials[item].buffer
             self._stock[item] = 0
@@ -242,7 +243,7 @@ class SimWorkcell:
         self._change_of_fortune()
 
     def mend(self) -> None:
-        """A person puts right what is wrong: it stands until it is told so. Harmless when nothing is broken."""
+        """Repair a fault: the machine stands until it is reset. Harmless when nothing is broken."""
         if self._broken and not self._resettable:
             self._resettable = True
             self._reporter.say(Broken(reason=self._broken, problem=self._about, resettable=True))
@@ -291,7 +292,7 @@ class SimWorkcell:
         return ""
 
     def times(self) -> WorkcellTimes:
-        """What the time from the beginning until now went into."""
+        """How the time from the beginning until now was spent."""
         now_s = self._clock.now_s()
         since_s = now_s - self._since_s
         broken_s = self._broken_s + (since_s if self._stands else 0.0)
@@ -315,7 +316,7 @@ class SimWorkcell:
     def _start(self, start: StartCycle) -> None:
         product = start.product
         if start.cycle_s > 0.0 and product not in self._cycle_s and product not in self._plant.materials:
-            # Of what it was not set up for, it is told how long a piece takes.
+            # A machine that was not set up for a product is told the time of a piece.
             self._cycle_s[product], self._cycle_cv[product] = start.cycle_s, 0.0
             self._stock.setdefault(product, 0)
         bill = {line.material: line.quantity for line in start.bill} or self._bills.get(product, {})
@@ -345,7 +346,7 @@ class SimWorkcell:
             return "no room for the piece"
         missing = [material for material, quantity in bill.items() if self._stock.get(material, 0) < quantity]
         for material in missing:
-            del self._unbooked[material]  # Whoever reaches for a piece sees what lies there.
+            del self._unbooked[material]  # A person who reaches for a piece sees the true stock.
         return f"missing {', '.join(missing)}" if missing else ""
 
     def _schedule(self, cycle: _Cycle) -> None:
@@ -367,10 +368,10 @@ class SimWorkcell:
     def _refusal(self, vehicle: str, item: str, quantity: int) -> str:
         if self._off:
             return NO_POWER
-        # Less may come than was opened for: the dock counts it.
+        # Less may come than the dock was opened for: the dock counts it.
         if shut := self._docks.refusal_of_part(vehicle, item, quantity):
             return shut
-        self._provide(item)  # A dock that is open for whatever comes was not told of it.
+        self._provide(item)  # A dock that accepts any load was not told the item.
         return "" if item in (THING, *self._stock) else NOT_KEPT
 
     def _transfer(self, vehicle: str, item: str, change: int) -> None:

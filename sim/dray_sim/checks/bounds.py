@@ -1,4 +1,4 @@
-"""How long anything may take once all faults are over: pure arithmetic over a plant.
+"""Upper bounds of all durations once every fault is over: pure arithmetic over a plant.
 
     settle_s      = NOTICE_S + PATIENCE_MAX_S + calling + vehicles * one duty of an operator, where there are any, with their rests
                     + 2 * vehicles / chargers * one full charge, where that takes minutes
@@ -7,11 +7,10 @@
     stall bound_s = settle_s + GOAL_BIDDING_S + transport_s + longest cycle + longest rest
     must charge_s = vehicles / chargers * charging from empty until a vehicle takes work again, where that takes long
 
-A task waits in the worst case while the whole fleet carries others, so its bound grows with what was
-done meanwhile, and with nothing else: a task that nobody serves while nothing is done is a deadlock, and
-one that is passed over again and again is caught as soon as others run out. The demand has ended by
-then, so they do. The second bound holds for all work together: as long as any order is open, something
-must come forward within it.
+In the worst case a task waits while the whole fleet carries others. So its bound grows with the transports that were
+done meanwhile, and with nothing else. A task that waits while no transport is done is a deadlock. A task that is
+passed over again and again is caught as soon as other tasks run out. The demand has ended by then, so they do. The
+stall bound holds for all work together: as long as any order is open, some progress must come within it.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ from dray_sim.people.operators import LOOK_S
 from dray_sim.people.tablet import ANSWER_S, TRIES
 
 NOTICE_S = bound_s(IDLE_INTERVAL_S, loss_frac=1.0, deviation_s=LATENESS_MAX_S) + 25.0
-"""From the end of the last fault until agents know who lives and who carries what: the longest bound of
-suspicion, of an idle vehicle on the worst link, and what follows from it."""
+"""Time from the end of the last fault until agents know the living agents and the carriers of tasks. It is the
+longest bound of suspicion, for an idle vehicle on the worst link, and its consequences."""
 
 ASKING_S = 20.0
 """Docks that are held for a moment, questions asked again, a handover answered."""
@@ -61,28 +60,28 @@ class Bounds:
             for ability in sorted({ability for kind in kinds for ability in kind.abilities})
         }
         self._plant = plant
-        # In the worst case every vehicle needs somebody, and all stand in one area.
+        # In the worst case every vehicle needs a person, and all stand in one area.
         duties_s = 0.0 if habits is None else _calling_s(habits) + len(kinds) * _duty_s(habits)
         duties_s = _with_rests_s(plant, duties_s)
         self.settle_s = NOTICE_S + PATIENCE_MAX_S + duties_s + _charging_s(plant)
-        """Until everybody has noticed that the faults are over, and people have put everything right (s)."""
+        """Longest time until all agents have noticed the end of the faults, and people have repaired everything (s)."""
         handling_s = max(kind.load_s + kind.unload_s for kind in kinds)
         bidding_s = (
             rules.rest_aged_max_s + rules.window_max_s + rules.answer_s * rules.window_max_s / rules.window_s
         )
         self.transport_s = bidding_s + 2.0 * _longest_way_s(plant) + handling_s + ASKING_S
-        """From the announcement to the handover, with a vehicle that is free (s)."""
+        """Longest time from the announcement to the handover, with a free vehicle (s)."""
         cycle_s = max(making.cycle_s for spec in plant.machines.values() for making in spec.makes)
         self.stall_s = self.settle_s + GOAL_BIDDING_S + self.transport_s + cycle_s + _longest_rest_s(plant)
-        """As long as anything is open, something must come forward within this (s)."""
+        """Longest time without any progress while anything is open (s)."""
         self.must_charge_s = _must_charge_s(plant)
-        """How much longer all of it may take while a vehicle must charge (s)."""
+        """Additional time for all of these while a vehicle must charge (s)."""
 
     def task_s(self, item: str, done_meanwhile: int) -> float:
-        """How long a transport may stay open (s).
+        """Longest time for which a transport may stay open (s).
 
         Args:
-            item: what is carried.
+            item: of the transport.
             done_meanwhile: transports that were delivered since it was announced, or since the quiet phase began.
         """
         able = self._able.get(self._plant.ability_of(item), 1)
@@ -90,9 +89,9 @@ class Bounds:
 
 
 def _charging_s(plant: Plant) -> float:
-    """Until the last one of a fleet that is empty has charged, and once more for what it has used meanwhile.
+    """Time until the last vehicle of an empty fleet has charged, and once more for its use meanwhile.
 
-    Nothing where batteries outlast a run by far.
+    Zero where batteries outlast a run by far.
     """
     if not _charges_quickly(plant):
         return 0.0
@@ -102,7 +101,7 @@ def _charging_s(plant: Plant) -> float:
 
 
 def _must_charge_s(plant: Plant) -> float:
-    """Until the last one of a fleet that must charge takes work again; nothing where full charges are in every bound."""
+    """Time until the last of a fleet that must charge takes work again; 0 where every bound includes full charges."""
     if _charges_quickly(plant) or not plant.chargers:
         return 0.0
     types = sorted({spec.type for spec in plant.fleet.values()})
@@ -127,7 +126,7 @@ def _longest_way_s(plant: Plant) -> float:
 
 
 def _longest_rest_s(plant: Plant) -> float:
-    """Of all machines, by their working time on the first day: runs do not last longer."""
+    """Longest rest of any machine, by its working time on the first day: runs do not last longer."""
     return max(_rest_s(plant.working_time_of(machine)) for machine in plant.machines)
 
 
@@ -141,13 +140,13 @@ def _rest_s(working_time: WorkingTime) -> float:
 
 
 def _with_rests_s(plant: Plant, duties_s: float) -> float:
-    """The same with the rests of those who do them, by the working time of their area on the first day."""
+    """The duties with the rests of the people who do them, by the working time of their area on the first day."""
     times = [people_of(plant, area) for area in plant.areas] or [plant.working_time]
     return max(_longest_s(working_time, duties_s) for working_time in times)
 
 
 def _longest_s(working_time: WorkingTime, work_s: float) -> float:
-    """In how much time so much is worked at least, from whenever on the first day: from the beginning of a rest it takes longest."""
+    """Longest time that so much work takes, from any moment of the first day: the worst beginning is that of a rest."""
     longest_s = at_s = 0.0
     while at_s < DAY_S and work_s > 0.0:
         longest_s = max(longest_s, working_time.after_s(at_s, work_s) - at_s)
@@ -156,7 +155,7 @@ def _longest_s(working_time: WorkingTime, work_s: float) -> float:
 
 
 def _calling_s(habits: Habits) -> float:
-    """Until a call is answered by somebody who comes: who has taken it before does not, and nobody was there for a while."""
+    """Time until a person who will come answers a call: earlier takers stay away, and for a while no one was there."""
     promised_s = habits.estimate[1] * (habits.walk_s[1] + habits.mend_s[1])
     return promised_s + LATE_S + len(ASKED_IN_ROUND) * CALL_ANSWER_S + REST_MAX_S
 

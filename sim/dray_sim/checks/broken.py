@@ -1,4 +1,4 @@
-"""The error that says which invariant was broken, when, and by what."""
+"""The error for a broken invariant, with its time and its cause."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class InvariantBroken(DrayError):
     Attributes:
         number: of the invariant in protocol.md.
         at_s: when it was seen (plant clock).
-        seen: what.
+        seen: the observation.
     """
 
     def __init__(self, number: int, at_s: float, seen: str) -> None:
@@ -19,5 +19,5 @@ class InvariantBroken(DrayError):
         super().__init__(f"invariant {number} is broken at {at_s:.3f} s: {seen}")
 
     def __reduce__(self) -> tuple[type[InvariantBroken], tuple[int, float, str]]:
-        """From process to process as it was made: from its parts, not from its message."""
+        """Pickle it from its parts and not from its message, to send it between processes."""
         return type(self), (self.number, self.at_s, self.seen)

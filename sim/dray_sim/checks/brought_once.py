@@ -1,7 +1,8 @@
-"""Invariant 23: what somebody has asked to be brought is brought once, all of it, or called off and not brought.
+"""Invariant 23: every plain transport is delivered once and completely, or called off and not delivered.
 
-No other vehicle has it than the only one that may carry it, and none that lacks the ability that somebody wanted of its vehicle. A check like those of `dray_sim.checks.invariants`: it hears what the places say to which something is brought, and takes no part.
-What they have counted is compared with what was asked for; that no piece appears or vanishes is invariant 2.
+If only one vehicle may carry it, no other one does, and no vehicle carries it without the wanted ability. Like those
+of `dray_sim.checks.invariants`, this check takes no part; it hears the messages of the destinations. It compares
+their counts with the requests; invariant 2 says that no piece appears or vanishes.
 """
 
 from __future__ import annotations
@@ -17,35 +18,38 @@ from dray_sim.checks.broken import InvariantBroken
 class BroughtOnce:
     """Every plain transport ends once, with as much as was asked for.
 
-    A place that has lost its notes may know less than it has told: of its transports nothing is asked any more.
+    A place that has lost its notes may know less than it has told: its transports are no longer checked.
 
     Args:
-        abilities: of each vehicle of the plant, by its id; who has joined since, and may lie, only says what it can carry.
+        abilities: of each vehicle of the plant, by its id; a vehicle that joined later, and may lie, only claims its
+            own.
     """
 
     def __init__(self, abilities: Mapping[str, Collection[str]]) -> None:
         self._abilities = abilities
         self._wanted: dict[str, str] = {}
-        """By transport, the ability that is wanted of its vehicle."""
+        """Wanted ability of the vehicle, by transport."""
         self._asked: dict[str, int] = {}
-        """By transport, pieces."""
+        """Ordered pieces, by transport."""
         self._only: dict[str, str] = {}
-        """By transport, the vehicle that alone may carry it, for always."""
+        """The only vehicle that may ever carry it, by transport."""
         self._ended: dict[str, TransportState] = {}
         self._places: dict[str, str] = {}
-        """By transport, where it goes, as that place has told."""
+        """Destination, by transport, as that place has told."""
         self._tasks: dict[str, str] = {}
-        """By task, the transport that it is an attempt at."""
+        """Transport of each task, which is an attempt at it."""
         self._done: dict[str, int] = {}
-        """By transport, how many tasks were closed as delivered."""
+        """Number of tasks that were closed as delivered, by transport."""
         self._forgotten: set[str] = set()
-        """Transports of places that have lost their notes: who carries one may be heard of after it was called off anew. Only ever asked for membership."""
+        """Transports of places that have lost their notes: their carriers may be heard of after they were called off
+        anew. It is only asked for membership."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.
 
         Raises:
-            InvariantBroken: a transport has ended twice, or with another quantity, went on after its end, was called off and brought, or has a carrier that it may not have.
+            InvariantBroken: a transport has ended twice or with another quantity, went on after its end, was called
+                off and still brought, or has a forbidden carrier.
         """
         if type(message) is TransportOrdered:
             self._asked.setdefault(message.transport, message.quantity)

@@ -1,7 +1,7 @@
 """Invariant 4: an ordered quantity is delivered exactly once, counted where goods leave the factory.
 
-The count is the gate's own, over all goals that an item of an order ever had: who made the pieces, and how
-often a machine or the strategist has failed meanwhile, makes no difference.
+The count is the gate's own, over all goals that an item of an order ever had. Neither the makers of the pieces nor
+failures of machines or the strategist make a difference.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ class DeliveredExactly:
     def __init__(self, arrived: Callable[[str], int]) -> None:
         self._arrived = arrived
         self._orders: dict[str, Ordered] = {}
-        """Orders that have not ended; bounded by what is in work."""
+        """Orders that have not ended; bounded by the work in progress."""
         self._work: dict[str, Production] = {}
-        """What the goals of those orders are for."""
+        """The work of the goals of those orders."""
         self._fulfilled: dict[str, None] = {}
         """Orders of which all has arrived, oldest first: as many as the strategist can still speak of."""
 
@@ -75,11 +75,11 @@ class DeliveredExactly:
             raise InvariantBroken(4, at_s, f"{message.order} was said to be fulfilled, and was not")
 
     def _note_order(self, message: OrderReleased) -> None:
-        # It is repeated until it is answered, and later holds less than was ordered.
+        # The message is repeated until it is answered, and later holds less than was ordered.
         asked = [item.quantity + item.arrived for item in message.items]
         order = self._orders.setdefault(message.order, Ordered(asked))
         if message.change > order.change:
-            # Until the machines have said what they keep it may be either.
+            # Until the machines have told what they keep, either quantity is possible.
             order.change = message.change
             order.quantities = [max(pair) for pair in zip(order.quantities, asked, strict=True)]
 

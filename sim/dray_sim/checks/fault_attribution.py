@@ -1,9 +1,9 @@
-"""Invariant 6, the other way round: nobody loses a contract without a reason.
+"""Invariant 6 in reverse: no agent loses a contract without a reason.
 
-Where a carrier is replaced or a goal is taken from its machine, a fault must have touched one of
-those who are concerned not long before. So a failure that spreads to others is seen. That a vehicle was asked
-to leave is no such fault: it gives its task back itself, or finishes it, and nobody need miss it. Nor is a process that
-was started again so soon that nobody need have missed it, or a clock that somebody has set.
+When a carrier is replaced or a goal is taken from its machine, a recent fault must have touched one of the agents
+concerned. This shows a failure that spreads to others. A request to leave is no such fault: the vehicle gives its
+task back itself, or finishes it, and need not be missed. Neither is a process that restarts too soon to be missed,
+nor a clock that was set.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from dray_sim.faults import (
 from dray_sim.faults.chance import COORDINATOR_BACK_S, VEHICLE_BACK_S
 
 LATER_S = 300.0
-"""What a fault has begun is over by then: suspicions, waits for help, and what people do about it."""
+"""Time by which the consequences of a fault are over: suspicions, waits for help, and people's work on it."""
 
 HELD_UP_S = 5.0
 """A message that is overtaken, or doubled, comes so much later at most."""
@@ -47,11 +47,12 @@ HEARD_S = 0.5
 EVERYBODY = ""
 
 FLOOR = "the floor"
-"""Stands for what people have closed, and what lies on lanes, which may hold up anybody. No agent has a name with white space."""
+"""Stands for closures by people and obstacles on lanes, which may hold up any vehicle. No agent has a name with white
+space."""
 
 
 OUT_UNTIL_S: Mapping[str, float] = {CommandKind.TAKE_OUT: float("inf"), CommandKind.PUT_IN: 0.0}
-"""For how long from a person's word a vehicle is out of service, which explains what it gives back for that."""
+"""How long a vehicle is out of service after a person's command, which explains that it gives work back."""
 
 
 class _Spell(NamedTuple):
@@ -64,7 +65,7 @@ class _Spell(NamedTuple):
 
 
 class _Absence:
-    """How long an agent's process was away."""
+    """An absence of an agent's process."""
 
     __slots__ = ("back_s", "held_by", "since_s")
 
@@ -76,25 +77,25 @@ class _Absence:
 
 
 class FaultAttribution:
-    """Knows which faults there were, and asks for one when somebody loses a contract.
+    """Knows all faults, and demands one when an agent loses a contract.
 
     Args:
-        fleet: who is a vehicle.
-        strategists: who gives goals out.
+        fleet: the vehicles.
+        strategists: the agents that give goals out.
     """
 
     def __init__(self, fleet: Container[str] = (), strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._fleet = fleet
-        # What is counted at the gate decides when a goal is lost, as their words do.
+        # Like the strategists' messages, the gate's count decides when a goal is lost.
         self.strategists = (*strategists, GATE)
         self._absences: dict[str, _Absence] = {}
         """The last one of each agent."""
         self._spells: dict[str, _Spell] = {}
-        """By id of the fault. A run has some dozens."""
+        """Faults by id. A run has some dozens."""
         self._touched_s: dict[str, float] = {}
-        """Until when an agent was in trouble last, or away (`_away`); `EVERYBODY` stands for the network."""
+        """Until when an agent was last in trouble, or away (`_away`); `EVERYBODY` stands for the network."""
         self._stands: dict[str, None] = {}
-        """Vehicles that are stopped or in error, whoever did that to them."""
+        """Vehicles that are stopped or in error, for any cause."""
 
     def begin(self, name: str, fault: Fault, at_s: float) -> None:
         """A fault has begun."""
@@ -116,11 +117,11 @@ class FaultAttribution:
                     absence.held_by.add(name)
 
     def distrust(self, agent: str) -> None:
-        """Somebody lies: whatever it loses is due to that."""
+        """Mark an agent as a liar: any loss of its contracts is due to that."""
         self._touched_s[agent] = float("inf")
 
     def restrict(self, until_s: float) -> None:
-        """People close parts of the floor until then: whatever is given back or comes late may be due to that."""
+        """Note that people close parts of the floor until then: work that is given back or late may be due to that."""
         self._touched_s[FLOOR] = until_s
 
     def end(self, name: str, at_s: float) -> None:
@@ -149,14 +150,14 @@ class FaultAttribution:
         )
 
     def may_have_lost(self, sender: str, receiver: str, since_s: float) -> bool:
-        """Whether what one agent said to another since then may not have arrived."""
+        """Whether a message from one agent to another since then may have been lost."""
         return any(
             spell.ended_s >= since_s and _can_lose(spell.fault, sender, receiver)
             for spell in self._spells.values()
         )
 
     def delay_s(self, since_s: float) -> float:
-        """How much longer than usual a message since then may have been under way."""
+        """Additional delay of a message since then."""
         troubles = [spell.fault for spell in self._spells.values() if spell.ended_s >= since_s]
         return sum(
             fault.latency_s
@@ -167,10 +168,10 @@ class FaultAttribution:
         )
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
-        """Look for what lost contracts are due to.
+        """Look for the causes of lost contracts.
 
         Raises:
-            InvariantBroken: nothing was wrong with anybody.
+            InvariantBroken: no agent had a fault.
         """
         if type(message) is AtvHeartbeat:
             self._note_wait(message, at_s)
@@ -197,7 +198,7 @@ class FaultAttribution:
                 raise InvariantBroken(6, at_s, seen)
 
     def _note_wait(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
-        """With right of way, whoever waits for a vehicle with which something is wrong is late for the same reason."""
+        """Note a vehicle that waits, with right of way, for one in trouble: it is late for the same reason."""
         other = heartbeat.floor.waits_for if heartbeat.floor else ""
         agents = (other, _away(other))
         if other and any(
@@ -219,7 +220,7 @@ class FaultAttribution:
                 yield name
 
     def _note_back(self, agent: str, name: str, at_s: float) -> None:
-        """A crash is over; it counts as a fault when the process was away for so long that it was missed."""
+        """End a crash; it counts as a fault when the process was away for long enough to be missed."""
         absence = self._absences.get(agent)
         if absence is None or name not in absence.held_by:
             return
@@ -238,12 +239,12 @@ class FaultAttribution:
 
 
 def _away(agent: str) -> str:
-    """What stands for an agent's being away after a graceful shutdown: that is trouble to those only who rely on its answers."""
+    """Key of an agent that is away after a graceful shutdown: only agents that need its answers are in trouble."""
     return f"{agent} away"
 
 
 def _concerned(machine: str, fact: CarrierChanged) -> tuple[str, ...]:
-    """Whose trouble explains that a task has lost its carrier."""
+    """Keys whose trouble explains that a task has lost its carrier."""
     if fact.reason == Reason.GRACEFUL_SHUTDOWN:
         return (_away(fact.replaced),)
     if fact.reason == Reason.OUT_OF_SERVICE:
@@ -252,7 +253,7 @@ def _concerned(machine: str, fact: CarrierChanged) -> tuple[str, ...]:
 
 
 def _taken_out(agent: str) -> str:
-    """What stands for a person's having taken an agent out of service: that explains what it gives back for that, and nothing else."""
+    """Key of an agent that a person took out of service: this explains only the work that it gives back for that."""
     return f"{agent} out of service"
 
 
@@ -260,13 +261,13 @@ def _touched(fault: Fault) -> str:
     if isinstance(fault, LaneBlocked | DoorFailed):
         return FLOOR
     if isinstance(fault, LoadDropped):
-        # The vehicle stands, and what it has lost lies in the way of the others.
+        # The vehicle stands, and its lost load lies in the way of others.
         return EVERYBODY
     return _away(fault.agent) if isinstance(fault, SentAway) else _agent(fault)
 
 
 def _agent(fault: Fault) -> str:
-    """Whom a fault is about; `EVERYBODY` for one that may touch anybody."""
+    """The agent of a fault; `EVERYBODY` for a fault that may touch any agent."""
     if isinstance(fault, PoweredOff | Crashed | JournalLost | ClockSet | SentAway | WlanCut | RadioCut):
         return fault.agent
     if isinstance(fault, MachineBroken):

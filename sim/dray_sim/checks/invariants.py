@@ -1,7 +1,7 @@
-"""What must never be seen, checked while a run goes on (protocol, "Invariants").
+"""The invariants of the protocol, checked while a run goes on (protocol, "Invariants").
 
-Every check hears all that is said, and may look at the bodies; none of them takes part. A violation
-ends the run and names the invariant, the moment and what was seen.
+Every check hears all that is said, and may look at the bodies; none of them takes part. A violation ends the run and
+names the invariant, the moment and the observation.
 """
 
 from __future__ import annotations
@@ -51,26 +51,26 @@ from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener
 
 BRAKING_S = 10.0
-"""By then a stopped vehicle stands, whatever its speed and load were."""
+"""Longest time in which a stopped vehicle brakes, at any speed and load."""
 
 STILL_M = 1e-6
-"""Less than this is rounding, not motion."""
+"""Shorter distances are rounding, not motion."""
 
 
 class TasksEnd:
     """Invariant 1: an announced task is delivered, withdrawn, or still announced. Never lost.
 
-    What one of these strategists has announced any of them may end: it has taken the order over.
+    Any of these strategists may end a task that another one announced: it has taken the order over.
     """
 
     def __init__(self, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._strategists = strategists
         self._open_s: dict[str, dict[str, float]] = {}
-        """By coordinator: its open tasks, and when each was announced first."""
+        """Open tasks by coordinator, each with its first announcement."""
         self._forgotten: dict[str, None] = {}
         """Tasks of coordinators that have lost their notes; their carriers may have told of them since."""
         self._ended: dict[str, dict[str, None]] = {}
-        """By coordinator, the newest of its tasks that have ended, which is forgotten with its notes, too."""
+        """Newest ended tasks by coordinator, forgotten with its notes, too."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if sender in self._strategists:
@@ -100,14 +100,14 @@ class TasksEnd:
 
 
 HANDED_OVER_KEPT = 1000
-"""Tasks whose carriers are remembered: twenty minutes of a plant of 300 agents, and a message that is
-repeated for longer than that has no receiver any more."""
+"""Number of tasks whose carriers are remembered: twenty minutes of a plant of 300 agents. A message that is repeated
+for longer has no receiver any more."""
 
 
 class HandedOverOnce:
     """Invariant 2, first half: a task is handed over once, and by one carrier only.
 
-    Who that is, is told by the answer to the handover and by the carrier's own history. A coordinator that has lost its
+    The answer to the handover and the carrier's own history tell who the carrier is. A coordinator that has lost its
     notes may take a second carrier at its word: it orders so much less.
     """
 
@@ -147,11 +147,11 @@ class HandedOverOnce:
 
 
 class EpochsRise:
-    """What keeps invariant 2: whenever a task changes its carrier its epoch is higher than before."""
+    """The epoch rule behind invariant 2: a task gets a higher epoch whenever its carrier changes."""
 
     def __init__(self) -> None:
         self._epochs: dict[str, int] = {}
-        """By open task, that of the last carrier."""
+        """Epoch of the last carrier, by open task."""
 
     def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
         if type(message) is not Event:
@@ -199,14 +199,14 @@ class OnePrimaryEach:
 class StoppedStands:
     """Invariant 5: a stopped vehicle does not move before acknowledge and resume.
 
-    A loss of power ends no stop. People may carry a vehicle about: what counts is what it drives.
+    A loss of power ends no stop. People may carry a vehicle about: only the distance that it drives counts.
     """
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._stopped_s: dict[str, float] = {}
         self._stood_m: dict[str, float] = {}
-        """What a stopped vehicle had driven when it came to its stand."""
+        """Distance that a stopped vehicle had driven when it came to its stand."""
         self._acknowledged: dict[str, None] = {}
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
@@ -250,7 +250,7 @@ class MaterialConserved:
     """
 
     INTERVAL_S = 60.0
-    """Counting the whole plant takes a while, and what is lost stays lost."""
+    """Interval between two counts: counting the whole plant takes a while, and lost pieces stay lost."""
 
     def __init__(self, balance: Callable[[], Mapping[str, int]]) -> None:
         self._balance = balance
@@ -271,13 +271,13 @@ class MaterialConserved:
 
 
 class PromisedLiesThere:
-    """Invariant 10: what the station of a storage promises lies there."""
+    """Invariant 10: promised pieces lie in the storage of the station that promised them."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
-        """Look at what is promised.
+        """Compare the promises with the stock.
 
         Raises:
-            InvariantBroken: more than lies there.
+            InvariantBroken: a station has promised more than lies there.
         """
         if type(message) is not StationHeartbeat:
             return
@@ -290,11 +290,11 @@ class PromisedLiesThere:
 class Invariants:
     """All checks of one factory, as one listener.
 
-    A violation does not disturb the agents: it is kept, and told to whoever waits for it. Invariant 8
-    is not among them: an agent that ends by an exception ends the run by itself.
+    A violation does not disturb the agents: it is kept, and told to its waiters. Invariant 8 is not among them: an
+    agent that ends by an exception ends the run by itself.
 
     Args:
-        factory: what is watched.
+        factory: to watch.
         more: further checks, which raise `InvariantBroken` as these do.
 
     Attributes:

@@ -1,6 +1,6 @@
-"""Invariants 6 and 7: what becomes of the others when one agent fails.
+"""Invariants 6 and 7: the effects on other agents when one fails.
 
-Checks like those of `dray_sim.checks.invariants`: they hear everything, look at who is running, and take no
+Like those of `dray_sim.checks.invariants`, these checks hear all messages, look at the running agents, and take no
 part.
 """
 
@@ -38,23 +38,23 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory
 
 LOOK_S = 1.0
-"""How often it is looked who is running: whoever dies is noticed at most so much later."""
+"""Interval between two looks at the running agents: a death is noticed at most so much later."""
 
 DELAY_S = 6.0
-"""The last heartbeat of the dead may be under way for so long: the slowest link of the paper has 5 s."""
+"""Longest transit time of a dead agent's last heartbeat: the slowest link of the paper has 5 s."""
 
 LATE_S = 1.0
 """A heartbeat is said at its interval, and no agent is busy for so long in between."""
 
 
 class SpeaksOn:
-    """Invariant 6: whoever fails, every other agent goes on saying that it lives."""
+    """Invariant 6: when one agent fails, every other agent goes on sending heartbeats."""
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._heard_s: dict[str, float] = {}
         self._lives: dict[str, int] = {}
-        """Whoever was away for less than it takes to look again has begun another life."""
+        """Number of each agent's life, which shows an absence between two looks."""
         self._look_s = 0.0
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
@@ -62,7 +62,7 @@ class SpeaksOn:
             self._heard_s[sender] = at_s
         if at_s >= self._look_s:
             if at_s > self._look_s + LOOK_S:
-                # Nobody has said anything, so nobody knows who was running: all begin anew.
+                # No agent has said anything, so it is unknown which were running: all begin anew.
                 self._heard_s = dict.fromkeys(self._heard_s, at_s)
             self._look_s = at_s + LOOK_S
             self._look(at_s)
@@ -91,20 +91,20 @@ class _Watch:
 
 @dataclass(slots=True)
 class _Carried:
-    """One open transport, from outside."""
+    """One open transport, as an observer knows it."""
 
     goods: bool
     coordinator: str
     primary: str = ""
     epoch: int = 0
-    """In which it is that. A secondary of an earlier one watches somebody else."""
+    """Epoch of the present carrier. A secondary of an earlier one watches another vehicle."""
     loading: bool = False
     """The primary is at its source or past it."""
     watchers: dict[str, _Watch] = field(default_factory=dict)
-    """Who is secondary by its own words."""
+    """Vehicles that are secondary by their own messages."""
 
     def assign(self, primary: str, epoch: int) -> None:
-        """Somebody is primary from now on."""
+        """The task has a primary from now on."""
         self.primary, self.epoch, self.loading = primary, epoch, False
 
 
@@ -115,9 +115,9 @@ class ReplacedInTime:
 
         DELAY_S + MISSES_MAX * WORKING_INTERVAL_S + LATENESS_MAX_S
 
-    How much earlier it is on a good link is measured elsewhere; here nobody knows how good links were.
-    Left out are a secondary that is stopped or in error, for it cannot drive, and goods and things that may be on
-    board of the dead vehicle, for nobody else can fetch them.
+    A good link makes it earlier, which is measured elsewhere; this check does not know the quality of links. There
+    are two exceptions. A secondary that is stopped or in error cannot drive. Goods and things that may be on board of
+    the dead vehicle cannot be fetched by another one.
     """
 
     BOUND_S = DELAY_S + MISSES_MAX * WORKING_INTERVAL_S + LATENESS_MAX_S
@@ -150,7 +150,7 @@ class ReplacedInTime:
                     fact.task, _Carried(bool(fact.work.goal) or fact.work.item == THING, agent)
                 )
         elif type(fact) is MemoryLost:
-            # What a coordinator does not know it cannot give to others.
+            # A coordinator cannot reassign a task that it does not know.
             self._tasks = {
                 task: carried for task, carried in self._tasks.items() if carried.coordinator != agent
             }

@@ -1,7 +1,7 @@
 """Invariant 1 in time: when all faults have ended, every announced task ends within a computed bound.
 
-So does every vehicle's work for a task that has ended already: nobody stays bound by what is over. It
-hears everything and takes no part. Before the quiet phase it only keeps books.
+A vehicle's work for an ended task must end, too. The check hears everything and takes no part. Before the quiet phase
+it only keeps books.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
 
 LOOK_S = 5.0
-"""How often the bounds are looked at: they are minutes."""
+"""Interval between two looks at the bounds, which are minutes."""
 
 PROGRESS = (PieceMade, GoodsDelivered, TaskClosed, OrderFulfilled, OrderDropped)
-"""What brings an order forward. Each can happen only so often for a finite demand."""
+"""Events that bring an order forward. Each can happen only a bounded number of times for a finite demand."""
 
 
 class LivenessCheck:
@@ -51,7 +51,7 @@ class LivenessCheck:
         liar: whose word on its own work counts for nothing; empty when everybody is honest.
 
     Attributes:
-        over: set when nothing is open and nobody is bound any more, after the quiet phase has begun.
+        over: set when nothing is open and no vehicle is bound any more, after the quiet phase has begun.
     """
 
     def __init__(self, bounds: Bounds, liar: str = "") -> None:
@@ -60,18 +60,18 @@ class LivenessCheck:
         self._bounds = bounds
         self._since_s = float("inf")
         self._open: dict[str, tuple[float, int, str]] = {}
-        """By transport: when it was announced first, how many were done before, and what is carried."""
+        """First announcement, number of transports done before, and item, by transport."""
         self._coordinator: dict[str, str] = {}
-        """Of every transport that was announced."""
+        """Coordinator of every announced transport."""
         self._orders: dict[str, str] = {}
-        """Those that are not delivered yet, and transports that somebody has asked for; with who has."""
+        """Undelivered orders, and plain transports; with the agent that asked for each."""
         self._ended_orders: dict[str, None] = {}
         self._returned: dict[str, int] = {}
-        """By order that was taken back: its newest release of which that is known."""
+        """Newest known release of each withdrawn order."""
         self._ended: dict[str, None] = {}
         """Transports that are not open any more."""
         self._busy: dict[str, tuple[str, float]] = {}
-        """By vehicle: the ended task that it still names as its own, and since when."""
+        """Ended task that a vehicle still names as its own, and since when, by vehicle."""
         self._done = 0
         self._done_before = 0
         """Transports that were done when the quiet phase began."""
@@ -87,7 +87,7 @@ class LivenessCheck:
         self._done_before = self._done
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
-        """Note what begins and ends.
+        """Note beginnings and ends.
 
         Raises:
             InvariantBroken: something is open for too long.
@@ -95,7 +95,7 @@ class LivenessCheck:
         if type(message) is Event:
             self._note(message, at_s)
         elif type(message) is OrderReleased:
-            # It is repeated until it is answered, and that may be after its end.
+            # The message is repeated until it is answered, which may be after the order's end.
             again = message.release > self._returned.get(message.order, 0)
             if message.order not in self._ended_orders and again:
                 self._orders[message.order] = sender
@@ -127,7 +127,7 @@ class LivenessCheck:
             if fact.state in TRANSPORT_ENDED:
                 self._end_order(fact.transport)
             if fact.state is TransportState.DELIVERED:
-                # Machines ask for the same again and again: what is called off brings nothing forward.
+                # Machines ask for the same again and again: a withdrawn task is no progress.
                 self._moved_s = at_s
         elif type(fact) is BidRefused and fact.reason is Refusal.BATTERY and event.agent != self._liar:
             self._charging_s = at_s
@@ -140,15 +140,15 @@ class LivenessCheck:
                 self._end_order(fact.order)
 
     def _forget_those_of(self, agent: str) -> None:
-        # It does not know of its transports; what still is to be done it announces under other names.
+        # The agent does not know its transports; it announces the remaining work under other names.
         for task in [task for task in self._open if self._coordinator[task] == agent]:
             del self._open[task]
-        # Nor of what it has asked others to fetch: when they lose their memory too, nobody does.
+        # It does not know either what it has asked others to fetch: when they lose their memory too, no agent does.
         for order in [order for order, asker in self._orders.items() if asker == agent]:
             del self._orders[order]
 
     def _return_order(self, message: RevocationTaken) -> None:
-        """It is not worked at, unless it was released again meanwhile."""
+        """Stop watching a withdrawn order, unless it was released again meanwhile."""
         if message.release > self._returned.get(message.order, 0):
             self._returned[message.order] = message.release
             self._orders.pop(message.order, None)
@@ -188,5 +188,5 @@ class LivenessCheck:
             raise InvariantBroken(1, at_s, seen)
 
     def _charging_bound_s(self, since_s: float) -> float:
-        """What is added to a bound that counts from then on."""
+        """Additional time for a bound that counts from that moment."""
         return self._bounds.must_charge_s if self._charging_s >= since_s else 0.0

@@ -1,6 +1,6 @@
 """Invariant 24: a storage opens its dock for one carrier of a task at a time.
 
-Its body says for whom the dock is open, and what its station says to vehicles tells for which tasks.
+Its body tells for which vehicle the dock is open, and its station's messages to vehicles tell for which tasks.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from dray_sim.factory.sim_factory import SimFactory
 
 
 class OneCarrierAtATime:
-    """For one factory."""
+    """Checks one factory."""
 
     def __init__(self, factory: SimFactory) -> None:
         self._storages = factory.floor.storages
         self._tasks: dict[tuple[str, str], str] = {}
-        """By storage and vehicle, the last task whose load it may fetch there."""
+        """Last task whose load the vehicle may fetch there, by storage and vehicle."""
         self._returns: dict[tuple[str, str], None] = {}
         """Storages and vehicles that have asked last to put a load back there."""
 

@@ -1,4 +1,4 @@
-"""Invariant 26: an order is held by one strategist at a time, and by another one only with a higher epoch."""
+"""Invariant 26: one strategist at a time holds an order, and another one only with a higher epoch."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dray_sim.checks.broken import InvariantBroken
 
 
 class OneHolderEach:
-    """As strategists tell of it themselves; orders that have ended are forgotten."""
+    """Listens to the strategists' own messages; ended orders are forgotten."""
 
     def __init__(self) -> None:
         self._held: dict[str, tuple[str, int]] = {}
-        """By order: its holder, and the epoch."""
+        """Holder and epoch, by order."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.

@@ -1,8 +1,9 @@
 """Invariants 2 and 4 for parts: every piece is counted once, on every level.
 
-That none appears or vanishes is asked of all items alike (`invariants.MaterialConserved`). Here it is asked that nobody says more than is
-true: a machine tells of no piece of a part that its workcell has not made, and a goal is closed with exactly its pieces. And that what all
-tell of a part, as the strategist adds it up, is not more than there is: not for longer than a piece takes from hand to hand.
+`invariants.MaterialConserved` checks for all items that none appears or vanishes. These checks compare reports with
+the truth. A machine reports no piece of a part that its workcell has not made, and a goal is closed with exactly its
+pieces. The strategist's sum of all reports of a part may exceed the real number only briefly: for as long as a piece
+takes from hand to hand.
 """
 
 from __future__ import annotations
@@ -24,16 +25,16 @@ from dray_sim.factory.sim_factory import SimFactory
 
 
 class PartsCountedOnce:
-    """For one factory."""
+    """Checks one factory."""
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._work: dict[str, Production] = {}
         """Open goals of parts."""
         self._made: dict[str, int] = {}
-        """Of those, what their machines have told."""
+        """Pieces of those goals that their machines have reported."""
         self._told: Counter[tuple[str, str]] = Counter()
-        """By machine and part, pieces that it has told of."""
+        """Pieces that a machine has reported, by machine and part."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is not Event:
@@ -60,19 +61,20 @@ class PartsCountedOnce:
 
 
 LOOK_S = 5.0
-"""How often pieces are counted."""
+"""Interval between two counts."""
 
 TWICE_S = 4.0 * COUNTS_S
-"""What is told may be of different moments: a vehicle that falls silent as it puts a load down tells of it for a minute longer. So some is
-counted twice now and then, but something else each time; what is never right for so long is counted twice."""
+"""Reports may be of different moments: a vehicle that falls silent as it puts a load down reports the load for a
+minute longer. So a piece is counted twice now and then, but a different one each time. A sum that is wrong for this
+long is an error."""
 
 
 class ToldOnce:
-    """What lies somewhere is told by one agent.
+    """Only one agent reports each piece.
 
     Args:
-        factory: whose floor is looked at.
-        liar: whose word counts for nothing; empty when everybody is honest.
+        factory: its floor gives the true numbers.
+        liar: an agent whose reports are ignored; empty when all are honest.
     """
 
     def __init__(self, factory: SimFactory, liar: str = "") -> None:
@@ -81,7 +83,7 @@ class ToldOnce:
         self._told = PartStock(factory.plant)
         self._look_s = 0.0
         self._right_s: dict[str, float] = {}
-        """By part, when no more was told than there was."""
+        """Last moment at which the reports did not exceed the real number, by part."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.

@@ -1,7 +1,7 @@
-"""For how long goals are passed that nothing should pass any more: the bound of priorities (docs/protocol.md).
+"""How long later goals pass goals that they should not pass any more: the bound of priorities (docs/protocol.md).
 
-From its wanted time on a goal is passed by none that its machine has taken later. What is made nevertheless, because its own material
-is still on the way, is time for which it is passed.
+From its wanted time on, no goal that its machine has taken later may pass a goal. A piece of another goal that is
+made nevertheless, because the goal's own material is still on the way, counts as passing.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ class Passing:
     """Listens to all machines.
 
     Attributes:
-        longest_s: for how long, at most, a machine has gone on making what it may not make before another goal.
-        longest: which goal that was.
+        longest_s: longest time for which a machine has made pieces that should have come after another goal.
+        longest: that goal.
     """
 
     def __init__(self) -> None:
         self._taken_s: dict[str, float] = {}
         """When each goal was taken."""
         self._since_s: dict[str, float] = {}
-        """By goal: since when its machine makes others that came after its wanted time, and nothing of it."""
+        """Since when a goal's machine makes pieces of later goals after its wanted time, and none of it, by goal."""
         self._made: dict[str, int] = {}
         self._open: dict[str, dict[str, float]] = {}
-        """By machine: goals of which something is still to be made, and when each is wanted."""
+        """Unfinished goals, each with its wanted time, by machine."""
         self.longest_s, self.longest = 0.0, ""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:

@@ -1,8 +1,8 @@
-"""Invariant 3, the other way round: a task that is given out again binds nobody else.
+"""Invariant 3 in reverse: a task that is given out again binds no other vehicle.
 
-A coordinator that gives up on an award says so, and whoever has taken the contract meanwhile ends it
-as soon as it hears that. Where the network lost those words nothing is asked: such a vehicle hears at
-the dock that its contract is void.
+A coordinator that gives up on an award says so. A vehicle that has taken the contract meanwhile ends it as soon as it
+hears that. Vehicles that may have lost this message are not judged: they hear at the dock that their contract is
+void.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.factory.sim_factory import SimFactory
 
 HEED_S = 30.0
-"""A pick that has begun goes on to its end, which takes 20 s; and a message is under way for a moment."""
+"""Longest reaction time: a pick that has begun goes on to its end, which takes 20 s, and a message needs a moment."""
 
 LOOK_S = 1.0
 
@@ -43,8 +43,8 @@ class StaleContracts:
     """Watches awards that were not answered in time.
 
     Args:
-        factory: who is running.
-        attribution: what the network may have lost.
+        factory: tells which agents are running.
+        attribution: tells which messages may have been lost.
     """
 
     def __init__(self, factory: SimFactory, attribution: FaultAttribution) -> None:
@@ -55,7 +55,7 @@ class StaleContracts:
         self._bound: dict[Key, float] = {}
         """Contracts that vehicles believe in, and since when they could have ended them."""
         self._loading: set[Key] = set()
-        """Those of them whose pick has begun."""
+        """Those of these contracts whose pick has begun."""
         self._look_s = 0.0
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
@@ -77,11 +77,11 @@ class StaleContracts:
             if type(fact.work) is Transport:
                 self._transports[fact.task] = None
         elif type(fact) is AwardGiven:
-            # Asked once more: what comes of that is another matter.
+            # The bidder was asked once more, and its new answer is another matter.
             self._given_up.pop((fact.bidder, fact.task, fact.epoch), None)
         elif type(fact) is AwardAnswered:
             if fact.bidder not in self._factory.workers:
-                return  # It never tells whether it believes to be bound: somebody who lies.
+                return  # A liar never tells whether it believes to be bound.
             if fact.role is Role.PRIMARY and fact.answer == "silent" and fact.task in self._transports:
                 self._given_up[fact.bidder, fact.task, fact.epoch] = _GivenUp(agent, at_s)
         elif type(fact) is ContractTaken:
@@ -99,7 +99,7 @@ class StaleContracts:
         if phase is Phase.LOADING:
             self._loading.add(key)
         elif phase is Phase.RETURNING:
-            # It knows, and brings its load back.
+            # The vehicle knows, and brings its load back.
             self._bound.pop(key, None)
 
     def _look(self, key: Key, at_s: float) -> None:

@@ -1,8 +1,8 @@
 """Invariant 6, on the carrier's side: no contract is ended that its coordinator still counts on.
 
-The attribution of faults asks why a coordinator replaces a carrier. Here it is asked why a carrier gives up: it was let go, or told that
-others carry, though its coordinator names it as the carrier in that very epoch. A restart that was over soon is no reason
-for that, whoever was restarted and in whatever order.
+The attribution of faults asks why a coordinator replaces a carrier. This check asks why a carrier gives up. It was
+released, or told that others carry, though its coordinator names it as the carrier in that very epoch. A restart that
+was over soon is no reason, for any agents and in any order.
 """
 
 from __future__ import annotations
@@ -13,26 +13,26 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution
 
 LET_GO = (Reason.RELEASED, Reason.SUPERSEDED)
-"""How a carrier's contract ends that others have ended."""
+"""Reasons with which a carrier ends its contract at the request of others."""
 
 
 class Standing:
     """Watches contracts that both sides have.
 
     Args:
-        attribution: knows who was in trouble.
+        attribution: knows which agents were in trouble.
     """
 
     def __init__(self, attribution: FaultAttribution) -> None:
         self._attribution = attribution
         self._carriers: dict[str, tuple[str, int, str]] = {}
-        """By open task, as its coordinator has said last: the carrier, its epoch, and the coordinator."""
+        """Carrier, epoch and coordinator of each open task, by its coordinator's last word."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
-        """Note who carries what.
+        """Note the carriers of tasks.
 
         Raises:
-            InvariantBroken: a contract was ended that stood, and nothing was wrong with anybody.
+            InvariantBroken: a standing contract was ended, and no agent had a fault.
         """
         if type(message) is MachineHeartbeat:
             for brief in message.tasks:

@@ -1,8 +1,8 @@
-"""Invariant 28: what a station tells of its stock lies there, and it has no more ordered than finds room.
+"""Invariant 28: the stock that a station reports lies there, and it has ordered no more than it has room for.
 
-What is told may be a moment old, or of a life that has not heard of a change yet; what is never right for `WRONG_S` is counted wrong. A load
-that is brought back comes without having been ordered, and one that has just been put down is on order and there for as long as its
-carrier has not said so: only what is ordered on top of that is judged.
+A report may be a moment old, or of a life that has not heard of a change yet. A report that stays wrong for `WRONG_S`
+is an error. A returned load comes without an order. A load that has just been put down is both on order and there
+until its carrier has said so. So only orders beyond these are judged.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ WRONG_S = 30.0
 
 
 class StockTold:
-    """For one factory."""
+    """Checks one factory."""
 
     def __init__(self, factory: SimFactory) -> None:
         self._storages = factory.floor.storages
         self._right_s: dict[tuple[str, str], float] = {}
-        """By station and item, when what it told was so."""
+        """Last moment at which a report was right, by station and item."""
         self._last: dict[tuple[str, str], StockLevel] = {}
         self._unasked: Counter[tuple[str, str]] = Counter()
-        """Pieces that nobody has ordered, as long as there are more than find room."""
+        """Pieces without an order, as long as there are more than find room."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.

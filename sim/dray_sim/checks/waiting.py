@@ -1,8 +1,8 @@
-"""Invariant 11: no vehicle stands at a dock for its contract longer than it has promised to need, and two minutes.
+"""Invariant 11: no vehicle stands at a dock for its contract longer than its promised time plus two minutes.
 
-Who waits longer is held by a shortage, and cannot do what others need. Who comes late has waited from then on only: a
-speed limit or a restart on the way makes it late, and holds it up nowhere. A fault in those concerned explains a wait,
-and so does a person who has stopped the vehicle (`fault_attribution`).
+A vehicle that waits longer is held by a shortage, and blocks others. A late vehicle's wait counts from its arrival
+only. A speed limit or a restart on the way makes it late, and holds it up nowhere. A fault of an agent concerned
+explains a wait, and so does a person who has stopped the vehicle (`fault_attribution`).
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ class NobodyWaitsInVain:
     """Watches vehicles at docks.
 
     Args:
-        attribution: knows who was in trouble.
-        stations: those whose trouble keeps vehicles waiting, too.
+        attribution: knows which agents were in trouble.
+        stations: whose trouble keeps vehicles waiting, too.
     """
 
     def __init__(self, attribution: FaultAttribution, stations: tuple[str, ...]) -> None:
         self._attribution = attribution
         self._stations = stations
         self._promised_s: dict[str, tuple[str, float]] = {}
-        """By vehicle: the task that it has taken last, and when it has promised to be done."""
+        """Last task and promised finish, by vehicle."""
         self._docked_s: dict[str, float] = {}
-        """By vehicle: since when it is at a dock."""
+        """Arrival at a dock, by vehicle."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
-        """Note promises, and look at who stands.
+        """Note promises, and look at standing vehicles.
 
         Raises:
-            InvariantBroken: a vehicle waits, and nothing was wrong.
+            InvariantBroken: a vehicle waits without a fault.
         """
         if isinstance(message, TakenOver) or (isinstance(message, Accepted) and message.role is Role.PRIMARY):
             task, _ = self._promised_s.get(sender, ("", 0.0))

@@ -1,7 +1,8 @@
 """Invariant 25: a machine begins no piece while it rests by its working time.
 
-A check like those of `dray_sim.checks.invariants`: it hears what they say of themselves, and takes no part. Of one rest a machine tells of
-one piece at most: the one that it had begun before. What it tells is judged by its own clock.
+Like those of `dray_sim.checks.invariants`, this check hears the machines' own messages, and takes no part. In one
+rest a machine reports one piece at most: the one that it had begun before. A machine's reports are judged by its own
+clock.
 """
 
 from __future__ import annotations
@@ -13,17 +14,17 @@ from dray_sim.checks.broken import InvariantBroken
 
 
 class RestsKept:
-    """Nobody makes a second piece in one rest.
+    """No machine makes a second piece in one rest.
 
     Args:
-        plant: when its machines work.
+        plant: the working times of its machines.
     """
 
     def __init__(self, plant: Plant) -> None:
         times = {machine: plant.working_time_of(machine) for machine in plant.machines}
         self._times = {machine: time for machine, time in times.items() if not time.is_always}
         self._made_in: dict[str, float] = {}
-        """By machine, the end of the rest in which its newest piece came out."""
+        """End of the rest in which its newest piece came out, by machine."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""

@@ -1,8 +1,8 @@
 """The clock of one agent's computer in the simulation: right, until somebody sets it wrong.
 
 An agent lives on the plant's clock as its computer shows it. In service that clock is monotonic and follows the
-computer's unix time by a tenth faster or slower (`dray.adapters.system_clock`), and so does this one: after a step
-of unix time it drifts towards it, and a process that is started meanwhile begins with what unix time is then.
+computer's unix time by at most a tenth faster or slower (`dray.adapters.system_clock`). This one does the same. After
+a step of unix time it drifts towards it; a process that is started meanwhile begins with the present unix time.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from dray.adapters.system_clock import SLEW_FRAC
 from dray.ports import Clock
 
 ROUNDING_S = 1e-9
-"""To and fro between two clocks a time loses so much; what is nearer counts as reached."""
+"""Rounding of a conversion between two clocks; a nearer time counts as reached."""
 
 
 class ComputerClock:
@@ -47,9 +47,9 @@ class ComputerClock:
         self._since_s = 0.0
         """When, by the right time, `_offset_s` was so."""
         self._offset_s = self._target_s = 0.0
-        """How far ahead of the right time it is, and how far the computer's unix time is."""
+        """Its lead over the right time, and the lead of the computer's unix time."""
         self._shown_s = -math.inf
-        """What it has shown to the present process: it never goes back."""
+        """Last time shown to the present process: it never goes back."""
         self._heap: list[tuple[float, int, Callable[[], None]]] = []
         self._numbers = count()
         self._turn = 0
@@ -59,7 +59,7 @@ class ComputerClock:
 
     @property
     def ahead_s(self) -> float:
-        """How far it is ahead of the right time now."""
+        """Its present lead over the right time."""
         passed_s = self._plant.now_s() - self._since_s
         most_s = SLEW_FRAC * passed_s
         missing_s = self._target_s - self._offset_s
@@ -70,7 +70,7 @@ class ComputerClock:
         self._note(self.ahead_s, self._target_s + by_s)
 
     def begin_life(self) -> None:
-        """A process is started: it begins with the computer's unix time. Nobody may wait for a call any more."""
+        """A process is started: it begins with the computer's unix time. Calls of the earlier process are dropped."""
         if self._target_s or self.ahead_s:
             self._heap.clear()
             self._shown_s = -math.inf

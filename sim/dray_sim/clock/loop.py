@@ -1,18 +1,17 @@
 """Virtual time on asyncio: a clock that jumps, or runs at a chosen multiple of real time.
 
-The rule: nothing takes time but waiting. While a callback or a task runs, the clock stands. When
-nobody is ready any more, the clock goes to the next instant for which something was asked.
+The rule: nothing takes time but waiting. While a callback or a task runs, the clock stands. When nothing is ready any
+more, the clock goes to the next scheduled instant.
 
-Theory of operation. `VirtualClock` holds one heap of what is to happen, `VirtualLoop` is an asyncio
-event loop that takes its time from it. One step of the loop is: run all entries of the next instant,
-in the order of their times and, within one instant, of the calls; then run tasks until none is
-ready; then the next instant. `asyncio.sleep`, `wait_for` and `call_later` are entries of the same
-heap, so agents and bodies live in one order, whichever way they ask to be called back.
+Theory of operation. `VirtualClock` holds one heap of scheduled calls; `VirtualLoop` is an asyncio event loop that
+takes its time from it. One step of the loop runs all entries of the next instant, in the order of their times and,
+within one instant, of their scheduling. Then it runs tasks until none is ready. `asyncio.sleep`, `wait_for` and
+`call_later` are entries of the same heap, so agents and bodies share one order for every kind of callback.
 
-The two paces differ only in when an instant may begin: at once (`JUMP`), or when real time has come
-that far (`paced`). Both therefore give the same order of events, as long as nothing comes from outside.
+The two paces differ only in when an instant may begin: at once (`JUMP`), or when real time has reached it (`paced`).
+Both therefore give the same order of events, as long as there is no input from outside.
 
-What the simulated things do at those instants is none of this module's business.
+The simulated things themselves are left to other modules.
 """
 
 # An event loop of one's own means working with asyncio's private parts: handles and the ready queue.
@@ -42,18 +41,18 @@ Entry = tuple[float, int, Callable[..., object], tuple[Any, ...]]
 """When (s), the number of the call, the callback and its arguments. The number makes ties fair."""
 
 MAX_STEPS_PER_INSTANT = 1_000_000
-"""Callbacks and task steps in one instant. The start of a thousand agents takes some ten thousand; a
-million means that somebody asks to be called back at once, again and again."""
+"""Callbacks and task steps in one instant. The start of a thousand agents takes some ten thousand. A million means
+that some code asks to be called back at once, again and again."""
 
 MAX_SELECT_S = 3600.0
 """Longest sleep in the selector: a longer one overflows on some systems (asyncio caps it likewise)."""
 
 BURST_S = 0.005
-"""Real time a paced loop may work off due instants before it looks at its sockets again: short beside
-what a person notices, long beside the 3 us that looking costs."""
+"""Longest real time in which a paced loop works off due instants before it polls its sockets. It is shorter than a
+person notices, and much longer than the 3 us of a poll."""
 
 TICK_S = 1e-9
-"""Below this a real time is as good as reached: rounding in the mapping must not cost a sleep of nothing."""
+"""A shorter real time counts as reached: rounding must not cost a sleep of zero length."""
 
 STANDS_FROM_S = 1.0
 """Real seconds that a paced loop catches up with; one that is further behind may stand instead (`VirtualLoop.stood`)."""
@@ -86,7 +85,7 @@ class StandstillError(ProtocolViolation):
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """How virtual time follows real time.
+    """Relation of virtual time to real time.
 
     Attributes:
         speed: virtual seconds per real second; infinite for as fast as possible.
@@ -100,7 +99,7 @@ class Pace:
 
 
 JUMP = Pace(math.inf)
-"""As fast as possible; no sockets, no other threads: nothing exists outside."""
+"""As fast as possible; without sockets and other threads, for nothing exists outside."""
 
 
 def paced(speed: float) -> Pace:
@@ -112,8 +111,8 @@ class VirtualClock:
     """A clock that stands still until its loop moves it on (see `dray.ports.Clock`).
 
     Attributes:
-        time_s: now. Only the loop writes it, and never backwards.
-        heap: what is to happen. Only this class pushes, only the loop pops.
+        time_s: now. Only the loop writes it, and it never goes back.
+        heap: the scheduled calls. Only this class pushes, and only the loop pops.
     """
 
     __slots__ = ("_numbers", "heap", "time_s")
@@ -180,19 +179,19 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     Callbacks of asyncio itself keep asyncio's custom, the loop's exception handler.
 
     Args:
-        pace: `JUMP` or `paced(speed)`; real time counts from `begin`, or from the first moment in which the loop has
-            nothing to do, so that building a factory takes no virtual time.
+        pace: `JUMP` or `paced(speed)`; real time counts from `begin`, or from the loop's first idle moment, so that
+            building a factory takes no virtual time.
         start_s: the clock's first reading.
         selector: for tests; the system's best one by default.
         wall_s: real time in seconds that never goes back; for tests.
 
     Attributes:
-        clock: hand it to everybody who needs a `dray.ports.Clock`.
+        clock: the `dray.ports.Clock` of all that run on the loop.
         lag_s: how far a paced loop is behind real time, in real seconds; 0 when it keeps up.
         steps: callbacks and task steps so far.
-        stood: None, and a paced loop catches up with real time however far it is behind. Else its clock stands instead where that is
-            more than `STANDS_FROM_S`, and whenever something comes from outside, so that nothing happens before its cause by the
-            clock on the wall; it calls this with the real seconds for which it has stood.
+        stood: None, and a paced loop catches up with real time after any delay. Otherwise the clock stands still when
+            the delay exceeds `STANDS_FROM_S`, and at every input from outside. So by the clock on the wall nothing
+            happens before its cause. The loop calls this with the real seconds for which it has stood.
     """
 
     _ready: deque[asyncio.Handle]
@@ -232,7 +231,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         *args: Any,
         context: contextvars.Context | None = None,
     ) -> asyncio.TimerHandle:
-        """As in asyncio, on the heap of the clock."""
+        """Like asyncio's, on the heap of the clock."""
         timer = _Timer(when, callback, args, self, context)
         timer._scheduled = True
         if self._cancelled_timers > MIN_CANCELLED and self._cancelled_timers * 2 > len(self.clock.heap):
@@ -246,7 +245,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         *args: Any,
         context: contextvars.Context | None = None,
     ) -> asyncio.Handle:
-        """As in asyncio, without its debug mode and its check for a closed loop."""
+        """Like asyncio's, without its debug mode and its check for a closed loop."""
         handle = _Handle(callback, args, self, context)
         self._ready.append(handle)
         return handle
@@ -264,7 +263,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
 
     def _forget_cancelled_timers(self) -> None:
         heap = self.clock.heap
-        # In place: the loop that is running holds on to this list.
+        # Changed in place: the running loop holds on to this list.
         heap[:] = [entry for entry in heap if entry[2] != self._run_timer or not entry[3][0]._cancelled]
         heapq.heapify(heap)
         self._cancelled_timers = 0
@@ -285,7 +284,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         try:
             while not self._stopping:
                 if ready:
-                    # Only those that are ready now, so that a stop is seen though somebody is always ready.
+                    # Only the handles that are ready now, so that a stop is seen though there are always more.
                     steps += len(ready)
                     for _ in range(len(ready)):
                         handle = ready.popleft()
@@ -316,7 +315,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
             self._start_wall_s = self._wall_s()
         come = self._selector.select(self._sleep_s())
         if was_idle:
-            # Whatever has come from outside has come now. Tasks of an instant still see that instant.
+            # Inputs from outside have arrived now. Tasks of an instant still see that instant.
             self._move_on()
         if come:
             self._stand()
@@ -335,7 +334,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         return min(max(0.0, virtual_s / self.pace.speed), MAX_SELECT_S)
 
     def begin(self) -> None:
-        """Count real time from now: what is read now of both clocks belongs together."""
+        """Count real time from now: the present readings of both clocks belong together."""
         self._start_wall_s = self._wall_s() - (self.clock.time_s - self._start_s) / self.pace.speed
 
     def due_s(self) -> float:
@@ -359,7 +358,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self.stood(behind_s)
 
     def _step_paced(self) -> bool:
-        """Run what is ready, else one due instant; False when there was neither."""
+        """Run ready handles, or else one due instant; False when there was neither."""
         clock, heap, ready = self.clock, self.clock.heap, self._ready
         if ready:
             self.steps += len(ready)
@@ -391,7 +390,7 @@ def run(main: Coroutine[Any, Any, T], pace: Pace = JUMP, start_s: float = 0.0) -
     Raises:
         DeadlockError: (`JUMP` only) everybody waits and nothing is left that could happen.
         StandstillError: (`JUMP` only) time does not go on.
-        whatever `main` or a callback of the clock raises.
+        Exception: that of `main` or of a callback of the clock.
     """
     with asyncio.Runner(loop_factory=lambda: VirtualLoop(pace, start_s)) as runner:
         return runner.run(main)

@@ -1,7 +1,7 @@
 """The clock on the wall of a process that holds a simulated factory and the gateway which shows it.
 
-Both go by one clock, so that neither runs ahead of the other: the factory's loop is paced by it, and all that the
-gateway tells people is told in it.
+Both use one clock, so that neither runs ahead of the other. It paces the factory's loop, and the gateway shows all
+times in it.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
     from dray_sim.clock.loop import VirtualLoop
 
 Met = Callable[["VirtualLoop", "Crossing"], None]
-"""Called with the factory's loop, and with what crosses from there to the gateway's."""
+"""Called with the factory's loop, and with the crossing from there to the gateway's."""
 
 
 UNHEARD = 100
-"""Messages that the gateway has yet to take, at most, while the clock hurries: it is to hear all of them, and not much later than they are said."""
+"""Most messages that wait for the gateway while the clock hurries: it must hear all of them, and soon."""
 
 GIVE_WAY_S = 0.002
 """Real seconds that the factory leaves to a gateway with more to take."""
 
 
 def _nothing_more(_loop: VirtualLoop, _outbound: Crossing) -> None:
-    """Nobody moves a clock that goes by itself."""
+    """Do nothing: a clock that goes by itself needs no help."""
 
 
 def _as_ever(_hurries: bool) -> None:
-    """A clock that nobody can hurry."""
+    """Do nothing: this clock cannot hurry."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Wall:
 
     Attributes:
         now_s: unix seconds; never goes back; callable from any thread.
-        selector: what the factory's loop waits with; None for the system's best one.
+        selector: with which the factory's loop waits; None for the system's best one.
         met: told on the gateway's loop, once that and the factory know one another.
         hurry: whether time in which the factory has nothing to do is passed over; called on the factory's thread.
         stands: whether the factory's clock stands where its computer is too slow for it; else it catches up (`VirtualLoop.stood`).
@@ -55,15 +55,16 @@ class Wall:
 
 
 def steady_wall() -> Wall:
-    """The computer's clock as it is now, and then without whatever sets that one."""
+    """The computer's clock as of now, without later adjustments of it."""
     ahead_s = time.time() - time.monotonic()
     return Wall(lambda: ahead_s + time.monotonic())
 
 
 class HurryingClock:
-    """The computer's clock, which goes ahead of it while it hurries: what the factory would sleep has passed at once.
+    """The computer's clock, which skips the factory's sleeps while it hurries, and so runs ahead.
 
-    What happens in the factory, and in which order, is the same. The gateway, which goes by this clock, too, hears it sooner.
+    The events in the factory and their order stay the same. The gateway, which goes by this clock, too, hears it
+    sooner.
 
     Attributes:
         wall: hand it to the factory and the gateway.
@@ -76,7 +77,7 @@ class HurryingClock:
         self.wall = Wall(self._now_s, _Sleeper(self.pass_over), self._meet, self._hurry, stands=True)
 
     def pass_over(self, sleep_s: float | None) -> float | None:
-        """How long the factory really sleeps that would sleep so long (real seconds; None for until something comes)."""
+        """How long the factory really sleeps instead of `sleep_s` (real seconds; None for until something comes)."""
         if not self._hurries or not sleep_s:
             return sleep_s
         if self._outbound is not None and self._outbound.waiting > UNHEARD:
@@ -98,7 +99,7 @@ class _Sleeper(DefaultSelector):
     """Sleeps as long as it is told.
 
     Args:
-        really_s: how long somebody sleeps who would sleep so long.
+        really_s: the real duration of a sleep.
     """
 
     def __init__(self, really_s: Callable[[float | None], float | None]) -> None:

@@ -20,10 +20,11 @@ def local_server(machines: Iterable[str], folder: Path) -> Iterator[ControllerSe
 
     Args:
         machines: ids of those that it has nodes for.
-        folder: where the mapping file of each is written, as `M8.yaml`, when there is a factory behind the server; it is made.
+        folder: of the machines' mapping files, as `M8.yaml`, which are written when there is a factory behind the
+            server; it is made.
 
     Raises:
-        UnavailableError: what it needs is not installed, or it does not start, or the folder cannot be made.
+        UnavailableError: asyncua is not installed, the server does not start, or the folder cannot be made.
     """
     if find_spec("asyncua") is None:
         raise UnavailableError("an OPC UA server", "asyncua is not installed", "install dray[opcua]")

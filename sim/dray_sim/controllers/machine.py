@@ -1,6 +1,6 @@
-"""The controller of a simulated machine: it counts pieces, shows bits and obeys bits, as a PLC in the field does.
+"""The controller of a simulated machine: it counts pieces, shows bits and obeys bits, like a PLC in the field.
 
-It knows nothing of materials, tasks and agents. Whoever connects it passes on what it shows, and what it is told.
+It knows nothing of materials, tasks and agents. Its connection carries its signals, and what is written to it.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from dray_sim.bodies.docks import WHATEVER
 from dray_sim.bodies.workcell import SimWorkcell
 
 LOOK_S = 1.0
-"""How often it looks at what it is told."""
+"""Interval between two looks at its inputs."""
 
 READY_AFTER_S = 4.0
-"""What its dock takes to open."""
+"""Time that its dock takes to open."""
 
 MODULUS = 2**16
-"""At which its counters roll over: those of a PLC are words."""
+"""Modulus of its counters: those of a PLC are words."""
 
 COUNTERS = Signal.PIECES, Signal.BAD
 
@@ -43,11 +43,12 @@ class MachineController:
         clock: the plant's.
         tell: is given each value that changes, and none twice.
         modulus: at which the counters roll over.
-        rest_s: so long after a piece it begins no other one. Where `RUN` takes time to come, it has gone by then if no piece is wanted.
+        rest_s: shortest time after a piece before it begins another one. Where `RUN` arrives late, it has been
+            switched off by then if no piece is wanted.
 
     Attributes:
-        shows: what it tells, by signal.
-        told: what it was told, by signal.
+        shows: values of its outputs, by signal.
+        told: values of its inputs, by signal.
         made: pieces that it has counted since it was built, by counter.
     """
 
@@ -86,7 +87,7 @@ class MachineController:
         clock.call_at(clock.now_s(), self._look)
 
     def on_write(self, signal: Signal, value: Value) -> None:
-        """It is told something, and does it when it looks."""
+        """Store an input; the controller acts on it when it looks."""
         if signal in self.told:
             self.told[signal] = value
 

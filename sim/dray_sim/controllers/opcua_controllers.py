@@ -14,8 +14,8 @@ from dray_sim.controllers.machine import MachineController
 from dray_sim.controllers.opcua_server import NODES, ControllerServer, node_id
 
 REST_WALL_S, REST_MIN_S = 0.5, 1.0
-"""Rest of a machine after each piece, in real seconds, and at least of the floor's: OPC UA takes a fifth of one to tell of the piece, and
-then the machine hears whether another one is wanted."""
+"""Rest of a machine after each piece, in real seconds, and at least of the floor's: OPC UA takes a fifth of one to
+report the piece, and then the machine is told whether another one is wanted."""
 
 
 class OpcUaControllers:
@@ -49,7 +49,7 @@ class OpcUaControllers:
             server.show(machine, signal, value)
 
         def on_write(signal: Signal, value: Value) -> None:
-            """On the server's thread."""
+            """Runs on the server's thread."""
             if not self._ended:
                 self._loop.call_soon_threadsafe(controller.on_write, signal, value)
 

@@ -23,11 +23,11 @@ class OpcUaMachines:
     """All machines of a plant with their controllers, and the bodies of their agents. Made on the factory's loop.
 
     Args:
-        plant: what stands where.
+        plant: its machines.
         clock: of that loop.
         server: that has their nodes.
         speed: the factory's seconds per real second.
-        documents: where machines have them from; None for the workcell's own.
+        documents: the machines' document store; None for the workcell's own.
 
     Attributes:
         controllers: by machine.
@@ -53,7 +53,9 @@ class OpcUaMachines:
         self._lives: dict[str, _Life] = {}
 
     def embody(self, workcell: SimWorkcell, _life: int) -> Body:
-        """The body of the next life of a machine's agent. It knows what the last one has left, and nothing of the workcell.
+        """The body of the next life of a machine's agent.
+
+        It knows what the last life has kept, and nothing of the workcell.
 
         Raises:
             OSError: the mapping file cannot be written.
@@ -75,7 +77,7 @@ class OpcUaMachines:
         """Wait until all are linked.
 
         Raises:
-            whatever has ended a link: a fault of ours.
+            Exception: that of an ended link, a fault of ours.
         """
         for life in [*self._lives.values()]:
             await life.linked()
@@ -91,16 +93,16 @@ class OpcUaMachines:
 
 
 class _Life:
-    """What one life of a machine's body is linked by: its world on the factory's loop, and its link's listener on the server's.
+    """Links of one life of a machine's body: its world on the factory's loop, and its link's listener on the server's.
 
     Args:
-        mapping: where its controller is.
+        mapping: the addresses of its controller.
         loop: the factory's.
         server: on whose loop the link runs.
-        remember: keeps what the next life must know.
+        remember: keeps data for the next life.
 
     Attributes:
-        outputs: what the controller is to be told; replaced as a whole, for it is read by the link.
+        outputs: values for the controller; replaced as a whole, because the link reads them on another thread.
     """
 
     def __init__(
@@ -133,7 +135,7 @@ class _Life:
             self._running.result()
 
     def end(self) -> None:
-        """Hear nothing any more; what is under way between the threads comes to nothing."""
+        """Drop all further messages, also those under way between the threads."""
         self._ended = True
         self._running.cancel()
 

@@ -11,14 +11,14 @@ from asyncua.server.server import Server
 from dray.adapters.signals.signal import Signal, Value
 
 Types = Mapping[Signal, tuple[Value, ua.VariantType]]
-"""What each signal begins with, and its type."""
+"""The first value and the type of each signal."""
 
 
 async def add_controller(server: Server, space: int, name: str, types: Types) -> dict[Signal, Node]:
-    """Add one, with nodes as `ns=2;s=NAME.pieces`; nobody may write to them yet.
+    """Add a controller, with nodes as `ns=2;s=NAME.pieces`; none is writable yet.
 
     Args:
-        server: to which.
+        server: that gets the nodes.
         space: the index of its namespace.
         name: of the controller.
         types: of its signals.
@@ -36,7 +36,7 @@ async def add_controller(server: Server, space: int, name: str, types: Types) ->
 
 
 def shown(signal: Signal, value: Value, types: Types, status: ua.StatusCode | None = None) -> ua.DataValue:
-    """A value of a signal, as its node takes it, with what the controller says of it."""
+    """The value of a signal for its node, with the controller's status code."""
     return ua.DataValue(ua.Variant(value, types[signal][1]), status or ua.StatusCode())
 
 

@@ -1,7 +1,7 @@
 """An OPC UA server that has the controllers of simulated machines.
 
-It runs in a thread of its own, and so do the links of agents to it: a network goes by the wall clock, however fast the plant's clock runs.
-Each machine is an object, and each of its signals a node, as `ns=2;s=M8.pieces`.
+It runs in a thread of its own, and so do the links of agents to it: a network uses the wall clock, at any speed of
+the plant's clock. Each machine is an object, and each of its signals a node, as `ns=2;s=M8.pieces`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ START_S, STOP_S = 60.0, 20.0
 """Longest waits for the server: it reads the standard's 1,500 nodes first."""
 
 AWAY_S = 2.0
-"""Real seconds for which nobody is listened to after all connections were cut."""
+"""Real seconds without any service after all connections were cut."""
 
 NODES: Types = {
     Signal.PIECES: (0, ua.VariantType.UInt16),
@@ -46,7 +46,7 @@ NODES: Types = {
     Signal.DOCK_VEHICLE: ("", ua.VariantType.String),
     Signal.ALIVE: (0, ua.VariantType.UInt16),
 }
-"""What each signal begins with, and its type."""
+"""The first value and the type of each signal."""
 
 OnWrite = Callable[[Signal, Value], None]
 
@@ -62,7 +62,9 @@ def node_id(machine: str, signal: Signal) -> str:
 
 
 class ControllerServer:
-    """A server on a free port of 127.0.0.1, as long as its context lasts. Who is on this computer may read and write.
+    """A server on a free port of 127.0.0.1, as long as its context lasts.
+
+    Any process on this computer may read and write.
 
     Args:
         machines: their ids.
@@ -109,7 +111,7 @@ class ControllerServer:
     # --- from any thread ---
 
     def connect(self, machine: str, on_write: OnWrite) -> None:
-        """Call `on_write`, in the server's thread, with whatever is written to a machine from now on."""
+        """Call `on_write`, in the server's thread, for every later write to a machine."""
         self._writes[machine] = on_write
 
     def show(self, machine: str, signal: Signal, value: Value) -> None:
@@ -121,7 +123,7 @@ class ControllerServer:
         return asyncio.run_coroutine_threadsafe(self._keep(work), self.loop)
 
     def cut(self) -> None:
-        """End all connections, and be away for `AWAY_S`; what machines do meanwhile is shown then."""
+        """End all connections, and be away for `AWAY_S`; changes of that time are shown afterwards."""
         self.begin(self._cut())
 
     # --- in its thread ---

@@ -1,4 +1,4 @@
-"""Closures of a run: what a manager closes, makes slow or one-way, and for how long."""
+"""Closures of a run: places that a manager closes, makes slow or one-way, and the times."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LASTS_S = (10.0, 240.0)
 SLOW_MPS = (0.1, 0.8)
 
 KINDS = {ClosureKind.CLOSED: 6, ClosureKind.SLOW: 2, ClosureKind.ONE_WAY: 2}
-"""How often each is drawn against the others."""
+"""Relative frequency of each kind."""
 
 EXTENTS = {"lane": 5, "node": 3, "area": 1}
 
@@ -26,7 +26,7 @@ DRAWN_FRAC = 0.5
 """The part of the runs with closures in which somebody draws an outline on the floor, too."""
 
 DRAWN_M = (1.0, 6.0)
-"""How far its corners are from a node."""
+"""Range of the distances of its corners from a node."""
 
 
 def draw_closings(plant: Plant, random: Random, until_s: float) -> tuple[Closing, ...]:

@@ -13,7 +13,7 @@ MOST = 4
 """Doors of one plant: enough that most transports pass one."""
 
 OPENING_S = (1.0, 20.0)
-"""From a strip curtain that is lifted to a hall gate."""
+"""Range from a strip curtain that is lifted to a hall gate."""
 
 CLOSES_AFTER_S = (0.0, 10.0)
 

@@ -1,4 +1,4 @@
-"""A small plant with bills of several levels, with machines that make bad pieces, and orders that are wanted sooner or later."""
+"""A small plant with bills of several levels, machines that make bad pieces, and orders with priorities."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Thing = TypeVar("Thing")
 LEVELS_MAX = 3
 
 QUANTITY_MAX = 2
-"""Of one part in a piece of the next level; a bill of more would be carried all day."""
+"""Most pieces of one part in a piece of the next level; larger bills would only cause more transports."""
 
 LOTS_KEPT = (2, 6)
 """Containers of a part for which a storage has room."""
@@ -27,14 +27,14 @@ BUFFER_LOTS = 3
 """Containers that the buffer of a part holds, as of materials in small plants."""
 
 SCRAP_FRAC = (0.02, 0.25)
-"""Of the cycles, bad pieces: many, for runs are short."""
+"""Fraction of cycles with a bad piece: large, because runs are short."""
 
 SCRAPPING_FRAC = 0.6
-"""Of what machines make, the part of which pieces are bad at all."""
+"""Fraction of the products with any bad pieces."""
 
 
 def with_levels(file: PlantFile, random: Random) -> PlantFile:
-    """The same plant with parts: machines of one level make what those of the next one use.
+    """The same plant with parts: machines of one level make parts for those of the next one.
 
     Args:
         file: with two machines and two products at least.
@@ -90,7 +90,7 @@ def _dealt(things: Sequence[Thing], count: int, random: Random) -> list[list[Thi
 
 
 def _chained(levels: list[list[Product]], random: Random) -> list[list[Product]]:
-    """With bills: each product takes parts of the level below, and perhaps of one further down; each part is taken."""
+    """Add bills: each product takes parts of the level below, and perhaps of one further down; each part is taken."""
     chained = [levels[0]]
     for level in levels[1:]:
         below, further = chained[-1], [part for lower in chained[:-1] for part in lower]
@@ -120,7 +120,7 @@ def _buffered(part: Product) -> Product:
 def _making(
     machines: Sequence[MachineSpec], products: Sequence[Product], cycle_s: dict[str, float], random: Random
 ) -> list[tuple[MachineSpec, tuple[Making, ...]]]:
-    """What each machine of a level makes; every product is made by one at least."""
+    """Products of each machine of a level; at least one machine makes each product."""
     dealt: list[list[Product]] = [[random.choice(products)] for _ in machines]
     for product in products:
         if not any(product in heap for heap in dealt):
@@ -132,7 +132,7 @@ def _making(
 
 
 def _keeping(storages: Sequence[Storage], parts: Sequence[Product], random: Random) -> tuple[Storage, ...]:
-    """Each part is kept in one storage or in two."""
+    """Keep each part in one storage or in two."""
     kept: dict[str, list[Stock]] = {storage.id: list(storage.stocks) for storage in storages}
     for part in parts:
         for storage in random.sample(list(kept), min(random.randint(1, 2), len(kept))):

@@ -1,4 +1,4 @@
-"""What became of one run, and of many: plain data that passes from process to process."""
+"""The result of one run, and of many: plain data that passes from process to process."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import msgspec
 
 
 class Outcome(msgspec.Struct, frozen=True):
-    """One run, played."""
+    """The result of one run."""
 
     seed: int
     profile: str
     broken: str
-    """What was seen that must not be, in words; empty when everything held."""
+    """The violation, in words; empty when everything held."""
     duration_s: float
     """Virtual time."""
     transports: int
@@ -21,11 +21,11 @@ class Outcome(msgspec.Struct, frozen=True):
     """Agents that were started again."""
     messages: int
     faults: dict[str, int]
-    """How often each kind of fault began."""
+    """Number of faults that began, by kind."""
     trace: str = ""
-    """The fingerprint of all that was said; empty when it was not taken."""
+    """The fingerprint of all messages; empty when it was not taken."""
     story: tuple[str, ...] = ()
-    """What came last before it broke, line by line; empty when nothing broke or nobody listened."""
+    """The last events before the violation, line by line; empty without a violation, or when no story was kept."""
     traffic: bool = False
     """Whether vehicles drove with right of way."""
 
@@ -49,7 +49,7 @@ class Summary(msgspec.Struct, frozen=True):
     """Played to their end."""
     interrupted: bool
     violations: tuple[Outcome, ...]
-    """In the order of their seeds; at most as many as are worth reading."""
+    """The first violations, in the order of their seeds."""
     broken: int
     """All that broke, those too that are not in `violations`."""
     virtual_s: float

@@ -66,7 +66,7 @@ QUICK = Skill(
 def try_seed(seed: int, profile: str = "all", *, traffic: bool = False) -> Outcome:
     """Play the run of a seed; one that breaks is played again to tell how it came to that.
 
-    Never raises an error of the run: whatever ends it is what the search is looking for.
+    It never raises an error of the run: the search looks for exactly these.
     """
     run = draw(seed, profile, traffic=traffic)
     outcome = play(run)
@@ -77,19 +77,19 @@ def play(run: Run, *, listen: bool = False) -> Outcome:
     """Play one run.
 
     Args:
-        run: what is to be played.
-        listen: keep what was said for a story, and take the trace; both take a fifth more time.
+        run: to be played.
+        listen: keep messages for a story, and take the trace; both take a fifth more time.
     """
     game = _Game(run, listen=listen)
     try:
         run_loop(game.play(), JUMP)
-    except Exception as error:  # noqa: BLE001 (whatever ends a run is what the search is looking for)
+    except Exception as error:  # noqa: BLE001 (the search looks for any end of a run)
         game.broken = game.broken or _in_words(error)
     return game.outcome()
 
 
 class _Tally:
-    """Counts what a run has exercised."""
+    """Counts the situations that a run has exercised."""
 
     def __init__(self) -> None:
         self.messages = self.transports = self.takeovers = 0
@@ -177,7 +177,7 @@ class _Game:
             traffic=run.traffic,
             strategists=run.strategists,
         )
-        # Whoever takes another's name must change nothing for its owner.
+        # A thief of another agent's name must change nothing for its owner.
         liar = INSIDER if run.insider and not BEHAVIOURS[run.insider].is_thief else ""
         attribution, liveness = (
             FaultAttribution(run.plant.fleet, factory.strategists),
@@ -304,10 +304,10 @@ class _Game:
             group.create_task(TransportCaller(bus, now).call(run.calls))
 
     async def _lie(self, factory: SimFactory, office: FloorOffice | None) -> None:
-        """Somebody lies to the end: in the quiet phase as well, whatever is open must end.
+        """Let an insider lie to the end: in the quiet phase, too, all open work must end.
 
-        Who holds floor is sent away before: people have seen who holds it, and a person's word frees it. Who has a vehicle's key, too: the
-        vehicle would stand.
+        An insider that claims floor is sent away before: people have seen which vehicle holds it, and a person's word
+        frees it. One with a vehicle's key is sent away, too: the vehicle would stand.
         """
         behaviour = BEHAVIOURS[self._run.insider]
         lies = bring_in(factory, behaviour).run()
@@ -365,7 +365,7 @@ class _Game:
     async def _await_end(self, factory: SimFactory, liveness: LivenessCheck) -> None:
         """The faults, the quiet phase, and the end of everything that is open."""
         await asyncio.sleep(self._run.faults_until_s)
-        # Nobody counts on the times of a clock that was set until it is steered back.
+        # Times of a clock that was set are wrong until it is steered back.
         await asyncio.sleep(factory.clock_error_s() / SLEW_FRAC)
         liveness.start(factory.clock.now_s())
         await asyncio.sleep(self._run.duration_s - self._run.faults_until_s)

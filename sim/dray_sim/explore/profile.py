@@ -1,4 +1,4 @@
-"""From where the runs of a search are drawn: ranges, and the part of the runs that have something at all."""
+"""Distributions of the runs of a search: ranges, and the fraction of runs that have a feature."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from dray_sim.faults import (
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """From where runs are drawn. Pairs are from and to, both included.
+    """A distribution of runs. Pairs are from and to, both included.
 
     Attributes:
         machines, vehicles: the size of the plant.
         lot_frac: containers and buffers against those of the default plant: small ones make many transports.
         cycle_frac: how long machines take for a piece, likewise.
-        load: the demand against what machines and vehicles can do, whichever is less.
+        load: the demand relative to the capacity of the machines or the vehicles, whichever is less.
         stock_frac: how full buffers are at the beginning.
         battery_frac: of the vehicles at the beginning.
         intensity: faults in a minute.
@@ -44,23 +44,23 @@ class Profile:
         obstacles: how often in a minute.
         doors_frac: the part of the runs in plants with doors, which fail as often as something is put on lanes.
         operators_frac: the part of the runs with operators.
-        random_operator_frac: the part in which somebody presses buttons at random.
+        random_operator_frac: the part in which a person presses buttons at random.
         cancelled_frac: the part of the orders that customers cancel.
         revoking_frac: the part of the runs in which managers take orders back and publish them again.
         revoked_frac: in these, the part of the orders.
-        insiders_frac: the part of the runs in which somebody lies who has a valid certificate.
+        insiders_frac: the part of the runs in which an agent with a valid certificate lies.
         carried_frac: the part of the runs with right of way in which people carry vehicles away and put them back.
         closures_frac: the part of the runs in which a manager closes lanes, nodes and areas.
-        calls_frac: the part of the runs in which people have something brought or taken away.
-        things_frac: in these, the part of the calls that are for things which nobody counts.
+        calls_frac: the part of the runs in which people call transports.
+        things_frac: in these, the part of the calls that are for uncounted things.
         levels_frac: the part of the runs in plants of two machines and more in which some make parts for others.
         scrap_frac: the part of the runs in which machines make bad pieces.
         priorities_frac: the part of the runs in which orders have priorities.
         stations_frac: the part of the runs in plants with storages that vehicles refill, or where machines fetch in the warehouse.
         rests_frac: the part of the runs in which machines rest now and then by their working time.
-        strategists: how many there are; of several one after the other is killed.
+        strategists: how many there are; where there are several, they are killed one after the other.
         scarce_power: whether batteries are so small that they are emptied and charged in minutes, and chargers and
-            parking places few; the chargers suffice.
+            parking places are few; the chargers suffice.
     """
 
     machines: tuple[int, int] = (1, 6)
@@ -204,4 +204,4 @@ PROFILES: Mapping[str, Profile] = {
         scarce_power=True,
     ),
 }
-"""By name, as `dray sim explore --profile` takes them."""
+"""Profiles by name, for `dray sim explore --profile`."""

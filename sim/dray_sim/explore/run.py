@@ -1,8 +1,7 @@
-"""What one seed of the search stands for: a plant, a load, a schedule of faults and the people in it.
+"""The run of one seed of the search: a plant, a load, a schedule of faults, and people.
 
-Everything is drawn here, before anything runs, so that a run can be shown and replayed. Plants are
-small: what is wrong in a protocol goes wrong between a handful of agents, and a hundred small runs
-meet more of it than one large one.
+Everything is drawn here, before anything runs, so that a run can be shown and replayed. Plants are small: protocol
+errors occur between a handful of agents, and a hundred small runs meet more of them than one large run.
 """
 
 from __future__ import annotations
@@ -43,42 +42,43 @@ DURATION_S = 1200.0
 """The least virtual time of a run."""
 
 FAULTS_UNTIL_S = 900.0
-"""Then every fault has ended and no order comes any more: the quiet phase in which everything must end."""
+"""Beginning of the quiet phase: every fault has ended, no order comes any more, and everything must end."""
 
 LONGEST_S = 6 * 3600.0
 """A run that takes longer is broken, unless its vehicles have more to carry than this allows for."""
 
 LONGEST_PER_WORK = 3.0
-"""How much longer a run may take than its whole fleet would need for what is carried, busy all the time. Parts that
-come in less than whole containers make twice as many ways (seed 10, one vehicle: 2.2)."""
+"""Longest duration of a run, as a multiple of the time that its whole fleet needs for the transports when it is
+always busy. Parts that come in less than whole containers make twice as many ways (seed 10, one vehicle: 2.2)."""
 
 TAKEN_BACK_TIMES = (1, 1, 1, 2, 3)
-"""How often an order is taken back that is taken back at all."""
+"""Number of revocations of an order that is revoked at all."""
 
 LONGEST_REST_S = 120.0
-"""How long an order rests before it is published again: long enough for its goals to be gone, and for goods
-that were on the way to have found the gate shut."""
+"""Longest rest of an order before it is published again: long enough for its goals to be gone, and for goods on the
+way to have found the gate shut."""
 
 
 IMPOSTORS_FRAC = 0.1
-"""Of the insiders in a plant with right of way: so many take the name of one of its vehicles."""
+"""Fraction of the insiders, in a plant with right of way, that take the name of one of its vehicles."""
 
 DOUBLES_FRAC = 0.1
-"""Likewise: so many have the key of that vehicle, too."""
+"""Fraction of these insiders that have the vehicle's key, too."""
 
 USURPERS_FRAC = 0.1
-"""Likewise: so many take the name of a keeper of books."""
+"""Fraction of the insiders that take the name of a keeper of books."""
 
 LEADERS_FRAC = 0.1
-"""Likewise: so many that of one that leads them."""
+"""Fraction of the insiders that take the name of a keeper that leads books."""
 
 LONGEST_CARRIED_S = 400.0
-"""Who is carried away so long before the quiet phase is back on the floor by then, or nearly."""
+"""Longest absence of a vehicle that people carry away: one that leaves this long before the quiet phase is back by
+then, or nearly."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One run of the search, wholly decided.
+    """One run of the search, completely determined.
 
     Attributes:
         seed: it follows from this, and from the profile.
@@ -89,15 +89,15 @@ class Run:
         orders: the demand.
         codec: whether all messages go through the wire format.
         habits: of the operators; None where there are none.
-        random_operator: whether somebody presses buttons at random.
+        random_operator: whether a person presses buttons at random.
         strategists: how many there are.
-        random_answers: whether somebody answers calls for help at random.
+        random_answers: whether a person answers calls for help at random.
         cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
         revocations: orders that are taken back and published again.
-        closings: what a manager closes, and when.
+        closings: closures by a manager, with their times.
         carryings: vehicles that people carry away and put back; only where vehicles drive with right of way.
         calls: transports that people ask for, and when they call them off.
-        insider: how somebody lies until the quiet phase (`dray_sim.insiders`); empty where nobody does.
+        insider: the behaviour of an insider until the quiet phase (`dray_sim.insiders`); empty where there is none.
         traffic: whether vehicles drive with right of way; nothing but the carryings follows from it.
     """
 
@@ -125,7 +125,7 @@ class Run:
 
     @property
     def has_faults(self) -> bool:
-        """Whether anything goes wrong in it."""
+        """Whether it has faults."""
         return bool(self.schedule or self.random_operator or self.insider or self.closings or self.carryings)
 
     @property
@@ -144,7 +144,7 @@ class Run:
         return max(LONGEST_S, LONGEST_PER_WORK * loads * TRANSPORT_S / len(self.plant.fleet))
 
     def __str__(self) -> str:
-        """In one line, for a reader."""
+        """One line for a reader."""
         parts = (
             f"{len(self.plant.machines)} machines",
             *((f"{levels_of(self.plant.file)} levels",) if self.plant.parts else ()),
@@ -166,7 +166,7 @@ class Run:
         return ", ".join((*parts, *more))
 
     def timetable(self) -> list[str]:
-        """What will go wrong, and when, line by line."""
+        """The faults and their times, line by line."""
         return [
             f"{timed.at_s:7.1f} to {timed.until_s or self.faults_until_s:7.1f} s  {describe(timed.fault)}"
             for timed in self.schedule
@@ -198,7 +198,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         stock_frac=(emptiest, max(emptiest, ranges.stock_frac[1])),
         faults_until_s=FAULTS_UNTIL_S,
         duration_s=DURATION_S,
-        # It costs time and finds little that the other nine would not: some of them see that it is harmless.
+        # It costs time and finds little that the other runs would not: a few runs show that it is harmless.
         codec=random.random() < 0.1,
         habits=_careless(_habits(random), Random(f"{seed} careless"))
         if random.random() < ranges.operators_frac
@@ -226,7 +226,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
 
 
 def _of_vehicles(schedule: tuple[Timed, ...], plant: Plant) -> tuple[Timed, ...]:
-    """Those faults that leave keepers of books alone: a thief that is one of two which can be heard is not defended against."""
+    """Faults that do not touch keepers of books: a thief among two reachable keepers is not defended against."""
     return tuple(timed for timed in schedule if getattr(timed.fault, "agent", "") in plant.fleet)
 
 
@@ -255,7 +255,7 @@ def _carryings(plant: Plant, ranges: Profile, random: Random) -> tuple[Carrying,
 
 
 def _insider(ranges: Profile, random: Random, takes_name: Random, *, traffic: bool) -> str:
-    """How somebody lies who never moves; one that drives would leave its loads to the quiet phase."""
+    """The behaviour of an insider that never moves; one that drives would leave its loads to the quiet phase."""
     if random.random() >= ranges.insiders_frac:
         return ""
     drawn = takes_name.random()
@@ -349,7 +349,7 @@ def _habits(random: Random) -> Habits:
 
 
 def _careless(habits: Habits, random: Random) -> Habits:
-    """Some forget what they have promised, and some come on duty and go."""
+    """Habits in which some operators forget their promises, and some come on duty and go."""
     forgets_frac = random.uniform(0.0, 0.6) if random.random() < 0.5 else 0.0
     on_duty_s = (20.0, random.uniform(60.0, 400.0)) if random.random() < 0.5 else None
     off_duty_s = (5.0, random.uniform(10.0, 200.0))

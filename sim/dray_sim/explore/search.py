@@ -1,7 +1,7 @@
-"""Many runs, in as many processes as are wanted, and what came of them.
+"""Many runs, in as many processes as are wanted, and their results.
 
-Outcomes come in the order of their seeds, however many processes play them. A search that is stopped
-sums up what it has seen so far.
+Outcomes come in the order of their seeds, for any number of processes. A search that is stopped sums up its results
+so far.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from dray_sim.explore.play import try_seed
 from dray_sim.run.workers import end_with_parent
 
 CHUNK = 8
-"""Seeds that a process plays in one go: some seconds, long beside what passing them on costs."""
+"""Seeds that a process plays in one go: they take some seconds, long compared with the cost of a message."""
 
 AHEAD = 3
 """Chunks per process that wait or run: enough that none idles, few enough that a stop is quick."""
@@ -62,7 +62,7 @@ def search(
         progress: called with every outcome, in the order of seeds.
 
     Returns:
-        What was seen; after a KeyboardInterrupt or SIGTERM, what was seen until then.
+        The summary; after a KeyboardInterrupt or SIGTERM, that of the results so far.
 
     Raises:
         UnavailableError: a process was killed from outside.
@@ -84,7 +84,7 @@ def search(
 
 @contextmanager
 def _stoppable() -> Iterator[None]:
-    """A SIGTERM stops it like Ctrl-C: nothing that was seen is lost, and no process of the pool is left behind."""
+    """Let a SIGTERM stop the search like Ctrl-C: no result is lost, and no process of the pool is left behind."""
     before = {stop: signal.getsignal(stop) for stop in (signal.SIGTERM, signal.SIGINT)}
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
@@ -173,7 +173,7 @@ def _begin(stop: Event) -> None:
     global _stop  # noqa: PLW0603 (a pool hands nothing else to its processes)
     _stop = stop
     end_with_parent()
-    # Ctrl-C reaches the whole group of processes; the parent alone decides what to do about it.
+    # Ctrl-C reaches the whole process group; the parent alone decides how to react.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
@@ -187,12 +187,12 @@ def _play_chunk(first: int, last: int, tries: Tries) -> Played:
 
 
 def _timed(seed: int, profile: str, *, traffic: bool) -> tuple[Outcome, float]:
-    """Processor time, so that a busy machine does not change what a seed costs."""
+    """The outcome and its processor time, which does not depend on other load."""
     began_s = time.process_time()
     outcome = try_seed(seed, profile, traffic=traffic)
     return outcome, time.process_time() - began_s
 
 
 def cores() -> int:
-    """How many processes this machine can run at once."""
+    """Number of processes that this machine can run at once."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

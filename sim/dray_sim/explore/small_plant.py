@@ -1,4 +1,4 @@
-"""The small plant of one run: generated, with small containers and short cycles, so that much is carried in little time."""
+"""The small plant of one run: generated, with small containers and short cycles, so that transports are frequent."""
 
 from __future__ import annotations
 
@@ -26,22 +26,23 @@ from dray_sim.people import demand
 from dray_sim.plants.generator import generate_plant
 
 TRANSPORT_S = 120.0
-"""What a vehicle needs for a transport in a small plant, about: the demand is held below what the fleet carries."""
+"""Approximate duration of a transport in a small plant; it limits the demand to the fleet's capacity."""
 
 TWO_LANES_FRAC = 0.5
-"""Of the plants, how many have roads of two lanes; on single track vehicles hinder one another most."""
+"""Fraction of the plants with two-lane roads; on single track vehicles hinder one another most."""
 
 BATTERY_SHARE = (0.04, 0.15)
-"""Of the usual battery: it lasts for a quarter of an hour to an hour of driving, and is charged in six to 25 minutes."""
+"""Battery size as a fraction of the usual one: it lasts for a quarter of an hour to an hour of driving, and is
+charged in six to 25 minutes."""
 
 WORKS_MIN, RESTS_MIN = (2, 8), (1, 5)
 """Minutes from one break to the next, and of a break."""
 
 RESTS_UNTIL_MIN = 120
-"""No break begins after this: no run takes so long unless something is wrong."""
+"""Latest beginning of a break: no run takes so long unless something is wrong."""
 
 OWN_RESTS_FRAC = 0.4
-"""Of the machines, and of the operators' areas, those that do not go by the working time of the plant."""
+"""Fraction of the machines, and of the operators' areas, with a working time of their own."""
 
 LEAST_LOT = 2
 """Pieces in the smallest container of a run."""
@@ -68,7 +69,7 @@ def loads_per_piece(plant: Plant, product: str) -> float:
 
 
 def _ways(plant: Plant, material: str) -> int:
-    """How often a material is carried until it is where it is used."""
+    """Number of transports of a material until it reaches its machine."""
     refilled = (plant.stores[place].refill == "vehicles" for place in plant.storages_of(material))
     return 2 if any(refilled) else 1
 
@@ -103,7 +104,7 @@ def small_plant(seed: int, ranges: Profile, random: Random) -> Plant:
 
 
 def with_rests(file: PlantFile, random: Random, of_people: Random) -> PlantFile:
-    """The same plant with breaks every few minutes, of the whole plant, and of some machines and the people of some areas their own."""
+    """The same plant with breaks every few minutes; some machines and some areas' people have breaks of their own."""
 
     def drawn(random: Random) -> WorkingHours:
         minutes, breaks = 0, []
@@ -133,10 +134,10 @@ def _time_of_day(minutes: int) -> str:
 
 
 def with_scarce_power(file: PlantFile, random: Random) -> PlantFile:
-    """The same plant with small batteries, and with as few chargers and parking places as can do, or more.
+    """The same plant with small batteries, and with few chargers and parking places, at least as many as suffice.
 
-    Chargers suffice when they give what the whole fleet would need if it drove all the time: it does so for half of
-    its time at most, and the rest is for ways to chargers and waits.
+    Chargers suffice when they give the power that the whole fleet needs if it drives all the time. It drives for half
+    of its time at most; the rest is for ways to chargers and waits.
     """
     share = random.uniform(*BATTERY_SHARE)
     kinds = {kind.id: kind for kind in file.vehicle_types}
@@ -152,7 +153,7 @@ def with_scarce_power(file: PlantFile, random: Random) -> PlantFile:
 
 
 def _driving_w(kind: VehicleType) -> float:
-    """What a vehicle takes that drives all the time, half of it with a load (W)."""
+    """Power of a vehicle that drives all the time, half of it with a load (W)."""
     wh_per_m = (kind.drive_wh_per_m + kind.loaded_wh_per_m) / 2.0
     return kind.idle_w + wh_per_m * kind.max_speed_mps * 3600.0
 

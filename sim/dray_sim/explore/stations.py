@@ -16,13 +16,13 @@ STORAGE_LOTS = (1, 4)
 """Containers of a material in a storage that vehicles refill."""
 
 STRAIGHT_FRAC = 0.25
-"""Of the plants, those in which storages keep parts alone, and machines fetch all else in the warehouse."""
+"""Fraction of the plants in which storages keep parts alone, and machines fetch all else in the warehouse."""
 
 DIRECT_FRAC = 0.4
-"""Of the warehouses beside storages, those in which machines fetch, too."""
+"""Fraction of the warehouses beside storages in which machines fetch, too."""
 
 REFILLED_FRAC = 0.8
-"""Of the storages, those that vehicles refill."""
+"""Fraction of the storages that vehicles refill."""
 
 
 def with_stations(file: PlantFile, random: Random) -> PlantFile:
@@ -52,7 +52,7 @@ def _refilled(storage: Storage, lots: dict[str, int], random: Random) -> Storage
 
 
 def _ordered(kept: Stock, whole: int, random: Random) -> Stock:
-    """With a reorder point and a lot that are told, or not."""
+    """A stock with or without an explicit reorder point and lot."""
     capacity = random.randint(*STORAGE_LOTS) * whole + random.randint(0, whole)
     lot = random.randint(1, whole) if random.random() < 0.5 else None
     most = capacity - (whole if lot is None else lot)

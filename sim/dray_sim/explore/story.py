@@ -1,8 +1,7 @@
-"""What came before a violation, in lines that a person can read.
+"""The events before a violation, in lines that a person can read.
 
-Heartbeats are left out: there are many, and what matters in them is said otherwise too. When the
-violation names tasks, goals or orders, what changed their fate is told as far back as it goes, with the
-faults of that time.
+Heartbeats are left out: there are many, and other messages tell their important content too. When the violation names
+tasks, goals or orders, all changes of their state are told, with the faults of that time.
 """
 
 from __future__ import annotations
@@ -29,13 +28,13 @@ from dray.messages import (
 from dray.messages.fact import BidReceived, BidRefused, BidSent, PieceMade, RoundFailed, TaskOpened
 
 KEPT = 20_000
-"""Utterances kept while a run is played again: all of it, but for the longest."""
+"""Utterances kept while a run is played again: all of them, except in the longest runs."""
 
 LAST = 20
-"""Lines of whatever was said at the end."""
+"""Lines about the end of the run."""
 
 ABOUT = 80
-"""Lines about what the violation names."""
+"""Lines about the names in the violation."""
 
 REPEATED = (
     Bid,
@@ -49,13 +48,13 @@ REPEATED = (
     TaskAnnounced,
     TaskOpened,
 )
-"""What is said over and over while nothing changes."""
+"""Messages that are repeated while nothing changes."""
 
 _NAMES = re.compile(r"[A-Za-z][\w.-]*\d[\w.-]*\w|[A-Z]+\d+")
 
 
 class Line(NamedTuple):
-    """One thing that was said or done."""
+    """One message or event."""
 
     at_s: float
     who: str
@@ -71,7 +70,7 @@ class Line(NamedTuple):
 
 
 class Story:
-    """A listener that keeps what was said, and tells it afterwards."""
+    """A listener that keeps the messages, and tells them afterwards."""
 
     def __init__(self) -> None:
         self._lines: deque[Line] = deque(maxlen=KEPT)
@@ -93,7 +92,7 @@ class Story:
         """The lines that lead to a violation, oldest first.
 
         Args:
-            broken: its words; what they name is looked for.
+            broken: its words; the lines about their names are looked for.
         """
         lines = list(self._lines)
         told = dict.fromkeys(range(max(0, len(lines) - LAST), len(lines)))

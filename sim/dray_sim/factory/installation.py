@@ -1,4 +1,4 @@
-"""What of a simulated agent outlives its process, and how its lives and their bodies are made."""
+"""The parts of a simulated agent that outlive its process, and the factories of its lives and their bodies."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from dray_sim.clock.computer import ComputerClock
 from dray_sim.factory.journal import HeldJournal
 
 MakeAgent = Callable[[int, str, int], Agent]
-"""Makes an agent for one life, from the number of that life, the version of its software, and the transports
-that it has to do well on probation."""
+"""Makes an agent for one life, from the number of that life, the version of its software, and the number of
+transports of its probation."""
 
 
 Embody = Callable[[VehicleSpec, SimVehicle, int], Body]
@@ -23,20 +23,20 @@ Embody = Callable[[VehicleSpec, SimVehicle, int], Body]
 
 
 MakeBody = Callable[[int], Body | None]
-"""Makes the body of one life of an agent, from its number; None for one that only talks."""
+"""Makes the body of one life of an agent, from its number; None for an agent without a body."""
 
 
 @dataclass(slots=True)
 class Installation:
-    """What of an agent outlives its process.
+    """The parts of an agent that outlive its process.
 
     Attributes:
         make: its next life.
-        body: makes what each life of it acts with.
-        journal: what it has written down.
+        body: makes the body of each life.
+        journal: its persisted state and events.
         clock: of its computer.
         software: the version that it runs.
-        newest: the one that lies ready; empty for no other.
+        newest: the next version, ready to run; empty for none.
     """
 
     make: MakeAgent

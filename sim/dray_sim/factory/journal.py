@@ -11,14 +11,14 @@ from dray.memory import Changes, Memory, Note
 from dray.messages import Event
 
 HISTORY_FACTS = 1000
-"""Facts kept for whoever missed some: with 300 agents in one memory some 150 MB at worst, and at one fact in
-ten seconds nearly three hours of a historian's absence."""
+"""Facts kept for agents that missed some: with 300 agents in one memory some 150 MB at worst. At one fact in ten
+seconds they cover nearly three hours of a historian's absence."""
 
 _READ: msgspec.json.Decoder[dict[str, Note]] = msgspec.json.Decoder(dict[str, Note])
 
 
 class HeldJournal:
-    """Implements `dray.ports.Journal`; held in memory, by whoever lets the agent live again.
+    """Implements `dray.ports.Journal` in memory; the factory that restarts the agent holds it.
 
     Args:
         incarnation: of the first life.
@@ -41,7 +41,7 @@ class HeldJournal:
 
     @property
     def memory(self) -> Memory:
-        """See `dray.ports.Journal`: what a disk would give back, so only what can be written and read."""
+        """See `dray.ports.Journal`: the same as a disk would give back, so only serialisable content."""
         return _READ.decode(msgspec.json.encode(self._memory))
 
     @property
@@ -50,7 +50,7 @@ class HeldJournal:
         return self._lost
 
     def lose(self, reason: str) -> None:
-        """The agent's next life finds nothing of what was written, as when its disk has failed."""
+        """Lose all content for the agent's next life, as when its disk has failed."""
         self._memory = {}
         self._events.clear()
         self._lost = reason

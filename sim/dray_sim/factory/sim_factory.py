@@ -1,8 +1,8 @@
 """One whole simulated factory: bodies, network and one worker per agent, from a plant and a seed.
 
-Everything is built here and nothing starts by itself: `run` starts it, and ends with it. While it runs,
-agents may be crashed, asked to leave, and restarted one by one. A crash ends an agent's process between two
-effects; its body and its journal stay, and the next life starts from them. Without power the body stands too.
+Everything is built here and nothing starts by itself: `run` starts it, and ends with it. While it runs, agents may be
+crashed, asked to leave, and restarted one by one. A crash ends an agent's process between two effects. Its body and
+its journal stay, and the next life starts from them. Without power the body stands too.
 """
 
 from __future__ import annotations
@@ -82,31 +82,31 @@ class SimFactory:
     """A factory that is ready to run.
 
     Args:
-        plant: what stands where.
+        plant: the layout.
         clock: the virtual clock of the loop that it will run on.
-        seed: everything that is left to chance follows from it.
+        seed: of everything random in the factory.
         incarnation: of every agent's first life; names tasks and goals apart.
-        stock_frac: how full buffers are at the start, from and to, of what they hold.
+        stock_frac: how full buffers are at the start, as a range of fractions of their capacity.
         latency: of the network.
         codec: pass every message through the wire format.
         listener: hears everything that is said.
-        meet: makes where the agents meet out of the simulated network.
+        meet: makes the agents' bus out of the simulated network.
         authority: grants the commands of simulated people, and is the one that vehicles believe; follows from the seed by default.
         traffic: whether vehicles drive with right of way; else as if each were alone.
-        embody: what stands between a vehicle and each life of its agent; nothing by default.
-        embody_machine: what stands between a workcell and each life of its agent; nothing by default.
+        embody: makes an adapter between a vehicle and each life of its agent; none by default.
+        embody_machine: makes an adapter between a workcell and each life of its agent; none by default.
         strategists: how many there are.
 
     Attributes:
         authority: grants the commands of simulated people.
         trusts: whose grants vehicles believe.
-        wish_keys: by which vehicles sign what they say to keepers of books.
+        wish_keys: with which vehicles sign their messages to keepers of books.
         bus: the simulated network; join it to take part.
         floor: all bodies and places.
         vehicles, workcells, storages, delivery, source: those of the floor.
         workers: by agent id; of a crashed agent, that of its last life.
         journals: by agent id.
-        gate, strategists: the gate of all delivery warehouses, and the ids of those who share it.
+        gate, strategists: the gate of all delivery warehouses, and the ids of the strategists that share it.
         in_hands: pieces that people carry, by item.
     """
 
@@ -134,7 +134,7 @@ class SimFactory:
         self.keys = Keys(plant.id)
         self.authority = authority or SigningKey(sha256(f"{seed} authority".encode()).digest())
         self.trusts: Trusts = TrustedKeys(self.authority.public)
-        # One generator per concern, so that a change to one does not shift the chances of another.
+        # Each concern has its own generator, so that a change to one does not shift the chances of another.
         self.bus = SimNetwork(
             clock,
             Random(f"{seed} network"),
@@ -154,7 +154,7 @@ class SimFactory:
         self.workers: dict[str, Worker] = {}
         self._installations: dict[str, Installation] = {}
         self._lives: dict[str, asyncio.Task[None]] = {}
-        """What runs the workers, by agent id."""
+        """Tasks that run the workers, by agent id."""
         self._incarnation = incarnation
         self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
@@ -249,7 +249,7 @@ class SimFactory:
         self._installations[agent].newest = software
 
     def lose_journal(self, agent: str) -> None:
-        """End an agent's process now, and let its next life find nothing of what it has written.
+        """End an agent's process now, and let its next life find an empty journal.
 
         Raises:
             KeyError: there is no such agent.
@@ -266,11 +266,11 @@ class SimFactory:
         self._installations[agent].clock.step(by_s)
 
     def clock_error_s(self) -> float:
-        """How far the clock of any agent is off at most (s)."""
+        """Largest error of any agent's clock (s)."""
         return max((abs(installed.clock.ahead_s) for installed in self._installations.values()), default=0.0)
 
     def clock_of(self, agent: str) -> Clock:
-        """The clock that an agent goes by.
+        """The clock of an agent.
 
         Raises:
             KeyError: there is no such agent.
@@ -287,7 +287,9 @@ class SimFactory:
         self.crash(agent)
 
     def power_on(self, agent: str) -> None:
-        """Switch it on again: its agent begins another life. Harmless when it has power. Nobody does so off the floor.
+        """Switch it on again: its agent begins another life. Harmless when it has power.
+
+        A vehicle off the floor is not switched on.
 
         Raises:
             KeyError: there is no vehicle or machine of this id.
@@ -301,8 +303,8 @@ class SimFactory:
         """Let a vehicle join; in a factory that runs, at once.
 
         Args:
-            spec: its id, its type in the plant, and where it stands; with right of way, or the nearest place that nobody holds.
-            make: its agent, where that is not the honest one.
+            spec: its id, its type in the plant, and its node; with right of way, that node or the nearest free place.
+            make: makes its agent, where that is not the honest one.
 
         Raises:
             ValueError: there is an agent of this id.
@@ -317,7 +319,9 @@ class SimFactory:
         return vehicle
 
     def held_places(self) -> dict[str, str]:
-        """Who holds which place, by the vehicles' own word; of one whose process has ended, by its last. Empty without right of way.
+        """Place -> holder, by the vehicles' own state; for a vehicle whose process has ended, by its last state.
+
+        Empty without right of way.
 
         A vehicle that was lifted off the floor holds none before it is switched on.
         """
@@ -344,7 +348,7 @@ class SimFactory:
         self.floor.clear(lane)
 
     def add_machine(self, spec: MachineSpec) -> SimWorkcell:
-        """Let a machine join that nobody's plant knows; in a factory that runs, at once.
+        """Let a machine join that no plant file has; in a factory that runs, at once.
 
         Args:
             spec: the machine.
@@ -361,7 +365,7 @@ class SimFactory:
     # --- how it is done --------------------------------------------------------------------------
 
     def _free_near(self, node: str) -> str:
-        """Where people put a vehicle down: where none stands nor is about to, at a dwell point rather than on a road."""
+        """A node where people put a vehicle down: free and not about to be taken, rather a dwell point than on a road."""
         nodes, plant = self.plant.nodes, self.plant
         taken = {*self.held_places(), *(self.vehicles[atv].sense().node for atv in self.floor.standing)}
         places = [plant.node_of(point) for point in plant.dwell_points], plant.stops
@@ -436,7 +440,7 @@ class SimFactory:
             self._lives[agent] = self._group.create_task(self._live(agent, self.workers[agent]), name=agent)
 
     async def _live(self, agent: str, worker: Worker) -> None:
-        """One life of an agent; the next one begins when it has left for that."""
+        """Run one life of an agent; start the next one when the agent has left for that."""
         await worker.run()
         if worker.left is not None and worker.left.again and self.workers[agent] is worker:
             self.restart(agent, self._installations[agent].newest if worker.left.update else "")

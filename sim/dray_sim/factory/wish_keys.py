@@ -1,4 +1,4 @@
-"""Keys of simulated vehicles: as good as real ones for whoever has not been given them, and a hundred times cheaper."""
+"""Keys of simulated vehicles: as safe as real ones against agents without them, and a hundred times cheaper."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dray.protocol.traffic.driving.wishes import Sign
 
 
 class WishKeys:
-    """Those of one factory. They follow from its seed, and outlive every life of an agent.
+    """The keys of one factory. They follow from its seed, and outlive every life of an agent.
 
     Args:
         seed: of the factory.
@@ -21,10 +21,10 @@ class WishKeys:
     def __init__(self, seed: int) -> None:
         self._seed = seed
         self._secrets: dict[bytes, bytes] = {}
-        """Public key -> what only its vehicle has."""
+        """Public key -> the secret of its vehicle."""
 
     def of(self, whose: str, name: str = "") -> Sign:
-        """What signs with somebody's key, in its own name or under another one."""
+        """A signer with a vehicle's key, under its own name or another one."""
         secret = sha256(f"{self._seed} key of {whose}".encode()).digest()
         public = sha256(secret).digest()
         self._secrets[public] = secret

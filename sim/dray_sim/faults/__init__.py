@@ -1,7 +1,7 @@
-"""What can go wrong in a simulated factory, as data: begun and ended by hand, by a script, or by a seed.
+"""Faults of a simulated factory, as data: begun and ended by hand, by a script, or by a seed.
 
-`kinds` are the faults themselves, `names` checks whom they are about, `schedule` puts times to them and
-reads them from JSON, `chance` draws whole schedules, `active` begins and ends them in a factory.
+`kinds` are the faults themselves, `names` checks the agents that they name, and `schedule` adds times and reads JSON.
+`chance` draws whole schedules, and `active` begins and ends faults in a factory.
 """
 
 from __future__ import annotations

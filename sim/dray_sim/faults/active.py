@@ -1,8 +1,7 @@
 """Faults in a running factory: begun, ended, and counted so that overlapping ones do not end each other.
 
-Several faults may hold one thing at once: an agent without power may crash as well. What a fault has
-taken comes back with the last of those that took it, and what a person has put right before that
-stays right.
+Several faults may hold one thing at once: an agent without power may crash as well. A thing is restored with the end
+of the last fault that took it, and repairs by a person before that are kept.
 """
 
 from __future__ import annotations
@@ -36,14 +35,14 @@ _ENDED = (Crashed, JournalLost, SentAway)
 """Faults during which an agent's process is not there."""
 
 PERSON_STAYS_S = 60.0
-"""Somebody who stands on a lane goes on by then."""
+"""Longest time for which a person stands on a lane."""
 
 MAX_ACTIVE = 1000
-"""Faults at one time: more than a plant has agents helps nobody to find anything."""
+"""Most faults at one time: more than a plant has agents help nobody to find anything."""
 
 
 class Clock(Protocol):
-    """What `play` needs of a clock."""
+    """The part of a clock that `play` needs."""
 
     def now_s(self) -> float: ...
 
@@ -148,12 +147,12 @@ class Faults:
 
     @property
     def active(self) -> Mapping[str, Fault]:
-        """What is wrong now, by id, in the order of beginning."""
+        """The active faults by id, in the order of their beginnings."""
         return MappingProxyType(self._active)
 
     @property
     def cast(self) -> Cast:
-        """Whom a fault may be about at this moment."""
+        """The agents and things that a fault may name at this moment."""
         vehicles, machines = tuple(self.world.vehicles), tuple(self.world.workcells)
         bodies = {*vehicles, *machines}
         others = tuple(agent for agent in self.world.workers if agent not in bodies)
@@ -161,13 +160,13 @@ class Faults:
         return Cast(vehicles, machines, others, self.world.bus.access_points, self.world.lanes, doors)
 
     def begin(self, fault: Fault) -> str:
-        """Let something go wrong, now.
+        """Begin a fault now.
 
         Returns:
             The id with which it is ended.
 
         Raises:
-            FaultError: it is about somebody who is not there, or there is nothing that could go wrong.
+            FaultError: its agent does not exist, or there is nothing that could fail.
         """
         self.cast.check(fault)
         if len(self._active) >= MAX_ACTIVE:
@@ -182,7 +181,7 @@ class Faults:
         return name
 
     def end(self, name: str) -> None:
-        """Put it right, as far as no other fault holds the same thing.
+        """End a fault, as far as no other fault holds the same thing.
 
         Raises:
             FaultError: no fault of this id is active.
@@ -231,10 +230,10 @@ class Faults:
                 world.bus.begin(fault)
 
     def _try(self, fault: LaneBlocked | DoorFailed | LoadDropped | LoadShifted) -> None:
-        """Do what happens on the floor; most of it is possible at some moments only.
+        """Apply a fault of the floor; most are possible at some moments only.
 
         Raises:
-            FaultError: this is none of them.
+            FaultError: it is not possible now.
         """
         world = self.world
         match fault:
@@ -299,7 +298,7 @@ class Faults:
 
 
 def _subject(fault: Fault) -> str:
-    """Whom a fault in one body or process is about."""
+    """The subject of a fault in one body or process."""
     match fault:
         case PoweredOff(name) | Crashed(name) | JournalLost(name) | SentAway(name):
             return name
@@ -312,16 +311,16 @@ def _subject(fault: Fault) -> str:
 
 
 def play(schedule: Iterable[Timed], faults: Faults) -> None:
-    """Let a schedule happen; those of its times that are past mean now.
+    """Schedule faults; those with a past time begin now.
 
-    A fault for which there is nothing that could go wrong, as a load to shift, is skipped and counted.
+    A fault without an object, as a load to shift, is skipped and counted.
 
     Args:
         schedule: in any order; within one instant the order is that of the schedule.
         faults: of the factory in which it happens.
 
     Raises:
-        FaultError: a fault is about somebody who is not there; nothing of the schedule happens then.
+        FaultError: the agent of a fault does not exist; then nothing of the schedule happens.
     """
     planned = tuple(schedule)
     for place, timed in enumerate(planned):

@@ -1,7 +1,7 @@
 """Whole schedules of faults, drawn from a seed: the weather of a search.
 
-Faults begin as in a Poisson process, so they overlap as independent mishaps do; each ends after a time
-that fits its kind. Everything has ended by a given moment: after it a search asks that everything comes to its end.
+Faults begin as in a Poisson process, so they overlap as independent mishaps do; each lasts for a time that fits its
+kind. Everything has ended by a given moment: after it a search asks that everything comes to its end.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ MEAN_GAP_S = 60.0
 """Between the beginnings of two faults at intensity 1: rare enough that something goes on between them."""
 
 MAX_FAULTS = 500
-"""In one schedule; an intensity that asks for more would only ask for standstill."""
+"""Most faults in one schedule; a higher intensity would only mean standstill."""
 
 WEIGHTS: Mapping[type[Fault], float] = {
     WlanCut: 4.0,
@@ -55,40 +55,41 @@ WEIGHTS: Mapping[type[Fault], float] = {
     RadioCut: 1.0,
     AccessPointDown: 1.0,
 }
-"""How often each kind is drawn against the others: most often what strikes a transport in the middle."""
+"""Relative frequency of each kind: the most frequent ones strike a transport in the middle."""
 
 LEAVING: Mapping[type[Fault], float] = {SentAway: 1.0}
 """Agents that leave and come back are no mishap, and drawn apart."""
 
 OBSTACLES: Mapping[type[Fault], float] = {LaneBlocked: 1.0}
-"""What is in the way on lanes is drawn apart."""
+"""Obstacles on lanes are drawn separately."""
 
 DROPPED: Mapping[type[Fault], float] = {LoadDropped: 1.0}
-"""What vehicles lose on lanes, likewise."""
+"""Loads that vehicles lose on lanes are drawn separately, too."""
 
 DOORS: Mapping[type[Fault], float] = {DoorFailed: 1.0}
 """Doors that fail, likewise; only where there are any."""
 
 CLOCKS: Mapping[type[Fault], float] = {ClockSet: 1.0}
-"""Clocks that are set wrong are drawn apart, too: an agent whose clock is wrong is not in trouble by that alone."""
+"""Wrong clocks are drawn separately, too: a wrong clock alone does not put an agent in trouble."""
 
 VEHICLE_BACK_S = 2.0
-"""A vehicle whose next life begins so soon is not suspected: it beats once a second at work, and 3.5 s are silence."""
+"""A vehicle whose next life begins this soon is not suspected: it beats once a second at work, and 3.5 s count as
+silence."""
 
 COORDINATOR_BACK_S = 10.0
 """A machine or the strategist likewise: a machine keeps its goals for 15 s of silence."""
 
 LONGEST_GAP_S = 5.0
-"""Between two agents of a wave: longer than whatever one of them does at its start."""
+"""Longest gap between two agents of a wave: longer than any step of an agent's start."""
 
 LEAST_STEP_S, LARGEST_STEP_S = 0.05, 60.0
-"""By how much a clock is set wrong, evenly on a logarithmic scale: from what NTP leaves to what a person does."""
+"""Range of the errors of clocks, uniform on a logarithmic scale: from NTP's remaining error to a person's mistake."""
 
 LONGEST_PROBATION = 3
 """Transports; more than that hardly anybody does in a short run."""
 
 SHORT_S, LONG_S = 2.0, 240.0
-"""How long a fault lasts, evenly on a logarithmic scale: below every bound of suspicion, and above."""
+"""Range of the durations of faults, uniform on a logarithmic scale: below every bound of suspicion, and above."""
 
 BAD_LINK_FRAC = 0.4
 """Up to here loss, doubling and reordering go: beyond 40 % the paper's own network is down (case 3)."""
@@ -109,7 +110,7 @@ def random_schedule(
     """Draw a schedule; the same for the same arguments, in every process.
 
     Args:
-        plant: what can fail.
+        plant: its agents and things can fail.
         random: the only source of chance.
         duration_s: by then every fault has ended (plant clock).
         intensity: faults in a minute, on average; 0 for none.
@@ -143,7 +144,7 @@ def random_waves(plant: Plant, random: Random, duration_s: float, intensity: flo
     """Draw restarts of whole sets of agents, in any order: crashes that end so soon that they should cost nothing.
 
     Args:
-        plant: who is there.
+        plant: its agents restart.
         random: the only source of chance.
         duration_s: by then all are back (plant clock).
         intensity: waves in a minute, on average.
@@ -163,10 +164,10 @@ def random_waves(plant: Plant, random: Random, duration_s: float, intensity: flo
 
 
 def random_kills(agents: tuple[str, ...], random: Random, duration_s: float) -> tuple[Timed, ...]:
-    """Kill one of these agents after another, for as long as nobody misses it and for much longer.
+    """Kill one of these agents after another, for times too short to be missed and for much longer ones.
 
     Args:
-        agents: who is killed.
+        agents: to be killed.
         random: the only source of chance.
         duration_s: by then all are back (plant clock).
     """
@@ -195,14 +196,14 @@ def _some_agents(cast: Cast, random: Random) -> list[str]:
 
 
 def _problem(random: Random) -> Problem:
-    """Of any kind, and with any knowledge, true or not; sometimes with none."""
+    """A problem of any kind, with true, false or no details."""
     know = (None, False, True)
     kind = random.choice(tuple(ProblemKind))
     return Problem(kind, random.choice(know), random.choice(know), random.choice(know))
 
 
 def _neat(seconds: float) -> float:
-    """To a hundredth, so that a schedule reads well."""
+    """Round to a hundredth, so that a schedule reads well."""
     return round(seconds, 2)
 
 
@@ -222,7 +223,7 @@ def _agent(plant: Plant, random: Random) -> str:
 
 
 def _forgetful(plant: Plant, random: Random) -> str:
-    """Anybody but the strategist: what that has promised is in its notes alone, beside the gateway's database."""
+    """Any agent except the strategist, whose promises are only in its notes and the gateway's database."""
     kinds = (tuple(plant.machines), tuple(plant.stores), tuple(plant.fleet), tuple(plant.fleet))
     return random.choice(random.choice(kinds))
 
@@ -258,7 +259,7 @@ def _draw_trouble(plant: Plant, random: Random) -> Fault:
 
 
 def _draw_partition(plant: Plant, random: Random) -> Fault:
-    """One part of the factory on its own: some machines with some vehicles, and all others elsewhere."""
+    """Cut one part of the factory off: some machines with some vehicles."""
     agents = Cast.of_plant(plant).agents
     apart = tuple(agent for agent in agents if random.random() < 0.4)
     return Partition(groups=(apart or (random.choice(agents),),))

@@ -1,6 +1,7 @@
 """The kinds of faults: each is a value that says what is wrong, not when.
 
-Those of the network are data of the network (`dray_sim.network.faults`); here are those of power, processes and bodies.
+Network faults are data of the network (`dray_sim.network.faults`); this module has those of power, processes and
+bodies.
 """
 
 from __future__ import annotations
@@ -24,19 +25,19 @@ class PoweredOff(FaultKind, frozen=True):
 
 
 class Crashed(FaultKind, frozen=True):
-    """An agent's process has ended; its body goes on as bodies do. It is started again at the end."""
+    """An agent's process has ended; its body goes on as bodies do. The process is started again at the end."""
 
     agent: Id
 
 
 class JournalLost(FaultKind, frozen=True):
-    """An agent's process has ended, and what it had written down is lost or torn: it is started again without memory."""
+    """An agent's process has ended, and its journal is lost or torn: the next life starts without memory."""
 
     agent: Id
 
 
 class ClockSet(FaultKind, frozen=True):
-    """The clock of an agent's computer was set forward by so much, or back, and is set right at the end."""
+    """The clock of an agent's computer was set forward or back; at the end it is set right."""
 
     agent: Id
     by_s: Annotated[float, Meta(ge=-3600.0, le=3600.0)]
@@ -45,7 +46,7 @@ class ClockSet(FaultKind, frozen=True):
 class SentAway(FaultKind, frozen=True):
     """An agent was asked to shut down gracefully, for other software say; it is started again at the end.
 
-    Who has not left by then is ended.
+    An agent that has not left by then is killed.
     """
 
     agent: Id
@@ -62,7 +63,7 @@ class MachineBroken(FaultKind, frozen=True):
     machine: Id
     reason: Text = "a tool has broken"
     problem: Problem = NOTHING_KNOWN
-    """What its body knows of it."""
+    """Details that its body knows."""
 
 
 class VehicleBroken(FaultKind, frozen=True):
@@ -71,11 +72,11 @@ class VehicleBroken(FaultKind, frozen=True):
     atv: Id
     reason: Text = "the way is blocked"
     problem: Problem = NOTHING_KNOWN
-    """What its body knows of it."""
+    """Details that its body knows."""
 
 
 class Thing(StrEnum):
-    """What can be in the way on a lane."""
+    """Obstacles on a lane."""
 
     PALLET = "pallet"
     PERSON = "person"
@@ -83,7 +84,7 @@ class Thing(StrEnum):
 
 
 class LaneBlocked(FaultKind, frozen=True):
-    """Something is in the middle of a lane, and in the way of whoever would drive there.
+    """An obstacle is in the middle of a lane, and blocks it.
 
     A pallet and a door that is stuck stay until the fault is ended; a person goes on after a while (`dray_sim.faults.active`).
     """
@@ -100,7 +101,9 @@ class DoorFailed(FaultKind, frozen=True):
 
 
 class LoadDropped(FaultKind, frozen=True):
-    """A vehicle on a lane has lost its load: it lies behind it, and is in the way, until a person has put it on board or taken it away.
+    """A vehicle on a lane has lost its load, which lies behind it as an obstacle.
+
+    A person puts it on board or takes it away.
 
     The vehicle stands until then; needs a load.
     """
@@ -131,7 +134,7 @@ Fault = (
 
 KINDS: tuple[type[Fault], ...] = get_args(Fault)
 KIND_NAMES: tuple[str, ...] = tuple(snake(kind.__name__) for kind in KINDS)
-"""As they stand in `kind` on the wire."""
+"""Names in `kind` on the wire."""
 
 
 def kind_of(fault: Fault) -> str:
@@ -140,7 +143,7 @@ def kind_of(fault: Fault) -> str:
 
 
 def describe(fault: Fault) -> str:
-    """One line for a reader: the kind, and what is not left at its default."""
+    """One line for a reader: the kind, and all fields that differ from their defaults."""
     defaults = type(fault).__struct_defaults__
     names = fault.__struct_fields__
     required = len(names) - len(defaults)

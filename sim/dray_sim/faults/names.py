@@ -1,4 +1,4 @@
-"""Whom faults may be about: a fault in somebody who does not exist is a mistake, and is told as one."""
+"""Agents and things that faults may name: a fault with an unknown name is an error."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class FaultError(InputError):
 
     Attributes:
         field: where, as ``schedule[2].fault.agent``.
-        reason: what is wrong and what to do.
+        reason: the error and its remedy.
     """
 
     def __init__(self, field: str, reason: str) -> None:
@@ -47,7 +47,7 @@ class FaultError(InputError):
 
 @dataclass(frozen=True, slots=True)
 class Cast:
-    """All that a fault can be about, by id and in a fixed order.
+    """All agents and things that a fault can name, by id and in a fixed order.
 
     Attributes:
         vehicles, machines: agents with a body.
@@ -66,7 +66,7 @@ class Cast:
 
     @classmethod
     def of_plant(cls, plant: Plant) -> Cast:
-        """Whoever stands in a plant file."""
+        """The agents and things of a plant file."""
         points = tuple(point.id for point in access_points_of(plant))
         others = (STRATEGIST, *plant.stores, GATE)
         return cls(
@@ -80,18 +80,18 @@ class Cast:
 
     @property
     def agents(self) -> tuple[str, ...]:
-        """Everybody who has a process in the factory."""
+        """All agents with a process in the factory."""
         return (*self.machines, *self.vehicles, *self.others)
 
     def check(self, fault: Fault, where: str = "fault") -> None:
-        """See that a fault is about somebody who exists.
+        """Check that a fault names an existing agent or thing.
 
         Args:
             fault: of any kind.
-            where: what stands before the field in an error message.
+            where: prefix of the field in an error message.
 
         Raises:
-            FaultError: it is not; names the field.
+            FaultError: it does not; names the field.
         """
         match fault:
             case WlanCut(agent):

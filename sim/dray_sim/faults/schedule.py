@@ -27,7 +27,7 @@ class Timed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     at_s: Moment
     fault: Fault
     until_s: Moment | None = None
-    """After `at_s`; None for a fault that somebody else ends, or nobody."""
+    """After `at_s`; None for a fault that is ended by other means, or never."""
 
     def __str__(self) -> str:
         end = "for ever" if self.until_s is None else f"until {self.until_s:.1f} s"
@@ -38,7 +38,7 @@ def read_fault(data: bytes | str, cast: Cast) -> Fault:
     """Read one fault from JSON.
 
     Raises:
-        FaultError: it is none, or is about somebody who is not in `cast`; names the field.
+        FaultError: the JSON is no fault, or names an agent that is not in `cast`; names the field.
     """
     fault = _decode(data, _fault_decoder, "fault")
     cast.check(fault, "fault")
@@ -49,7 +49,7 @@ def read_schedule(data: bytes | str, cast: Cast) -> tuple[Timed, ...]:
     """Read a schedule from JSON, in the order in which it is written.
 
     Raises:
-        FaultError: it is none, or a fault in it is about somebody who is not in `cast`; names the field.
+        FaultError: the JSON is no schedule, or a fault in it names an agent that is not in `cast`; names the field.
     """
     schedule = _decode(data, _schedule_decoder, "schedule")
     for place, timed in enumerate(schedule):

@@ -1,4 +1,4 @@
-"""How an insider lies: data, so that another lie is another line."""
+"""The behaviour of an insider as data: another lie is another line."""
 
 from __future__ import annotations
 
@@ -10,60 +10,64 @@ SILENT_S = 10.0
 """Just longer than anybody waits for a vehicle at work: the sooner it is back, the more it takes."""
 
 SINCE_1970_S = 1.8e9
-"""What a clock lacks that has lost its battery: unix time begins at zero."""
+"""Error of a clock that has lost its battery: unix time begins at zero."""
 
 
 class Price(Enum):
-    """What it bids."""
+    """The price in its bids."""
 
     NOTHING = "nothing"
     """Zero, and to be done at once."""
     ABSURD = "absurd"
-    """As far below zero as a message can say."""
+    """A price as far below zero as a message can hold."""
     LEAST = "least"
-    """As little as a vehicle could need that stands at the source already: nobody can tell that it lies."""
+    """The least price of a vehicle that stands at the source already: it is not recognisable as a lie."""
 
 
 class Answer(Enum):
-    """What it says to an award."""
+    """Its answer to an award."""
 
     ACCEPT = "accept"
     DECLINE = "decline"
     RESIGN = "resign"
-    """It accepts, and gives the contract back at once."""
+    """Accept, and give the contract back at once."""
     NONE = "none"
 
 
 @dataclass(frozen=True, slots=True)
 class Behaviour:
-    """What one insider does. One that `drives` is an honest vehicle but for what is said here; the others never move.
+    """The behaviour of one insider.
+
+    One that `drives` is an honest vehicle except for the fields below; the others never move.
 
     Attributes:
         name: in reports.
         shows: in one line.
         drives: it has the software of a vehicle, and a body.
-        price: what it bids; None for not at all.
-        answers: what it says to an award.
-        silent_s: so long it says nothing after every task that it has got.
-        boasts: it says of every task at once that it has the load on board.
-        pretends: it tells of ways and phases as if it worked at each of its tasks.
-        hands_over: it says that loads are down which it never had.
+        price: of its bids; None for no bids.
+        answers: to an award.
+        silent_s: silence after every task that it has got.
+        boasts: it reports the load of every task as on board at once.
+        pretends: it reports ways and phases as if it worked at each of its tasks.
+        hands_over: it reports handovers of loads that it never had.
         claims_all: it claims every charger and parking place, as if it stood there.
         claims_floor: it says to all keepers of books that it holds every place, and wants every place.
-        takes_name: it has stolen the certificate of a vehicle of the plant, whose owner lives, and says in its name that it gives back all
-            that it holds.
-        has_key: it has stolen the vehicle's key with its certificate (its disk), and says again in its name what the vehicle has said, under numbers
-            of which that has not got yet.
-        takes_keeper: it has stolen the certificate of a keeper of books, whose owner lives, and says that those which others keep are its own now.
-        leads_falsely: it has stolen the certificate of a keeper that leads books, and grants places that those have given to others.
-        names_others: it names tasks that others carry as its own.
-        flood_hz: so many messages it sends a second, to all coordinators in turn.
-        betrays_every: of so many tasks that it has taken it betrays one: it says that all is well, and stands.
-        keeps_loads: it fetches what it betrays first, and never puts it down.
-        says_down: it says of what it betrays that the load is down, and keeps it.
-        speed_frac: it drives at this part of the speed that it bids with.
-        bodiless: its software has nothing to act with: whatever it is told to do counts as done, and nothing moves.
-        clock_ahead_s: its computer's clock is wrong by so much; negative for behind.
+        takes_name: it has stolen the certificate of a vehicle of the plant, whose owner lives, and in its name gives
+            all its places back.
+        has_key: it has stolen the vehicle's key with its certificate (its disk). In the vehicle's name it repeats its
+            messages under numbers that the vehicle has not reached yet.
+        takes_keeper: it has stolen the certificate of a keeper of books, whose owner lives, and claims other keepers'
+            books.
+        leads_falsely: it has stolen the certificate of a keeper that leads books, and grants places that are held by
+            other vehicles.
+        names_others: it reports tasks of other carriers as its own.
+        flood_hz: messages per second to all coordinators in turn.
+        betrays_every: it betrays one of so many tasks that it has taken: it says that all is well, and stands.
+        keeps_loads: it fetches the load of a betrayed task first, and never puts it down.
+        says_down: it reports the load of a betrayed task as put down, and keeps it.
+        speed_frac: its speed as a part of the speed that it bids with.
+        bodiless: its software has no body: every instruction counts as done, and nothing moves.
+        clock_ahead_s: error of its computer's clock; negative for behind.
     """
 
     name: str
@@ -212,4 +216,4 @@ _ALL = (
 )
 
 BEHAVIOURS: Mapping[str, Behaviour] = {behaviour.name: behaviour for behaviour in _ALL}
-"""By name, in the order of the table."""
+"""Behaviours by name, in the order of the table."""

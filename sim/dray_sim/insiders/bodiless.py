@@ -1,7 +1,7 @@
-"""A vehicle's software without a vehicle: it drives through a plant in which every place gives and takes whatever it says.
+"""A vehicle's software without a vehicle: it drives through a plant in which every place gives and takes any load.
 
-As when a body's driver answers from a table, or a vehicle's computer is carried into an office and left running: every
-word that it says is what an honest vehicle would say, and nothing moves.
+The case is a body's driver that answers from a table, or a vehicle's computer that runs in an office. Every message
+is that of an honest vehicle, and nothing moves.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
 class _Nowhere:
-    """A place that is in no plant (see `dray_sim.bodies.stores.Place`): it gives what is asked for, and takes what is brought."""
+    """A place that is in no plant (see `dray_sim.bodies.stores.Place`): it accepts every request."""
 
     def take(self, vehicle: str, item: str, quantity: int) -> str:
         return ""
@@ -29,11 +29,11 @@ class _Nowhere:
 
 
 def body_of(spec: VehicleSpec, plant: Plant, clock: Clock) -> Body:
-    """What such software believes to be its body.
+    """The simulated body that such software believes to have.
 
     Args:
-        spec: where it believes to stand.
-        plant: in which it believes to be; its chargers are its own.
+        spec: its supposed position.
+        plant: its supposed plant, with chargers of its own.
         clock: the plant's clock.
     """
     places = (*plant.storages, *plant.machines, *plant.warehouses)

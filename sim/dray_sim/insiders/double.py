@@ -1,4 +1,4 @@
-"""A double: it has stolen a vehicle's disk, so its certificate and its key, and says in its name what the vehicle says, only sooner."""
+"""A double: it has stolen a vehicle's disk, with certificate and key, and sends its messages under later numbers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray.protocol.traffic.driving.wishes import Sign
 from dray.protocol.traffic.places import Places
 
 LISTENS_S = 120.0
-"""At first it only listens, until its owner is at work."""
+"""Time in which it only listens, until its owner is at work."""
 
 SPEAKS_EVERY_S = 150.0
 """Long enough that its owner has been helped and drives again."""
@@ -21,14 +21,14 @@ AHEAD = 10**6
 
 
 class Double:
-    """Whoever has stolen a vehicle's disk (see `dray.protocol.runtime.events.Agent`).
+    """A thief of a vehicle's disk (see `dray.protocol.runtime.events.Agent`).
 
-    Now and then it says in each district what its owner has said there last, under a number that the owner has not come to. The books do not
-    change by that. But from then on they take the owner's own words for old ones.
+    Now and then it repeats in each district the owner's last message there, under a number that the owner has not
+    reached. The books do not change by that, but then take the owner's own messages for old ones.
 
     Args:
-        atv: whose name it takes.
-        plant: what it knows of the plant.
+        atv: the owner, whose name it takes.
+        plant: its knowledge of the plant.
         sign: with the owner's key.
         incarnation: of its own life.
     """
@@ -39,7 +39,7 @@ class Double:
         self._keepers_of = Places(plant).keepers_of
         self._sign = sign
         self._newest: dict[str, PlaceWished] = {}
-        """District -> what the owner has said there last."""
+        """District -> the owner's last message there."""
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """Take one step."""

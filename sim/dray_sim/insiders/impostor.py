@@ -23,7 +23,7 @@ FAR_AHEAD = 10**6
 """Higher than any number of a wish that its owner says."""
 
 LISTENS_S = 120.0
-"""At first it only listens, until its owner is at work."""
+"""Time in which it only listens, until its owner is at work."""
 
 OVERHEARD = 64
 """Wishes of its owner that it keeps; it says the oldest of them again."""
@@ -48,15 +48,18 @@ class StolenPlace:
 
 
 class Impostor:
-    """Whoever has stolen a vehicle's certificate (see `dray.protocol.runtime.events.Agent`). It has not the vehicle's key.
+    """A thief of a vehicle's certificate (see `dray.protocol.runtime.events.Agent`).
 
-    Once a second it says to all keepers of books that nothing is held, in turn: as the owner's life and as a later one, with a key of its own,
-    without any, and with the owner's key and signature, which it has overheard. It says again what the owner has said long before, too.
+    It does not have the vehicle's key.
+
+    Once a second it tells all keepers of books that nothing is held. In turn it speaks as the owner's life and as a
+    later one, with a key of its own, without any, and with the owner's key and an overheard signature. It also
+    repeats old messages of the owner.
 
     Args:
-        atv: whose name it takes.
-        plant: what it knows of the plant.
-        sign: with a key of its own.
+        atv: the owner, whose name it takes.
+        plant: its knowledge of the plant.
+        sign: signs with a key of its own.
     """
 
     def __init__(self, atv: str, plant: Plant, sign: Sign) -> None:
@@ -65,14 +68,14 @@ class Impostor:
         self._keys = Keys(plant.id)
         self._places = Places(plant)
         self._ways = cycle(product((0, 1), (unsigned, sign, self._forge), (False, False, True)))
-        """As how much later a life, how it signs, and whether it guesses the number of the last grant."""
+        """Offset of its life, its signature, and whether it guesses the number of the last grant."""
         self._life, self._removal = 1, 0
         self._seq = FAR_AHEAD
         self._epochs: dict[str, int] = {}
         self._seen: dict[str, int] = {}
         """District -> the highest number of a grant to the owner, as it was overheard."""
         self._overheard: deque[PlaceWished] = deque(maxlen=OVERHEARD)
-        """What the owner has said."""
+        """Messages of the owner."""
         self._out: list[Effect] = []
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
@@ -127,7 +130,7 @@ class Impostor:
             self._out += [Send(keeper, sign(wish)) for keeper in keepers]
 
     def _forge(self, wish: PlaceWished) -> PlaceWished:
-        """With the owner's key, and its signature of something else."""
+        """Add the owner's key, and its signature of another message."""
         if not self._overheard:
             return wish
         return replace(wish, key=self._overheard[-1].key, signature=self._overheard[-1].signature)

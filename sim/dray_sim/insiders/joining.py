@@ -1,4 +1,4 @@
-"""How an insider comes into a factory: beside the fleet, under a name of its own."""
+"""How an insider joins a factory: beside the fleet, under a name of its own."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ INSIDER = "ATV9"
 
 
 def name_in(plant: Plant) -> str:
-    """What an insider is called in a plant, whose own agents have other names."""
+    """The name of an insider in a plant, whose own agents have other names."""
     taken = plant.fleet.keys() | plant.machines.keys()
     others = (f"{INSIDER}-{number}" for number in count(2))
     return INSIDER if INSIDER not in taken else next(name for name in others if name not in taken)
@@ -46,7 +46,7 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
         bus: where it joins; by default the simulated network. One that drives joins where all vehicles do.
 
     Returns:
-        Its worker. That of one that drives runs already; whoever calls runs the other (`Worker.run`).
+        The insider's worker. That of one that drives runs already; the caller runs any other (`Worker.run`).
     """
     plant = factory.plant
     if behaviour.takes_name:
@@ -114,7 +114,7 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
         )
     factory.add_vehicle(spec, make)
     if behaviour.clock_ahead_s:
-        # A process that is started begins with whatever its computer shows.
+        # A new process begins with the time that its computer shows.
         factory.set_clock(name, behaviour.clock_ahead_s)
         factory.restart(name)
     return factory.workers[name]

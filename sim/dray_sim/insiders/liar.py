@@ -1,4 +1,4 @@
-"""A vehicle that never moves and says what it likes: bids, acceptances, heartbeats, handovers, claims."""
+"""A vehicle that never moves and sends any message it likes: bids, acceptances, heartbeats, handovers, claims."""
 
 from __future__ import annotations
 
@@ -56,13 +56,13 @@ from dray.protocol.traffic.places import Places
 from dray_sim.insiders.behaviour import Answer, Behaviour, Price
 
 SPEAKS_S = 1.0
-"""So long it goes on after it was awarded something, so that its word on it is heard."""
+"""Time for which it goes on after an award, so that its messages about it are heard."""
 
 HELD_MAX = 64
 """Tasks that it holds at once; the oldest is forgotten."""
 
 HANDLING_S = 15.0
-"""As long as it pretends to load, and to unload: what the quicker vehicles of the default plant need."""
+"""Duration of its pretended loading and unloading: that of the quicker vehicles of the default plant."""
 
 ABSURD_S = -1e11
 
@@ -84,8 +84,8 @@ class Liar:
     """An insider without a body (see `dray.protocol.runtime.events.Agent`).
 
     Args:
-        atv: under whose name it is on the bus.
-        plant: what it knows of the plant.
+        atv: its name on the bus.
+        plant: its knowledge of the plant.
         behaviour: how it lies.
         incarnation: of this life.
     """
@@ -103,7 +103,7 @@ class Liar:
         self._seq = 0
         self._silent_until_s = 0.0
         self._others: dict[str, tuple[str, TaskBrief]] = {}
-        """What it has overheard: tasks of others, and whose they are."""
+        """Overheard tasks of others, with their owners."""
         self._turns = cycle(plant.machines)
         self._places = Places(plant)
         self._wishes = 0

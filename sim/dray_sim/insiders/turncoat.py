@@ -1,4 +1,4 @@
-"""A vehicle that works well, until it does not: the software of a vehicle, and somebody between it and its body."""
+"""A vehicle that works well, until it does not: a vehicle's software, with an insider between it and its body."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class Turncoat:
     """An insider that drives (see `dray.protocol.runtime.events.Agent`).
 
     Args:
-        atv: the vehicle as it should be.
-        behaviour: what it does otherwise.
+        atv: the honest vehicle.
+        behaviour: its deviations.
     """
 
     def __init__(self, atv: Atv, behaviour: Behaviour) -> None:
@@ -36,9 +36,9 @@ class Turncoat:
         self._taken = 0
         """Transports so far."""
         self._betrays = False
-        """It will not finish the one that it has."""
+        """Whether it will not finish its present task."""
         self._down: Drop | None = None
-        """What its software is to believe to have put down, with the next step."""
+        """A drop that its software will believe to have done, with the next step."""
         self._hoards = False
         """A load is on board of which its software knows nothing."""
         self.id, self.incarnation = atv.id, atv.incarnation
@@ -79,7 +79,7 @@ class Turncoat:
         return []
 
     def _hide(self, event: Event) -> Event:
-        """Let its software not see what it keeps."""
+        """Hide the kept load from its software."""
         body = event.body if isinstance(event, Woke) else None
         if not self._hoards or not isinstance(body, VehicleState):
             return event
@@ -96,7 +96,7 @@ class Turncoat:
 
     @property
     def _withheld(self) -> type[Instruction]:
-        """What its body is not told while it betrays a task."""
+        """The instruction that its body does not get while it betrays a task."""
         return Drop if self._behaviour.keeps_loads else Drive
 
     def _bid_low(self, bid: Bid) -> Bid:

@@ -1,4 +1,4 @@
-"""A usurper: it has stolen the certificate of a keeper of books whose owner lives, and says that the books are its own now."""
+"""A usurper: it has stolen the certificate of a keeper of books, whose owner lives, and claims the books."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from dray.protocol.runtime.events import Effect, Event, Heard, Leave, Leaving, S
 from dray.protocol.traffic.places import Places
 
 LISTENS_S = 120.0
-"""At first it only listens, until the books are kept and vehicles are under way."""
+"""Time in which it only listens, until the books are kept and vehicles are under way."""
 
 ASKS_EVERY_S = 10.0
-"""It asks what the books say so often."""
+"""Interval at which it asks for the books' content."""
 
 FAR_AHEAD = 10**6
 """Higher than any number of a grant."""
@@ -38,16 +38,17 @@ GRANTED = 16
 
 
 class Usurper:
-    """Whoever has stolen a keeper's certificate (see `dray.protocol.runtime.events.Agent`).
+    """A thief of a keeper's certificate (see `dray.protocol.runtime.events.Agent`).
 
-    Once a second it takes, in each district whose book another one keeps, the next epoch that would be its own turn. It asks the other keepers
-    for it, writes over their copies that one vehicle holds everything, and grants each vehicle all that is near.
+    Once a second it takes, in each district whose book another one keeps, the next epoch that would be its own turn.
+    It asks the other keepers for it, writes into their copies that one vehicle holds everything, and grants each
+    vehicle all near places.
 
     Args:
-        keeper: whose name it takes.
-        plant: what it knows of the plant.
-        leads: it speaks as the one that leads instead: in those districts whose book its owner keeps it grants each vehicle all that is
-            near, under the present epoch, and takes places that are held from those that hold them.
+        keeper: the owner, whose name it takes.
+        plant: its knowledge of the plant.
+        leads: it speaks as the leading keeper instead. In the districts whose book its owner keeps it grants each
+            vehicle all near places under the present epoch, also places that others hold.
     """
 
     def __init__(self, keeper: str, plant: Plant, *, leads: bool = False) -> None:
@@ -108,7 +109,7 @@ class Usurper:
                 self._out += [Send(keeper, BookAsked(district=district, epoch=0)) for keeper in others]
             read = self._epochs.get(district)
             if read is None or (keepers[read % len(keepers)] == self.id) is not self._leads:
-                # As for a usurper: its owner keeps that book rightly.
+                # A usurper leaves this book alone: its owner keeps it rightly.
                 continue
             if self._leads:
                 self._rob(district, others, atv)
@@ -130,7 +131,7 @@ class Usurper:
         self._grant(district, epoch)
 
     def _rob(self, district: str, others: list[str], atv: str) -> None:
-        """Write into the copies that a vehicle has what another one holds."""
+        """Write into the copies that a vehicle has a place which another one holds."""
         book = self._books.get(district)
         held = next((line for line in book.bookings if line.mark and line.atv != atv), None) if book else None
         if book is None or held is None:

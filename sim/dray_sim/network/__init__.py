@@ -1,1 +1,1 @@
-"""The simulated network: WLAN with its access points, vehicles' modems and radios, and what can go wrong there."""
+"""The simulated network: WLAN with its access points, vehicles' modems and radios, and their faults."""

@@ -1,11 +1,10 @@
 """The bridge between the simulated factory's loop and an ordinary asyncio loop in another thread.
 
-The factory runs paced in a thread of its own (`SimThread`); the gateway lives on the outer loop and is
-a peer on the same network, by way of `BridgedBus`. Nothing is shared but two queues, one each way. A
-queue wakes the other side once, however much it holds by then, so a burst costs one wake-up.
+The factory runs paced in a thread of its own (`SimThread`). The gateway lives on the outer loop and is a peer on the
+same network, through `BridgedBus`. The threads share only two queues, one each way. A queue wakes the other side once
+for any number of entries, so a burst costs one wake-up.
 
-The queues are bounded (see `dray.adapters.crossing`). What agents mean by what crosses is none of this
-module's business.
+The queues are bounded (see `dray.adapters.crossing`). The bridge does not interpret the messages.
 """
 
 from __future__ import annotations
@@ -32,11 +31,11 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 STOP_S = 10.0
-"""How long a factory may take to stop: its agents only leave the bus, which takes milliseconds."""
+"""Longest time that a factory takes to stop: its agents only leave the bus, which takes milliseconds."""
 
 
 class BridgedSession:
-    """The place on the simulated network of an agent that lives on the outer loop.
+    """The session of an outer agent on the simulated network.
 
     Joining, subscribing, unsubscribing and leaving raise `UnavailableError` where the simulation has left so
     many of them undone that it must have stopped (`Crossing.order`).
@@ -47,7 +46,7 @@ class BridgedSession:
         self.life = life
         self._receive = receive
         self.context = ""
-        """Crosses in neither direction: nobody out here is traced."""
+        """It crosses in neither direction: outer agents are not traced."""
         self._left = False
         self._inner: Session
         """Set by the first call that crosses, and used on the simulation's thread only."""
@@ -64,7 +63,7 @@ class BridgedSession:
         self._in.say(message, self._send, to, message)
 
     def subscribe(self, key: str) -> None:
-        """Hear what is published on `key` from now on."""
+        """Receive all later messages on `key`."""
         self._in.order(self._subscribe, key)
 
     def unsubscribe(self, key: str) -> None:
@@ -77,7 +76,7 @@ class BridgedSession:
         self._in.order(self._leave)
 
     def silence(self) -> None:
-        """Receive nothing any more, not even what has crossed already."""
+        """Receive no more messages, not even those that have crossed already."""
         self._left = True
 
     def _arrive(self, sender: str, message: Message) -> None:
@@ -117,8 +116,8 @@ class BridgedBus:
         outer_loop: the loop on which this bus is used and on which its agents receive.
 
     Attributes:
-        inbound: what crosses to the simulation.
-        outbound: what crosses to the outer loop.
+        inbound: the crossing to the simulation.
+        outbound: the crossing to the outer loop.
     """
 
     def __init__(
@@ -145,8 +144,8 @@ class SimThread(Generic[T]):
     """A simulated factory in a thread of its own.
 
     Args:
-        main: makes the coroutine that builds the factory, calls `ready` with whatever the outside
-            needs of it (the network, say), and then runs it until it is cancelled.
+        main: makes the coroutine that builds the factory and calls `ready` with anything that the outside needs (the
+            network, say). The coroutine then runs the factory until it is cancelled.
         pace: `paced(speed)`.
         start_s: the first reading of the factory's clock.
         wall: by which it is paced; the computer's when None.
@@ -177,11 +176,11 @@ class SimThread(Generic[T]):
         """Start the thread and wait until the factory is ready.
 
         Returns:
-            What the factory has called `ready` with.
+            The argument with which the factory has called `ready`.
 
         Raises:
             TimeoutError: not ready after `timeout_s` real seconds; it goes on trying.
-            whatever the factory raised before it was ready.
+            Exception: that of the factory before it was ready.
         """
         prepare_shapes()
         self._thread.start()
@@ -191,7 +190,7 @@ class SimThread(Generic[T]):
         """Wait on the outer loop until the factory has ended.
 
         Raises:
-            whatever ended the factory, when it was not `stop`.
+            Exception: the cause of the factory's end, when it was not `stop`.
         """
         await asyncio.shield(asyncio.wrap_future(self.ended))
 
@@ -200,7 +199,7 @@ class SimThread(Generic[T]):
 
         Raises:
             UnavailableError: it has not stopped after `timeout_s` real seconds.
-            whatever had ended the factory before.
+            Exception: the cause of an earlier end of the factory.
         """
         self._stopping = True
         if self._thread.ident is None:
@@ -222,7 +221,7 @@ class SimThread(Generic[T]):
         try:
             with asyncio.Runner(loop_factory=lambda: self.loop) as runner:
                 runner.run(self._live())
-        except BaseException as caught:  # noqa: BLE001 (handed on to whoever waits)
+        except BaseException as caught:  # noqa: BLE001 (handed on to the waiters)
             # A cancellation that was asked for is no error.
             error = None if self._stopping and isinstance(caught, asyncio.CancelledError) else caught
         if not self._ready.done():

@@ -1,4 +1,4 @@
-"""Where the WLAN reaches: access points with a range, and holes in between.
+"""The WLAN's coverage: access points with a range, and holes in between.
 
 Only vehicles ask, for all others are wired. A place is covered when an access point that is up is in
 range and no hole is over it. How a vehicle notices that it has left the coverage is `dray_sim.network.modem`.
@@ -45,7 +45,7 @@ def access_points_of(plant: Plant, range_m: float = RANGE_M) -> tuple[AccessPoin
         range_m: of every access point; the grid's squares have this as half their diagonal, or less.
 
     Returns:
-        They are called AP1, AP2 and so on, row by row from below.
+        The access points AP1, AP2 and so on, row by row from below.
     """
     side_m = range_m * sqrt(2.0)
     columns, rows = ceil(plant.width_m / side_m), ceil(plant.height_m / side_m)
@@ -62,7 +62,7 @@ def access_points_of(plant: Plant, range_m: float = RANGE_M) -> tuple[AccessPoin
 
 
 class Coverage:
-    """What the access points reach. Immutable: another state is another object.
+    """The area that the access points reach. Immutable: another state is another object.
 
     Args:
         access_points: all that there are; without any, the WLAN is everywhere but in the holes.
@@ -71,7 +71,7 @@ class Coverage:
         whole: the access points are known to leave nothing uncovered while all are up.
 
     Attributes:
-        perfect: whether every place is covered, so that nobody needs to ask.
+        perfect: whether every place is covered, so that no check is needed.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What can go wrong on the network, as data: each kind is a value that says what is wrong, not when.
+"""Network faults as data: each kind is a value that says what is wrong, not when.
 
 On the wire a fault is an object with its `kind`: ``{"kind": "wlan_cut", "agent": "ATV1"}``. Bounds are
 checked where bytes are read (`dray_sim.faults.schedule`); a struct made in code is believed.
@@ -15,7 +15,7 @@ from msgspec import Meta
 from dray.messages.base import Fraction, Id, Metres
 
 Delay = Annotated[float, Meta(ge=0.0, le=600.0)]
-"""Seconds on top of what the network takes; more than ten minutes is a cut, not a delay."""
+"""Seconds of additional delay; more than ten minutes is a cut, not a delay."""
 
 Pattern = Annotated[str, Meta(min_length=1, max_length=128)]
 """Names agents; ``*`` stands for any number of characters."""
@@ -31,13 +31,13 @@ class FaultKind(msgspec.Struct, frozen=True, tag_field="kind", tag=snake, forbid
 
 
 class WlanCut(FaultKind, frozen=True):
-    """One agent's WLAN is gone; a wired agent's cable. What it says and what is said to it is lost."""
+    """One agent has no WLAN; a wired agent has no cable. All messages from it and to it are lost."""
 
     agent: Id
 
 
 class RadioCut(FaultKind, frozen=True):
-    """One vehicle's radio is gone: it neither sends, nor hears, nor passes anything on by radio."""
+    """One vehicle has no radio: it neither sends, nor hears, nor relays by radio."""
 
     agent: Id
 
@@ -53,7 +53,7 @@ class LinkTrouble(FaultKind, frozen=True):
     latency_s: Delay = 0.0
     """Added to every delivery."""
     jitter_s: Delay = 0.0
-    """At most so much more, evenly spread; the order between two agents is kept."""
+    """Most additional random delay, uniform; the order between two agents is kept."""
     loss_frac: Fraction = 0.0
     duplicate_frac: Fraction = 0.0
     """Delivered a second time, some time after the first."""
@@ -65,11 +65,11 @@ class Partition(FaultKind, frozen=True):
     """The network falls apart: only agents of one group hear one another. Radios are not concerned."""
 
     groups: Annotated[tuple[Annotated[tuple[Pattern, ...], Meta(min_length=1)], ...], Meta(min_length=1)]
-    """An agent is in the first group that has a pattern for it; whoever is in none is in one more."""
+    """An agent is in the first group that has a pattern for it; agents in none form one more group."""
 
 
 class CoverageHole(FaultKind, frozen=True):
-    """No WLAN reaches vehicles within this circle: steel was parked there, say."""
+    """No WLAN reaches vehicles within this circle, as behind parked steel."""
 
     x_m: Metres
     y_m: Metres
@@ -83,4 +83,4 @@ class AccessPointDown(FaultKind, frozen=True):
 
 
 NetworkFault = WlanCut | RadioCut | LinkTrouble | Partition | CoverageHole | AccessPointDown
-"""What the network itself carries out."""
+"""Faults that the network itself carries out."""

@@ -1,4 +1,4 @@
-"""How long messages are under way: a distribution, and the table that delays are drawn from."""
+"""Transit times of messages: a distribution, and the table from which delays are drawn."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ than 0.1 ms nearly everywhere, and no agent's timer is that fine."""
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """How long a message is under way: `base_s` plus an exponential part, at most `cap_s`.
+    """The transit time of a message: `base_s` plus an exponential part, at most `cap_s`.
 
     Attributes:
-        base_s: what even an idle WLAN takes: two radio hops of some 2 ms, and the two stacks.
+        base_s: minimum on an idle WLAN: two radio hops of some 2 ms, and the two stacks.
         mean_extra_s: waiting for air time and sending again; exponential, since each try is like the last.
         cap_s: WLAN stops trying again after about this time; longer than this is loss.
     """

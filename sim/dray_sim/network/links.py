@@ -1,4 +1,4 @@
-"""What is wrong on the network between any two agents: the active faults, asked link by link.
+"""The condition of the network between any two agents: the active faults by link.
 
 Pure bookkeeping: chance and time are the network's business.
 """
@@ -34,13 +34,13 @@ class Links:
 
     Attributes:
         coverage: of the WLAN as it is now.
-        wlan_cut, radio_cut: agents without WLAN or radio, whatever the coverage is.
+        wlan_cut, radio_cut: agents without WLAN or radio, for any coverage.
     """
 
     def __init__(self, coverage: Coverage) -> None:
         self._faults: list[NetworkFault] = []
         self._mended: list[NetworkFault] = []
-        """Active ones that a person has put right: nothing is left of them but their end."""
+        """Active faults that a person has repaired: they only await their end."""
         self._plain = coverage
         self.coverage = coverage
         self.wlan_cut: frozenset[str] = frozenset()
@@ -51,7 +51,7 @@ class Links:
 
     @property
     def quiet(self) -> bool:
-        """Nothing is wrong anywhere, and nobody can be without WLAN."""
+        """Whether there is no fault, and every place has WLAN."""
         return not self._faults and self.coverage.perfect
 
     @property
@@ -65,12 +65,12 @@ class Links:
         self._reckon()
 
     def begin(self, fault: NetworkFault) -> None:
-        """Let it be so from now on; the same fault twice must end twice."""
+        """Begin a fault; the same one begun twice must end twice."""
         self._faults.append(fault)
         self._reckon()
 
     def end(self, fault: NetworkFault) -> None:
-        """Let it be so no longer.
+        """End a fault.
 
         Raises:
             ValueError: this fault is not active.
@@ -82,7 +82,7 @@ class Links:
         self._reckon()
 
     def plug_in(self, agent: str) -> bool:
-        """A person has put an agent's own WLAN right; returns whether that was what was wrong."""
+        """A person has repaired an agent's own WLAN; returns whether it was cut."""
         cuts = [fault for fault in self._faults if fault == WlanCut(agent)]
         self._mended += cuts
         self._faults = [fault for fault in self._faults if fault not in cuts]
@@ -90,7 +90,7 @@ class Links:
         return bool(cuts)
 
     def troubles(self, sender: str, receiver: str) -> Troubles | None:
-        """What messages on this link suffer; None when none gets through."""
+        """The troubles of messages on this link; None when none gets through."""
         pair = (sender, receiver)
         if pair in self._known:
             return self._known[pair]
@@ -107,7 +107,7 @@ class Links:
         return tuple(trouble for from_, to, trouble in self._troubles if from_(sender) and to(receiver))
 
     def _reckon(self) -> None:
-        """Work out from the faults what is asked often."""
+        """Precompute frequent answers from the faults."""
         wlan_cut, radio_cut, holes, down = [], [], [], []
         self._troubles, self._partitions = [], []
         self._known.clear()
@@ -127,7 +127,7 @@ class Links:
                     down.append(access_point)
                 case _:
                     assert_never(fault)
-        # Only ever asked whether somebody is in them, so their order does not matter.
+        # They are only asked for membership, so their order does not matter.
         self.wlan_cut, self.radio_cut = frozenset(wlan_cut), frozenset(radio_cut)
         self.coverage = self._plain.with_faults(holes, down)
 

@@ -1,4 +1,4 @@
-"""Listeners: whoever hears all that is said on a network, and takes no part."""
+"""Listeners hear all messages on a network, and take no part."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from dray.messages import Event, Message
 
 
 class Listener(Protocol):
-    """Whoever wants to know all that is said on a network."""
+    """Hears all messages on a network."""
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
-        """Note one utterance; must not say anything itself. What it raises ends the run: a broken invariant.
+        """Note one utterance; must not say anything itself. An exception ends the run: a broken invariant.
 
         Args:
             at_s: virtual seconds.
             sender: an agent's id.
             address: a key, or ``>`` and the id of the one agent it was sent to.
-            message: what was said.
+            message: the message.
         """
         ...
 
@@ -25,8 +25,8 @@ class Listener(Protocol):
 class Listeners:
     """Several listeners in one, asked in the order in which they were added.
 
-    What an agent tells again out of its history, to one that has missed it, is said to that one alone and is no news: who counts what
-    happens would count it twice.
+    A fact that an agent repeats from its history, for an agent that missed it, is no news: listeners that count
+    events would count it twice.
     """
 
     def __init__(self) -> None:
@@ -37,7 +37,7 @@ class Listeners:
         self._listeners += listeners
 
     def clear(self) -> None:
-        """Nobody hears anything any more."""
+        """Remove all listeners."""
         self._listeners = ()
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:

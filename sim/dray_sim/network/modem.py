@@ -1,8 +1,8 @@
 """Vehicles' modems: each has WLAN and a radio, uses the one that it believes in, and says when that changes.
 
-Nothing ticks. Whether the WLAN is really there is asked when the vehicle says something, which every
-vehicle does at least every five seconds, and when a fault begins or ends. The modem believes it only
-when it has been so for `NOTICE_S`: until then the vehicle talks into the void.
+Nothing ticks. The modem checks the WLAN when the vehicle sends a message, which every vehicle does at least every
+five seconds, and when a fault begins or ends. The modem believes it only when it has been so for `NOTICE_S`: until
+then the vehicle talks into the void.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from dray_sim.network.links import Links
 
 NOTICE_S = 1.0
-"""From the loss or the return of the WLAN until the modem says so: some lost beacons of an access
+"""Time from the loss or the return of the WLAN until the modem reports it. It covers some lost beacons of an access
 point (one in 102 ms) and a few tries to reach another, or the time to join again."""
 
 
 Notice = Callable[["Link", str], None]
-"""What a vehicle is told: by which link it speaks now, and by which access point it was served when it lost the WLAN."""
+"""The vehicle's new link, and the access point that served it when it lost the WLAN."""
 
 
 class Modem:
@@ -35,10 +35,10 @@ class Modem:
         notice: told when the link has changed; see `Notice`.
 
     Attributes:
-        link: what the modem uses at present.
-        access_point: by which it was served when it saw the WLAN go; empty for none that is known.
-        pending: it has seen another state and waits whether that lasts.
-        gateway: who last passed a frame of this vehicle on to the bus; empty for nobody.
+        link: in use at present.
+        access_point: that served it when it lost the WLAN; empty for none that is known.
+        pending: it has seen another state and waits until that has lasted.
+        gateway: the last vehicle that relayed a frame of this one to the bus; empty for none.
         gateway_s: when that was.
         tokens: frames that it may send at once, as of `tokens_s`.
     """
@@ -73,7 +73,7 @@ class Modem:
         self._position_m = (0.0, 0.0)
 
     def position_m(self, now_s: float) -> tuple[float, float]:
-        """Where it is, as (x_m, y_m); asked of the vehicle once in every instant."""
+        """Its position as (x_m, y_m); the vehicle is asked once in every instant."""
         if self._at_s != now_s:
             pose = self._where()
             self._at_s, self._position_m = now_s, (pose.x_m, pose.y_m)
@@ -86,16 +86,15 @@ class Modem:
 
 
 class Modems:
-    """All modems of a network, and whom the WLAN reaches. An agent without a modem is wired.
+    """All modems of a network, and the agents that the WLAN reaches. An agent without a modem is wired.
 
     Args:
-        clock: what has lasted long enough is one of its callbacks.
-        links: what is wrong.
+        clock: calls back when a state has lasted long enough.
+        links: the faults.
 
     Attributes:
         stations: the modems by vehicle, in the order in which they came.
-        busy: whether anybody could be without WLAN, or any link in trouble; while it is False, nobody
-            needs to ask.
+        busy: whether any agent could be without WLAN, or any link in trouble; while it is False, no check is needed.
     """
 
     def __init__(self, clock: VirtualClock, links: Links) -> None:
@@ -105,13 +104,13 @@ class Modems:
         self._links = links
 
     def equip(self, modem: Modem) -> None:
-        """One more vehicle, or another modem for one that is there."""
+        """Add a vehicle's modem, or replace it."""
         self.stations[modem.agent] = modem
         if self.busy:
             self._look(modem)
 
     def has_wlan(self, agent: str) -> bool:
-        """Whether the WLAN reaches an agent now, whatever its modem believes."""
+        """Whether the WLAN reaches an agent now, independently of its modem."""
         links = self._links
         if agent in links.wlan_cut:
             return False
@@ -121,7 +120,7 @@ class Modems:
         return modem is None or links.coverage.covers(*modem.position_m(self._clock.time_s))
 
     def talks_wlan(self, agent: str) -> bool:
-        """Whether what an agent says now goes out by WLAN: it is there, and its modem uses it."""
+        """Whether a message of an agent goes out by WLAN now: it is there, and its modem uses it."""
         modem = self.stations.get(agent)
         if modem is None:
             return self.has_wlan(agent)

@@ -1,10 +1,10 @@
 """The radio between vehicles: short range, small frames, few of them, passed on from one to the next.
 
-A frame is flooded: whoever hears it for the first time says it again, up to `hops` hops, unless it is
-for him or he can pass it on to the bus. A copy that comes later is dropped, so the first way that
-worked is the way it came. What a frame means, and who is a way out to the bus, the network decides.
+A frame is flooded: a vehicle that hears it for the first time sends it again, up to `hops` hops. The receiver does
+not, nor does a vehicle that can relay it to the bus. Later copies are dropped, so a frame takes the first way that
+worked. The network interprets frames, and decides which vehicles relay to the bus.
 
-Each vehicle has a token bucket: what it may not send is dropped and counted, never queued.
+Each vehicle has a token bucket: excess frames are dropped and counted, never queued.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ HOP = Latency(base_s=0.025, mean_extra_s=0.015, cap_s=0.250)
 
 @dataclass(frozen=True, slots=True)
 class RadioSpec:
-    """What the radio can do: a module for industrial sub-gigahertz bands, 250 kbit/s.
+    """The properties of the radio: a module for industrial sub-gigahertz bands, 250 kbit/s.
 
     Attributes:
         range_m: in a hall; beyond it nothing is heard.
         hops: a frame is sent at most so often on one way. Four reach through a hall of 100 m.
-        frame_bytes: the longest frame. A heartbeat on the wire's JSON has some 500; IEEE 802.15.4g
-            allows 2047, and what is shorter is lost less often.
+        frame_bytes: the longest frame. A heartbeat on the wire's JSON has some 500; IEEE 802.15.4g allows 2047, and
+            shorter frames are lost less often.
         rate_hz: frames per second that a vehicle may send in the long run: a fifth of the air time.
         burst: frames at once: a heartbeat, its neighbours' and the words of a docking.
         loss_frac: frames that one receiver does not get.
@@ -70,13 +70,13 @@ class Frame:
     """Something on the air, all its copies together.
 
     Attributes:
-        origin: who said it.
-        message: what.
+        origin: the sender.
+        message: the content.
         key: where it is published; empty when it is for one agent.
         to: that one agent; empty when it is published.
         rising: from a vehicle towards the bus; the other way round it goes to a vehicle.
-        heard: who has heard it.
-        gateways: who has passed it on to the bus.
+        heard: vehicles that have heard it.
+        gateways: vehicles that have relayed it to the bus.
         reached: the one agent that it is for, once it has come there, by radio or by the bus.
     """
 
@@ -91,7 +91,7 @@ class Frame:
 
 
 Take = Callable[["Modem", Frame, tuple[str, ...]], bool]
-"""What a station does with a frame that came over these relays; true when it should say it again."""
+"""Handles a frame that came over these relays at a station; true when the station should send it again."""
 
 
 class Radio:
@@ -100,7 +100,7 @@ class Radio:
     Args:
         clock: hops are its callbacks.
         random: the only source of chance.
-        spec: what the radios can do.
+        spec: the radios' properties.
         stations: all that have a radio, in the order in which they came.
         on_air: whether a vehicle's radio works at this moment.
         take: asked for every frame that a station hears for the first time.
@@ -132,9 +132,9 @@ class Radio:
         self._lost = lost
 
     def shorten(self, sender: str, message: Message) -> Message | None:
-        """What of a message goes into a frame; None when it may not or cannot, which is counted.
+        """The part of a message that goes into a frame; None when it may not or cannot, which is counted.
 
-        The frame's own header (who, to whom, over whom) is not counted.
+        The frame's own header (sender, receiver, relays) is not counted.
         """
         if not message.radio and type(message) is not AtvHeartbeat:
             self._lost[UNFIT] += 1
@@ -151,8 +151,8 @@ class Radio:
 
         Args:
             station: whose radio.
-            frame: what; `station` counts as one that has heard it.
-            via: who has passed it on so far, this station included if it has.
+            frame: to be sent; `station` counts as one that has heard it.
+            via: its relays so far, this station included if it is one.
         """
         frame.heard[station.agent] = None
         if not self._spend_token(station):

@@ -1,4 +1,4 @@
-"""One agent's place on the simulated network (see `dray.ports.Session`)."""
+"""One agent's session on the simulated network (see `dray.ports.Session`)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class SimSession:
-    """One agent's place on the network (see `dray.ports.Session`)."""
+    """One agent's session on the network (see `dray.ports.Session`)."""
 
     __slots__ = ("_network", "agent", "context", "deliver", "joined", "life", "number", "receive")
 
@@ -35,7 +35,7 @@ class SimSession:
         self._network.send(self, to, message)
 
     def subscribe(self, key: str) -> None:
-        """Hear what is published on `key` from now on."""
+        """Receive all later messages on `key`."""
         if self.joined:
             self._network.subscribe(self, key)
 

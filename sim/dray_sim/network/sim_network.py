@@ -1,13 +1,12 @@
 """The network of the simulated factory: a `dray.ports.Bus` in one process, on virtual time.
 
-Every delivery to every receiver is an event of its own on the clock, after a delay of its own. Chance
-comes from the generators that are handed in and from nothing else, and receivers are gone through in the
-order in which they joined, so one seed gives one run.
+Every delivery to every receiver is an event of its own on the clock, after a delay of its own. Chance comes only from
+the generators that are handed in, and receivers are served in the order in which they joined. So one seed gives one
+run.
 
-Here it is decided which way a message goes. As long as nothing is wrong, there is one, the WLAN; another is
-looked for while a fault is active or a vehicle could be without WLAN (`_publish_ill`, `_send_ill`). A run without
-faults pays for faults with one question per utterance. What a message meets on its way is left to `dray_sim.network.wlan`
-and `dray_sim.network.radio`.
+This module decides which way a message goes. Without faults there is one way, the WLAN. Another is looked for while a
+fault is active or a vehicle could be without WLAN (`_publish_ill`, `_send_ill`). A run without faults pays for faults
+with one question per utterance. `dray_sim.network.wlan` and `dray_sim.network.radio` apply delays and losses.
 
     sender --WLAN--> receiver                                    all is well, or the link has troubles
     vehicle --radio--> vehicles ... gateway --WLAN--> receiver   the sender has no WLAN: a frame rises
@@ -48,35 +47,36 @@ if TYPE_CHECKING:
     from dray_sim.network.listeners import Listener
 
 GATEWAY_S = 12.0
-"""A vehicle is reached over whom it was last heard over, for two heartbeats of an idle vehicle and some."""
+"""Time for which a vehicle is reached over its last gateway: two heartbeats of an idle vehicle and a little more."""
 
 NO_WLAN = "no WLAN"
 NO_GATEWAY = "no way by radio"
 
 
 class SimNetwork:
-    """Where the simulated agents meet (see `dray.ports.Bus`).
+    """The simulated agents' bus (see `dray.ports.Bus`).
 
     Args:
         clock: deliveries are its callbacks.
         random: the only source of chance for delays.
         latency: how long messages are under way.
         codec: pass every message through the wire format. Slower, and the trace is the same.
-        trace: a `Trace` or another listener; hears every utterance, whether or not anybody else does. What
-            a vehicle says by radio is heard when it says it, and a heartbeat once more when a gateway
-            puts it on the bus: said by the gateway, with the way it came.
+        trace: a `Trace` or another listener; hears every utterance, whether or not anybody else does. A vehicle's
+            message by radio is heard when it is sent. A heartbeat is heard once more when a gateway puts it on the
+            bus, with the gateway as its sender and with its relays.
         chance: the only source of chance for faults and the radio.
         coverage: of the WLAN while nothing is wrong.
-        radio: what vehicles' radios can do.
+        radio: the properties of vehicles' radios.
 
     Attributes:
         delivered: messages that reached an agent.
-        missed: messages that found nobody: sent to or by an agent that is not, or no longer, there.
-        lost: what faults and the radio have lost, by reason; reasons are few and fixed. A publication
-            whose sender is without WLAN counts once, every other loss once for each receiver.
-        refused: what nobody heard because its speaker may not say it, by reason (`dray.messages.speakers`).
-        kinds: what the agents of the plant are; of others nobody knows it.
-        shut_out: agents that nobody hears any more; replaced as a whole.
+        missed: messages without a receiver or from an absent sender: the agent is not, or no longer, there.
+        lost: messages that faults and the radio have lost, by reason; reasons are few and fixed. A publication whose
+            sender is without WLAN counts once, every other loss once for each receiver.
+        refused: messages that were dropped because their sender may not send them, by reason
+            (`dray.messages.speakers`).
+        kinds: kinds of the plant's agents; unknown for others.
+        shut_out: agents whose messages are dropped; replaced as a whole.
         relayed: frames that a gateway has put on the bus.
         wlan: its deliveries.
         radio: the vehicles' radios.
@@ -101,7 +101,7 @@ class SimNetwork:
         self.kinds: dict[str, Kind] = {}
         self.shut_out: frozenset[str] = frozenset()
         self._decision = 0
-        """The number of the last one about who is shut out."""
+        """Number of the newest decision about excluded agents."""
         self.relayed = 0
         self._clock = clock
         self._codec = codec
@@ -109,9 +109,9 @@ class SimNetwork:
         self._joins = 0
         self._sessions: dict[str, SimSession] = {}
         self._thieves: dict[str, SimSession] = {}
-        """By the agent whose certificate they have stolen."""
+        """Thief by the agent whose certificate it has stolen."""
         self._subscriptions = Subscriptions()
-        # A generator of their own, so that a fault does not shift the chances of what it does not touch.
+        # Faults have a generator of their own, so that a fault does not shift other chances.
         chance = chance if chance is not None else Random("network faults")
         self._links = Links(coverage if coverage is not None else Coverage())
         self._modems = Modems(clock, self._links)
@@ -144,17 +144,17 @@ class SimNetwork:
     # --- what can go wrong -----------------------------------------------------------------------
 
     def steal(self, agent: str, receive: Receive) -> SimSession:
-        """Join under the name of an agent that is there and stays, as whoever has stolen its certificate may.
+        """Join under the name of an agent that is there and stays, like a thief of its certificate.
 
-        The thief hears what is said to the agent alone, too, and what the agent says to others: what is sealed with the certificate
-        it can open.
+        The thief also hears messages to the agent alone, and the agent's messages to others. It can open everything
+        that is sealed with the certificate.
         """
         self._joins += 1
         session = self._thieves[agent] = SimSession(self, self._joins, agent, receive, 0)
         return session
 
     def equip(self, agent: str, where: Callable[[], Pose], notice: Notice) -> None:
-        """Give a vehicle its modem. Whoever has none is wired. Again for the same agent: a new modem.
+        """Give a vehicle its modem. An agent without a modem is wired. Again for the same agent: a new modem.
 
         Args:
             agent: the vehicle's agent; it need not have joined.
@@ -174,12 +174,12 @@ class SimNetwork:
         self._modems.look_around()
 
     def begin(self, fault: NetworkFault) -> None:
-        """Let something go wrong, now. The same fault begun twice must end twice."""
+        """Begin a fault now. The same fault begun twice must end twice."""
         self._links.begin(fault)
         self._modems.look_around()
 
     def end(self, fault: NetworkFault) -> None:
-        """Put it right.
+        """End a fault.
 
         Raises:
             ValueError: this fault is not active.
@@ -188,13 +188,13 @@ class SimNetwork:
         self._modems.look_around()
 
     def plug_in(self, agent: str) -> bool:
-        """A person has put an agent's own WLAN right; returns whether that was what was wrong."""
+        """A person has repaired an agent's own WLAN; returns whether it was cut."""
         mended = self._links.plug_in(agent)
         self._modems.look_around()
         return mended
 
     def link_of(self, agent: str) -> Link:
-        """What an agent's modem uses at present; the wired have no other than WLAN."""
+        """The link in use by an agent's modem; wired agents have only WLAN."""
         modem = self._modems.stations.get(agent)
         return Link.WLAN if modem is None else modem.link
 
@@ -243,7 +243,7 @@ class SimNetwork:
         self._subscriptions.remove(session, key)
 
     def leave(self, session: SimSession) -> None:
-        """Forget `session`; what is under way to it is dropped when it arrives."""
+        """Forget `session`; messages under way to it are dropped when they arrive."""
         session.joined = False
         for there in (self._sessions, self._thieves):
             if there.get(session.agent) is session:
@@ -253,7 +253,7 @@ class SimNetwork:
     # --- the way of a message --------------------------------------------------------------------
 
     def _may_say(self, sender: SimSession, key: str, message: Message) -> bool:
-        """Whether it goes on its way; counted if not. `key` is empty for what is said to one agent alone."""
+        """Whether it goes on its way; counted if not. `key` is empty for a message to one agent alone."""
         if not sender.joined:
             self.missed += 1
             return False
@@ -264,7 +264,7 @@ class SimNetwork:
         return not reason
 
     def _shut_out(self, said: ShutOut) -> None:
-        """Hear some no more, all at once: on the real bus each process is told for itself."""
+        """Drop all messages of these agents from now on, all at once: on the real bus each process is told separately."""
         if said.number > self._decision:
             self._decision, self.shut_out = said.number, frozenset(said.agents)
 
@@ -302,7 +302,7 @@ class SimNetwork:
     def _carry_ill(
         self, over: str, sender: str, receiver: SimSession, message: Message, context: str = ""
     ) -> None:
-        """Decide the fate of one delivery on the WLAN, from `over`, who says it for `sender`."""
+        """Decide the fate of one delivery on the WLAN, sent by `over` for `sender`."""
         if receiver.agent != over and not self._modems.has_wlan(receiver.agent):
             self.lost[NO_WLAN] += 1
         elif context:
@@ -313,7 +313,7 @@ class SimNetwork:
     # --- the radio -------------------------------------------------------------------------------
 
     def _rise(self, frame: Frame) -> None:
-        """Put on the air what a vehicle without WLAN says; a modem that has not noticed yet tries WLAN."""
+        """Send a message of a vehicle without WLAN by radio; a modem that has not noticed the loss yet tries WLAN."""
         modem = self._modems.stations.get(frame.origin)
         if modem is None or modem.link is Link.WLAN:
             self.lost[NO_WLAN] += 1
@@ -327,12 +327,12 @@ class SimNetwork:
             self.radio.send(modem, frame)
 
     def _lose_unsaid(self, sender: str) -> None:
-        """Count what a vehicle without WLAN publishes and cannot."""
+        """Count a publication that a vehicle without WLAN cannot make."""
         by_radio = self.link_of(sender) is Link.MESH
         self.lost[UNFIT if by_radio else NO_WLAN] += 1
 
     def _hand_down(self, start: str, frame: Frame) -> None:
-        """Send from `start`, who has WLAN, to a vehicle that has none: by WLAN to its gateway, then by radio."""
+        """Send from `start`, which has WLAN, to a vehicle without: by WLAN to its gateway, then by radio."""
         modem = self._modems.stations.get(frame.to)
         if modem is None:
             self.lost[NO_WLAN] += 1
@@ -355,7 +355,7 @@ class SimNetwork:
             self.lost[NO_GATEWAY] += 1
 
     def _take_frame(self, station: Modem, frame: Frame, via: tuple[str, ...]) -> bool:
-        """Decide what a vehicle does with a frame; true when it should say it again (see `Radio`)."""
+        """Decide how a vehicle handles a frame; true when it should send it again (see `Radio`)."""
         session = self._sessions[station.agent]
         if frame.to == station.agent:
             self._reach(session, frame)
@@ -375,7 +375,7 @@ class SimNetwork:
         if not self._modems.talks_wlan(gateway.agent):
             self.lost[NO_WLAN] += 1
             return
-        # Who hears on the bus that another one was first keeps silent.
+        # A gateway that hears on the bus that another one was first drops its copy.
         apart = (self._links.troubles(other, gateway.agent) is None for other in frame.gateways)
         if not all(apart):
             return

@@ -1,4 +1,4 @@
-"""Who listens to which key, and the receivers of a key, found once and remembered."""
+"""The subscribers of each key, and a cache of the receivers of a key."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Subscriptions:
     """Subscriptions to keys and to patterns of keys.
 
     Attributes:
-        found: the receivers of keys that were asked for lately, for those who must not pay for a call:
-            a key that is missing here is answered by `of`.
+        found: the receivers of keys that were asked for lately, for callers that must not pay for a call: `of`
+            answers for any other key.
     """
 
     def __init__(self) -> None:
@@ -84,7 +84,7 @@ class Subscriptions:
         for matches, also in self._patterns.values():
             if matches(key):
                 subscribers.update(also)
-        # In the order of joining: who hears first must not hang on who subscribed how.
+        # Ordered by joining: the kind of subscription must not decide which agent hears first.
         receivers = tuple(sorted(subscribers, key=lambda session: session.number))
         if len(self.found) >= MAX_KEYS:
             self.found.clear()
@@ -99,7 +99,7 @@ def compile_pattern(pattern: str) -> Callable[[str], object]:
         pattern: chunks joined by ``/``, as in Zenoh.
 
     Returns:
-        A function of a key; what it returns is true when the pattern matches.
+        A function of a key, whose result is true when the pattern matches.
     """
     chunks = {"**": "(?:/[^/]+)*", "*": "/[^/]+"}
     parts = (chunks.get(chunk) or "/" + re.escape(chunk) for chunk in pattern.split("/"))

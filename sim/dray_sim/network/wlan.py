@@ -1,7 +1,7 @@
-"""The WLAN: what a delivery meets on its way, its delay, its turn, and the troubles of its link.
+"""The WLAN: a delivery's delay, its order, and the troubles of its link.
 
-Whether two agents have WLAN at all, and what becomes of a message when they have not, the network decides. While
-nothing is wrong it uses `carry`, which asks for no fault and draws none of their chances.
+The network decides whether two agents have WLAN at all, and handles messages without it. While nothing is wrong it
+uses `carry`, which asks for no fault and draws none of their chances.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ class Wlan:
         clock: deliveries are its callbacks.
         random: the only source of chance for delays.
         latency: how long messages are under way.
-        links: what is wrong with them.
-        chance: the only source of chance for what troubles do.
+        links: their faults.
+        chance: the only source of chance for the effects of troubles.
         lost: where losses are counted, by reason.
 
     Attributes:

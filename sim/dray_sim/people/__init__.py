@@ -1,1 +1,1 @@
-"""People of a simulated run: operators with their hands, customers who order and cancel, and whoever presses buttons at random."""
+"""People of a simulated run: operators with their hands, customers who order and cancel, and people who act at random."""

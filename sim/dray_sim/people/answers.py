@@ -1,4 +1,4 @@
-"""The answers to commands: who has given one waits here for what the vehicle says to it."""
+"""The answers to commands: the person who gave a command waits here for the vehicle's answer."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Answer = asyncio.Future[CommandAnswered]
 
 
 class Answers:
-    """What one person waits for."""
+    """The answers that one person waits for."""
 
     def __init__(self) -> None:
         self._awaited: dict[str, Answer] = {}
-        """By command; as many as somebody waits for at this moment."""
+        """Futures by command, only those that are awaited now."""
 
     @contextmanager
     def to(self, command: str) -> Iterator[Answer]:
@@ -36,7 +36,7 @@ class Answers:
             del self._awaited[command]
 
     def take(self, answered: CommandAnswered) -> None:
-        """A vehicle has answered. Nobody may wait for that any more: what was said twice is answered twice."""
+        """A vehicle has answered. There may be no waiter any more: a repeated command is answered twice."""
         answer = self._awaited.get(answered.command)
         if answer is not None and not answer.done():
             answer.set_result(answered)

@@ -1,4 +1,4 @@
-"""Which operator answers for which part of the floor."""
+"""The operator who is responsible for a part of the floor."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ EVERYWHERE = "plant"
 
 
 def area_at(plant: Plant, x_m: float, y_m: float) -> str:
-    """The one area whose operator answers for a point.
+    """The one area whose operator is responsible for a point.
 
-    On a common border it is the first area in the plant file; outside of all, the one with the closest
-    corner; `EVERYWHERE` where the plant has none.
+    On a common border that is the first area in the plant file; outside all areas, the one with the closest corner;
+    `EVERYWHERE` where the plant has none.
     """
     areas = plant.areas_at(x_m, y_m)
     if areas:

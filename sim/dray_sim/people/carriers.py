@@ -1,8 +1,8 @@
-"""People who carry vehicles away, for a repair say, and put them back somewhere; and somebody who says so of vehicles that stand there.
+"""People who carry vehicles away, for a repair say, and put them back elsewhere; and a person who reports that wrongly.
 
-A vehicle is switched off and lifted. When it was not heard for long enough they say that it is away, and when they are done they have a
-place kept for it, put it down there and switch it on. What is said carelessly, of a vehicle that is heard, or again when it is back, is
-to be believed by nobody.
+A vehicle is switched off and lifted. After a long enough silence they report the vehicle as away. When they are done
+they have a place kept for it, put it down there and switch it on. No agent should believe a careless report, about a
+vehicle that is heard, or again after its return.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ class Carrying:
     """One vehicle that is carried.
 
     Attributes:
-        atv: which.
+        atv: its id.
         at_s: when it is lifted (plant clock).
         away_s: how long it is away at least.
-        near: where it is put back, or near to that.
+        near: where it is put back, or a node near that.
     """
 
     atv: str
@@ -46,7 +46,7 @@ class Carrying:
 
 
 def draw_carryings(plant: Plant, random: Random, until_s: float) -> tuple[Carrying, ...]:
-    """Those of one run, in the order of their times; all begin before `until_s`, at most one for each vehicle at a time."""
+    """The carryings of one run by time; all begin before `until_s`, at most one for each vehicle at a time."""
     nodes = sorted(plant.stops)
     times = sorted(random.uniform(0.0, until_s) for _ in range(random.randint(1, AT_MOST)))
     return tuple(
@@ -56,19 +56,19 @@ def draw_carryings(plant: Plant, random: Random, until_s: float) -> tuple[Carryi
 
 
 class Carriers:
-    """Those who do it.
+    """The people who carry vehicles.
 
     Args:
         factory: where.
-        faults: that a vehicle is off is a fault like another, to whoever judges what follows from it.
-        office: says it on the bus.
+        faults: a vehicle that is off is a fault, which checks must know.
+        office: reports it on the bus.
     """
 
     def __init__(self, factory: SimFactory, faults: Faults, office: FloorOffice) -> None:
         self._factory, self._faults, self._office = factory, faults, office
 
     async def carry(self, carryings: Iterable[Carrying]) -> None:
-        """Do all of it."""
+        """Carry all vehicles at their times."""
         async with asyncio.TaskGroup() as group:
             for carrying in carryings:
                 group.create_task(self._carry(carrying))
@@ -90,7 +90,7 @@ class Carriers:
         fault = self._faults.begin(PoweredOff(atv))
         factory.floor.lift(atv)
         back_s = factory.clock.now_s() + carrying.away_s
-        # Nobody believes it sooner.
+        # No agent believes it sooner.
         await asyncio.sleep(gone_s(IDLE_INTERVAL_S))
         self._office.carry_away(atv)
         await asyncio.sleep(max(back_s - factory.clock.now_s(), 0.0))
@@ -103,7 +103,7 @@ class Carriers:
         self._faults.end(fault)
 
     def _free_near(self, node: str) -> str:
-        """The nearest place to stand where nobody is, as tablets show it; empty for none."""
+        """The nearest free place, as tablets show it; empty for none."""
         plant = self._factory.plant
         taken = {
             heard.node for heard in self._office.heard.values() if heard.atv not in self._factory.floor.lifted

@@ -25,12 +25,12 @@ def hire(
     areas: Mapping[str, Habits] | None = None,
     office: FloorOffice | None = None,
 ) -> tuple[Operator, ...]:
-    """One operator for every area of a factory; whoever calls this lets them `run`.
+    """One operator for every area of a factory; the caller lets them `run`.
 
     Args:
         factory: where they work.
         seed: each operator draws from a generator of its own that follows from it.
-        habits: of everybody.
+        habits: of all operators.
         areas: habits of single operators, by area, in place of those.
         office: see `Operator`.
     """

@@ -1,7 +1,7 @@
 """Seeded demand: the orders of one shift, as data.
 
-Orders arrive as customers send them: at random moments, of random products and sizes. How many there
-are follows from the plant: `load` says which part of its machines' time they take.
+Orders arrive as customers send them: at random moments, of random products and sizes. Their number follows from the
+plant: `load` says which part of its machines' time they take.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FIRST_ORDER_S = 10.0
 MAX_LOTS_PER_ITEM = 3
 
 MAX_PIECES = 10_000
-"""Of one item: what a gateway takes at most, however large the lots of a plant are."""
+"""Most pieces of one item: the limit of a gateway, for any lots of a plant."""
 
 DUE_AFTER_S = (2700.0, 7200.0)
 """Between 45 minutes and two hours: same-day orders, which take some 20 minutes in a quiet plant."""
@@ -43,7 +43,7 @@ class Order:
 
     @property
     def wanted_s(self) -> float:
-        """By when agents are to want it (plant clock)."""
+        """Time by which agents should deliver it (plant clock)."""
         return order_wanted_s(self.priority, self.at_s, self.due_s)
 
 
@@ -51,7 +51,7 @@ def orders(plant: Plant, random: Random, *, load: float, until_s: float, first: 
     """Orders in the order of their times.
 
     Args:
-        plant: what can be made, and how fast.
+        plant: its products and cycle times.
         random: the only source of chance.
         load: part of all machines' time that the orders take, above 0.
         until_s: no order is placed later (plant clock).

@@ -1,4 +1,4 @@
-"""What is asked of operators, and a simulated person on duty: the agent that runs in service, too, with the person as its body."""
+"""The duties of operators, and a simulated person on duty: the agent that runs in service, with the person as its body."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from dray_sim.factory.journal import HeldJournal
 
 
 class Duty(IntEnum):
-    """What may be asked of an operator, the most urgent first."""
+    """The possible duties of an operator, the most urgent first."""
 
     HELP = 0
     """A vehicle has a problem."""
     RELEASE = 1
-    """A vehicle still stands by an own stop."""
+    """A vehicle still stands because of an own stop."""
     FETCH = 2
     """A machine calls for its goods, which a vehicle has on board that has failed."""
     RECOVER = 3
@@ -37,11 +37,11 @@ class Duty(IntEnum):
 
 
 OWN = frozenset({Duty.RELEASE, Duty.SPEED_UP})
-"""What is left of something that the operator has begun, wherever the vehicle is by now."""
+"""Duties that finish something that the operator has begun, in any area."""
 
 
 CALLED = frozenset({Duty.HELP, Duty.RECONNECT})
-"""What vehicles call for."""
+"""Duties for which vehicles call."""
 
 
 CONFIRMED_S = 20.0
@@ -55,16 +55,16 @@ class PersonOnDuty:
 
     Args:
         name: of the person; the agent's name on the bus follows from it.
-        areas: for which the person is there; None for all.
+        areas: the person's areas; None for all.
         keys: the plant's.
         bus: joined while on duty.
         clock: the plant's clock.
-        looks_after: called with a call; where it says no, the person says at once that somebody else has to come.
-        hours: when the person works; what has begun before a rest is finished in it.
+        looks_after: called with a call; if it returns False, the person answers at once that another one has to come.
+        hours: the person's working time; work that has begun before a rest is finished in it.
 
     Attributes:
         agent_id: the agent's name on the bus.
-        answered: calls that the person has answered, and how last: what nobody has touched nobody has taken.
+        answered: calls that the person has answered, with the last answer: no person has taken a call without one.
     """
 
     def __init__(
@@ -130,12 +130,12 @@ class PersonOnDuty:
             await self._worker.run()
             self._worker = None
             self._show({})
-            # Who goes on duty again at once does so a moment later.
+            # A person who goes on duty again at once does so a moment later.
             await asyncio.sleep(1.0)
 
     @property
     def agent(self) -> OperatorAgent | None:
-        """The one that runs; None while off duty."""
+        """The running agent; None while off duty."""
         if self._worker is None or not isinstance(self._worker.agent, OperatorAgent):
             return None
         return self._worker.agent
@@ -151,7 +151,7 @@ class PersonOnDuty:
         self._wanted.set()
 
     def lose_tablet(self) -> None:
-        """The tablet is lost, or its battery is empty: nobody is told so."""
+        """The tablet is lost, or its battery is empty: no agent is told so."""
         self._change(there=False)
         self._wanted.clear()
 
@@ -161,7 +161,7 @@ class PersonOnDuty:
         self._wanted.set()
 
     def shown(self, caller: str, goods: str = "") -> ShownCall | None:
-        """The call of this agent, or for goods of its own, that concerns the person; None for none."""
+        """The call of this agent, or for goods of its own, that is shown to the person; None for none."""
         return self._shown.get((caller, goods))
 
     @property

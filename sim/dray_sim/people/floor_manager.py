@@ -1,7 +1,7 @@
 """A manager who closes lanes, nodes and areas, makes lanes slow or one-way, and opens them again.
 
-Like a gateway he says the whole list again and again, signed, under a number that grows with every decision. Some closures carry
-their end, and vehicles open them by their own clocks; the others hold until he says that they do not.
+Like a gateway he says the whole list again and again, signed, under a number that grows with every decision. Some
+closures carry their end, and vehicles open them by their own clocks; the others hold until he withdraws them.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from dray.messages.keys import Keys
 from dray.ports import Bus, Clock
 
 NAME = "floor-manager"
-"""On the bus, and the person in whose name he closes."""
+"""His name on the bus, and the person in whose name he closes."""
 
 SAY_EVERY_S = 5.0
-"""Between two times that the list is said: whoever was out of reach learns it then."""
+"""Interval between two repetitions of the list, from which vehicles that were out of reach learn it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Closing:
-    """What is closed, and when.
+    """A closure and its times.
 
     Attributes:
-        closure: as vehicles are told of it; without its end.
+        closure: as vehicles are told of it, without its end.
         at_s: when it is decided (plant clock).
         until_s: when it ends.
         tells_end: whether vehicles are told so from the beginning.
@@ -61,7 +61,7 @@ class FloorManager:
         self._clock, self._key, self._authority = clock, keys.closures, authority
 
     async def close(self, closings: Iterable[Closing]) -> None:
-        """Do all of it, and say what holds again and again, until cancelled."""
+        """Carry out all closings, and repeat the present list until cancelled."""
         closings = tuple(closings)
         changes_s = sorted({each.at_s for each in closings} | {each.until_s for each in closings})
         number = 0
@@ -78,4 +78,4 @@ class FloorManager:
             await asyncio.sleep(min(SAY_EVERY_S if past else float("inf"), next_s - now_s))
 
     def _on_message(self, _sender: str, _message: Message) -> None:
-        """He hears nobody."""
+        """Ignore all messages."""

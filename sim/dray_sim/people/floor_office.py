@@ -1,7 +1,7 @@
-"""Whoever says on the bus which vehicles people have carried away, and where they put them back: a gateway does so in service.
+"""Reports on the bus which vehicles people have carried away, and where they put them back; in service a gateway does so.
 
-A word is said again and again until the vehicle is heard. That the place is kept to which a vehicle comes back, the keeper of its book
-tells; nobody puts a vehicle down before.
+A report is repeated until the vehicle is heard. The keeper of its book confirms that a returning vehicle's place is
+kept; nobody puts the vehicle down before.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from dray.ports import Bus, Clock
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 
 NAME = "floor-office"
-"""On the bus, and the person in whose name it speaks where nobody is named."""
+"""Its name on the bus, and the person in whose name it speaks by default."""
 
 SAY_EVERY_S = 2.0
 """Between two times that the words are said."""
 
 GRANT_S = 60.0
-"""How long a word is good for that was said once."""
+"""Validity of a report that was said once."""
 
 KEPT_WITHIN_S = gone_s(IDLE_INTERVAL_S) + 30.0
-"""So long a vehicle must have been silent, and a little for the answer. A place that is not kept by then is held by somebody who does
-not leave: another one is asked for."""
+"""Longest time until a place is kept: a vehicle must have been silent for so long, and the answer takes a little. A
+place that is not kept by then is held by a vehicle that does not leave, so another place is asked for."""
 
 
 CARELESS_S = 2.0
-"""Who was heard within this is heard, whatever somebody says of it."""
+"""A vehicle that was heard this recently is present, even if a report says that it is away."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Word:
 
 
 class FloorOffice:
-    """One for the factory.
+    """The floor office of one factory.
 
     Args:
         bus: joined at once.
@@ -69,13 +69,13 @@ class FloorOffice:
         self._numbers: dict[str, int] = {}
         self._words: dict[str, Word] = {}
         self._ended: dict[str, Word] = {}
-        """What was said last of a vehicle that is back."""
+        """Last report of each vehicle that is back."""
         self._heard_s: dict[str, float] = {}
         self._kept: set[tuple[str, int]] = set()
         self._news = asyncio.Event()
 
     async def run(self) -> None:
-        """Say what holds, until cancelled."""
+        """Repeat the valid reports until cancelled."""
         while True:
             self._say(self._words)
             await asyncio.sleep(SAY_EVERY_S)
@@ -99,7 +99,10 @@ class FloorOffice:
         return True
 
     def say_carelessly(self, atv: str) -> None:
-        """Say once that a vehicle was carried away that is heard; and what was said last of one that is back. Nobody is to believe it."""
+        """Report once that a vehicle was carried away though it is heard; and repeat the last report of one that is back.
+
+        No agent should believe it.
+        """
         last = self.heard.get(atv)
         if atv in self._words or last is None:
             return

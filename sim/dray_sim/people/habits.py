@@ -1,4 +1,4 @@
-"""How an operator works: how quick, how careful, how often there."""
+"""An operator's habits: speed, care and presence."""
 
 from __future__ import annotations
 
@@ -6,32 +6,33 @@ from dataclasses import dataclass
 from math import inf
 
 Range = tuple[float, float]
-"""From and to; chance takes anything in between."""
+"""Lowest and highest value; chance takes any value in between."""
 
 
 @dataclass(frozen=True, slots=True)
 class Habits:
-    """How an operator works. Seconds are from and to.
+    """An operator's habits. Ranges of seconds have a lowest and a highest value.
 
     Attributes:
-        present_frac: the chance that an alarm finds somebody at all.
-        away_s: how long nobody is there when it does not.
-        react_s: from seeing an alarm to doing something about it.
-        promises_frac: the chance that somebody tells a vehicle to be on the way.
-        estimate: what is promised, as a part of the time that it will take; above 1 is cautious.
+        present_frac: the chance that an alarm finds the operator present.
+        away_s: length of an absence.
+        react_s: from seeing an alarm to the first action.
+        promises_frac: the chance that the operator promises a vehicle to come.
+        estimate: the promised time relative to the real one; above 1 is cautious.
         walk_s: to the vehicle.
         mend_s: to put a problem right.
         carry_s: to bring a dead vehicle's load to where it belongs.
         push_s: to bring a dead vehicle to a charger.
-        silent_s: a vehicle that was not heard for so long is looked for; well above what a takeover
-            takes, so that people come after the agents have helped themselves.
+        silent_s: silence after which the operator looks for a vehicle; well above the time of a takeover, so that
+            people come after the agents have helped themselves.
         slow_frac: a shifted load is driven on with this part of the top speed; 1 for as before.
         slow_s: how long.
-        hands_over_frac: the chance that goods of a dead vehicle are handed to another one, and not carried back by hand.
-        hold_s: how long somebody stands there for that; who is not seen then carries them back.
-        forgets_frac: the chance that somebody who has taken a call does not come.
-        on_duty_s, off_duty_s: how long somebody is on duty, and then is not; None for always.
-        careless_until_s: who forgets, or goes off duty, does so until then (plant clock).
+        hands_over_frac: the chance that goods of a dead vehicle are handed to another one, and not carried back by
+            hand.
+        hold_s: how long the operator holds goods out; then the operator carries them back.
+        forgets_frac: the chance that an operator who has taken a call does not come.
+        on_duty_s, off_duty_s: durations on duty and off duty; None for always.
+        careless_until_s: until then operators forget and go off duty (plant clock).
     """
 
     present_frac: float = 1.0

@@ -1,7 +1,7 @@
-"""What people can do to things with their hands: mend a vehicle or its WLAN, carry its load, push it to a charger.
+"""Manual work of people: repair a vehicle or its WLAN, carry its load, push it to a charger.
 
-The deeds only, each at one instant; when somebody does what is left to `dray_sim.people.operators`. Pieces that a
-person carries are counted, so that material can be balanced meanwhile (invariant 2).
+Each action happens at one instant; `dray_sim.people.operators` decides when. Pieces that a person carries are
+counted, so that material can be balanced meanwhile (invariant 2).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Hands:
         self._factory = factory
 
     def problem(self, atv: str) -> str:
-        """What somebody who stands beside it sees to be wrong; empty for nothing, and where no vehicle stands but its agent's word."""
+        """The fault that a person beside the vehicle sees; empty for none, and for an agent without a vehicle."""
         vehicle = self._factory.vehicles.get(atv)
         return "" if vehicle is None else vehicle.problem
 
@@ -36,14 +36,14 @@ class Hands:
         return vehicle is not None and vehicle.off and atv not in self._factory.floor.lifted
 
     def mend(self, atv: str) -> None:
-        """Put right what is wrong; an empty battery is exchanged."""
+        """Repair a fault; an empty battery is exchanged."""
         vehicle = self._factory.vehicles[atv]
         vehicle.repair()
         if vehicle.problem == BATTERY_EMPTY:
             vehicle.replace_battery()
 
     def machine_problem(self, machine: str) -> str:
-        """The same of a machine, as long as nobody has put it right."""
+        """The fault of a machine, as long as it is not repaired."""
         state = self._factory.workcells[machine].sense()
         return "" if state.resettable else state.broken
 
@@ -63,7 +63,7 @@ class Hands:
         return item, quantity
 
     def hold_out(self, item: str, quantity: int, node: str) -> None:
-        """Hold what is in one's hands out at a node, for a vehicle to take."""
+        """Hold pieces out at a node, for a vehicle to take."""
         self._factory.floor.held_out[node].offer(item, quantity)
 
     def holds(self, item: str, quantity: int, node: str) -> bool:
@@ -75,7 +75,7 @@ class Hands:
         self._factory.floor.held_out[node].take_back(item, quantity)
 
     def put_down(self, item: str, quantity: int, near: str, machine: str = "") -> str:
-        """Bring what is in one's hands to where it belongs.
+        """Bring pieces in hands to their place.
 
         Material goes to the nearest storage with room for it, else back to the source warehouse. A
         product goes back to the goods of its machine, else it is set aside at a delivery warehouse.
@@ -113,7 +113,7 @@ class Hands:
         return nearest
 
     def nodes_for(self, atv: str) -> tuple[str, ...]:
-        """Where a vehicle that was lifted could be put down: chargers and parking places where none stands, the nearest first."""
+        """Nodes where a lifted vehicle could be put down: free chargers and parking places, the nearest first."""
         plant, vehicles = self._factory.plant, self._factory.vehicles
         taken = {vehicles[other].sense().node for other in self._factory.floor.standing}
         nodes = {point: plant.node_of(point) for point in plant.dwell_points}
@@ -121,7 +121,7 @@ class Hands:
         return tuple(nodes[point] for point in plant.closest(vehicles[atv].sense().node, free, len(free)))
 
     def node_beside(self, atv: str) -> str:
-        """The nearest node where another vehicle can come to what this one has on board; empty for none."""
+        """The nearest node where another vehicle can fetch this one's load; empty for none."""
         plant, vehicles = self._factory.plant, self._factory.vehicles
         taken = {vehicles[other].sense().node for other in self._factory.floor.standing}
         here = plant.nodes[vehicles[atv].sense().node]
@@ -155,7 +155,7 @@ class Hands:
         workcell = self._factory.workcells.get(machine)
         if workcell is not None and not workcell.put_by_hand(product, quantity):
             return machine
-        # Not admitted by the gate, so that no customer gets them twice: without a goal.
+        # The goods have no goal, so the gate does not admit them and no customer gets them twice.
         aside = self._factory.plant.delivery_warehouses[0]
         self._factory.delivery[aside].put("", product, quantity)
         return aside

@@ -1,7 +1,7 @@
-"""Somebody who looks for loads that were said to be there twice and not counted.
+"""A person who looks for loads that were reported as put down twice and not counted.
 
-A simulated place counts all that is put down there. So whoever looks finds nothing, and says so (`LOAD_MISSING`). The looker takes part
-in a run only when a transport is held: a run without disputes is the same with and without one.
+A simulated place counts all that is put down there. So the person finds nothing, and says so (`LOAD_MISSING`). The
+looker takes part in a run only when a transport is held: a run without disputes is the same with and without one.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from dray.ports import Bus, Clock, Session
 from dray_sim.people.answers import Answers
 
 NAME = "load-looker"
-"""On the bus, and the person in whose name it says what it has seen."""
+"""Its name on the bus, and the person in whose name it reports."""
 
 WALK_S = 60.0
-"""From the news to the place."""
+"""Time from the news to the place."""
 
 AGAIN_S = 5.0
-"""What is not answered is said again after this long."""
+"""Interval between two repetitions of an unanswered report."""
 
 GRANT_S = 60.0
-"""How long a word is good for."""
+"""Validity of a report."""
 
 
 class LoadLooker:
@@ -40,7 +40,7 @@ class LoadLooker:
     Args:
         bus: joined when the first transport is held.
         clock: the plant's clock.
-        authority: grants what is said.
+        authority: grants the reports.
 
     Attributes:
         looked: transports that it has looked for, the oldest first.
@@ -51,7 +51,7 @@ class LoadLooker:
         self._session: Session | None = None
         self._answers = Answers()
         self._held: dict[str, str] = {}
-        """Transports that somebody has to look for, and who coordinates each."""
+        """Transports to look for, with the coordinator of each."""
         self._news = asyncio.Event()
         self.looked: list[str] = []
 

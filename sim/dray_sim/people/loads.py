@@ -1,4 +1,4 @@
-"""What an operator does with the load of a dead vehicle: brings it back by hand, or hands goods to another vehicle.
+"""An operator's work with the load of a dead vehicle: it is brought back by hand, or goods are handed to another vehicle.
 
 goods, things  FETCH_GOODS -> hold them out -> taken; else as everything else
 all else       carry it to where it belongs; goods that lie where nobody fetches them are written off (WRITE_OFF)
@@ -17,11 +17,11 @@ from dray_sim.people.hands import Hands
 from dray_sim.people.tablet import Tablet
 
 GLANCE_S = 1.0
-"""How often somebody who holds something out sees whether it was taken."""
+"""Interval at which a person who holds goods out checks whether they were taken."""
 
 
 class Loads:
-    """What one operator does with loads.
+    """One operator's work with loads.
 
     Args:
         hands: to take them with.
@@ -29,8 +29,8 @@ class Loads:
         plant: where they belong.
         clock: the plant's clock.
         habits: how this person works.
-        random: all chance in how long they are carried.
-        chance: all chance in whether and how long something is held out.
+        random: the source of chance for the time of carrying.
+        chance: the source of chance for holding goods out.
 
     Attributes:
         handed_over: how often another vehicle has taken goods.
@@ -51,12 +51,12 @@ class Loads:
         self._habits, self._random, self._chance = habits, random, chance
 
     async def see_to(self, atv: str, heartbeat: AtvHeartbeat, item: str, quantity: int) -> None:
-        """See to what was taken off a dead vehicle.
+        """Bring back or hand over a load that was taken off a dead vehicle.
 
         Args:
             atv: the vehicle.
             heartbeat: its last.
-            item: what is in one's hands.
+            item: the item in hands.
             quantity: pieces of it.
         """
         brief = heartbeat.task

@@ -1,9 +1,9 @@
 """People on the floor: operators who look after the vehicles of their area (paper, cases 4 and 5).
 
-An operator has a tablet that shows the vehicles' heartbeats, two legs and two hands, and does one thing
-at a time. All that an operator knows comes from heartbeats and from own eyes on the spot; all that an
-operator says to a vehicle is a command like any other, repeated until it is answered. How quick people
-are is chance, from a generator of each operator's own.
+An operator has a tablet that shows the vehicles' heartbeats, two legs and two hands, and does one thing at a time. An
+operator's knowledge comes only from heartbeats and from inspection on the spot. An operator's orders to vehicles are
+ordinary commands, which are repeated until they are answered. The speed of people is random, from a generator of each
+operator's own.
 
     call       react -> take -> as for a problem
     problem    react -> promise -> walk -> mend
@@ -12,9 +12,9 @@ are is chance, from a generator of each operator's own.
     silence    react -> walk -> carry the load away -> push it to a charger -> switch it on
     goods      their machine calls: react -> take -> as for silence
 
-Who was interrupted, by a vehicle that went silent in the middle say, remembers which stops are own ones
-and ends them when the vehicle is heard again. A vehicle obeys an operator in the operator's own area only:
-what somebody began and the vehicle has carried into another area is left to the colleague there.
+After an interruption, as by a vehicle that falls silent, an operator remembers own stops and ends them when the
+vehicle is heard again. A vehicle obeys an operator in the operator's own area only. So work on a vehicle that has
+driven into another area is left to the colleague there.
 """
 
 from __future__ import annotations
@@ -41,36 +41,36 @@ from dray_sim.people.loads import Loads
 from dray_sim.people.tablet import LastHeard, Tablet
 
 LATEST_S = 10.0
-"""No heartbeat is under way for longer than this."""
+"""Longest transit time of a heartbeat."""
 
 LOOK_S = 5.0
-"""How often somebody glances at the tablet."""
+"""Interval between two glances at the tablet."""
 
 
 class Operator:
     """One person, who is responsible for one area and joins the bus as `operator-<area>`.
 
-    Invariants: a command is said when the one before it was answered; every stop of an operator is
-    followed by an acknowledge and a resume, of the same operator or of the one in whose area the vehicle
-    has come to stand, as soon as the vehicle hears it.
+    Invariants: a command is given only after the answer to the one before it. Every stop of an operator is followed
+    by an acknowledge and a resume as soon as the vehicle hears it. They come from the same operator, or from the one
+    in whose area the vehicle has come to stand.
 
     Args:
-        area: for which vehicles, by where they are; `EVERYWHERE` for all of them.
+        area: responsible for the vehicles in it; `EVERYWHERE` for all of them.
         plant: where areas are.
         bus: joined while `run` runs.
         clock: the plant's clock.
         authority: grants this person's commands.
-        hands: to do something with.
-        random: all chance in this person's life.
+        hands: for manual work.
+        random: the source of chance of this person's life.
         habits: how this person works.
-        office: says which vehicles are carried, where they drive with right of way; else nobody needs to be told.
-        careless: all chance in what this person forgets.
+        office: reports carried vehicles, where they drive with right of way; else no report is needed.
+        careless: the source of chance for this person's lapses.
 
     Attributes:
         name: on the bus.
-        duty: what others know of this person, and who calls.
+        duty: the person's state on the bus, and the calls.
         done: how often which duty was done.
-        loads: what becomes of what dead vehicles have on board.
+        loads: handles the loads of dead vehicles.
         colleagues: all operators of the plant, by area, this one too.
     """
 
@@ -113,13 +113,13 @@ class Operator:
         self._careless = careless or Random(self.name)
         self.loads = Loads(hands, self._tablet, plant, clock, habits, random, self._careless)
         self._heard = self._tablet.heard
-        """All that is known of vehicles from afar."""
+        """Last heartbeats of the vehicles."""
         self._stops: dict[str, float] = {}
-        """Vehicles that a stop may hold which is this person's to end, and since when."""
+        """Vehicles that a stop of this person may hold, and since when."""
         self._mesh_s: dict[str, float] = {}
-        """Since when vehicles are heard over their radios; for ever where somebody has looked after that in vain."""
+        """Since when vehicles are heard by radio only; infinity after a repair in vain."""
         self._slowed: dict[str, float] = {}
-        """Vehicles that a limit holds back which is this person's to end, and until when."""
+        """Vehicles with a speed limit of this person's, and until when."""
 
     def look_after_stop(self, atv: str, since_s: float) -> None:
         """Release a vehicle that one's own or a colleague's stop may hold since then."""
@@ -152,7 +152,7 @@ class Operator:
                 self.duty.go()
 
     async def _look(self) -> None:
-        """See what is to be done, and do it, one thing at a time."""
+        """Look at the alarms, and work on one at a time."""
         while True:
             await asyncio.sleep(LOOK_S)
             alarm = self._most_urgent()
@@ -166,7 +166,7 @@ class Operator:
     # --- seeing ----------------------------------------------------------------------------------
 
     def _most_urgent(self) -> tuple[Duty, str] | None:
-        """What to do next, and for which vehicle; what is equally urgent in the order of names."""
+        """The next duty and its vehicle; equally urgent ones in the order of names."""
         now_s = self._clock.now_s()
         alarms: list[tuple[Duty, float, str]] = []
         for atv, heard in self._heard.items():
@@ -179,9 +179,9 @@ class Operator:
         return duty, atv
 
     def _concerns(self, duty: Duty, atv: str, heard: LastHeard) -> bool:
-        """Whether this person is to see to it: what was called for, by whoever is asked; all else by whose area it is in."""
+        """Whether this person is responsible: the person asked by a call, otherwise the operator of the vehicle's area."""
         if duty is Duty.RECOVER and self._tablet.goods_left_on(atv) is not None:
-            return False  # Who comes for the goods sees to the vehicle, too.
+            return False  # The person who comes for the goods works on the vehicle, too.
         if not self.duty.is_at_work and duty not in OWN:
             return False
         if duty in CALLED and self._tablet.calls(atv):
@@ -189,7 +189,7 @@ class Operator:
         return duty in OWN or duty is Duty.FETCH or self._is_here(heard)
 
     def _alarm(self, atv: str, heard: LastHeard, now_s: float) -> tuple[Duty, float] | None:
-        """What a vehicle needs, and by when."""
+        """The need of a vehicle, and its time."""
         heartbeat = heard.heartbeat
         if self._call_for_goods(atv) is not None:
             return Duty.FETCH, heard.at_s
@@ -259,17 +259,17 @@ class Operator:
             await self._tablet.say(atv, CommandKind.PROMISE, wait_s=estimate_s)
         await asyncio.sleep(walk_s)
         problem = self._hands.problem(atv)
-        # Who else has stopped it lets it go, too.
+        # Any other person who has stopped it releases it, too.
         if problem == LOAD_SHIFTED and self._heard[atv].heartbeat.status is not AtvStatus.STOPPED:
             await self._secure(atv, mend_s)
         elif problem:
             await asyncio.sleep(mend_s)
             self._hands.mend(atv)
         elif doubled:
-            # It has stopped by itself, and drives when a person has seen to it.
+            # The vehicle has stopped by itself, and drives on after a person's work.
             self._stops[atv] = self._clock.now_s()
         if self._hands.problem(atv) and (call := self.duty.shown(atv)) is not None:
-            # What may not be stopped here is for somebody who may.
+            # A colleague with the right to stop it here must come.
             self.duty.reply(call.call.call, CallAnswer.CANNOT)
         return True
 
@@ -290,13 +290,14 @@ class Operator:
         return False
 
     async def _secure(self, atv: str, mend_s: float) -> None:
-        """Put a shifted load right: nobody reaches into a vehicle that could drive on by itself."""
-        # From here on it may be stopped, answered or not.
+        """Repair a shifted load: nobody reaches into a vehicle that could drive on by itself."""
+        # The vehicle may be stopped from here on, with or without an answer.
         self._stops[atv] = self._clock.now_s()
         answer = await self._tablet.say(atv, CommandKind.STOP)
         if answer is None or not answer.done:
             if answer is not None:
-                # It has driven on meanwhile, and slipped once more: out there it is a colleague's.
+                # The vehicle has driven on meanwhile, and its load has slipped once more: a colleague is responsible
+                # there.
                 del self._stops[atv]
             return
         await asyncio.sleep(mend_s)
@@ -312,7 +313,7 @@ class Operator:
             answer = await self._tablet.say(atv, kind)
             if answer is None or not answer.done:
                 break
-        # It may have come to its stand beyond the border.
+        # The vehicle may have come to its stand beyond the border.
         del self._stops[atv]
         self._colleague(atv).look_after_stop(atv, self._clock.now_s())
 
@@ -324,12 +325,12 @@ class Operator:
             return False
         await self._recover(atv)
         if self.duty.shown(*shown.call.subject) is not None:
-            # It lives and does not move, or they are not for this person to write off.
+            # The vehicle lives and does not move, or this person may not write its goods off.
             self.duty.reply(shown.call.call, CallAnswer.CANNOT)
         return True
 
     def _call_for_goods(self, atv: str) -> ShownCall | None:
-        """The call for goods on board of this vehicle that concerns this person; None for none."""
+        """The call for goods on board of this vehicle that is shown to this person; None for none."""
         call = self._tablet.goods_left_on(atv)
         return None if call is None else self.duty.shown(*call.subject)
 
@@ -344,14 +345,18 @@ class Operator:
             await self._spend(self._habits.push_s)
             if self._hands.is_off(atv):
                 await self._bring_home(atv)
-        # One that lives has only lost its voice: its WLAN can be put right, its radio cannot. Heard again, it is seen again.
+        # A living vehicle has only lost its connection: its WLAN can be repaired, its radio cannot. Once it is heard
+        # again, its alarms are seen again.
         if heard.heartbeat.link is Link.MESH:
             self._hands.plug_in(atv)
         if self._heard[atv] is heard:
             del self._heard[atv]
 
     async def _reconnect(self, atv: str) -> bool:
-        """Put a vehicle's WLAN right; False when somebody else comes. Where an access point is down that helps nothing, and is tried once."""
+        """Put a vehicle's WLAN right; False when another person comes.
+
+        Where an access point is down this does not help, and is tried once.
+        """
         walk_s = self._draw(self._habits.walk_s)
         if not await self._is_taken(atv, walk_s + LOOK_S):
             return False
@@ -377,7 +382,7 @@ class Operator:
             await asyncio.sleep(LOOK_S)
 
     async def _speed_up(self, atv: str) -> None:
-        """Take an own limit back, or leave that to whoever's area the vehicle has come to."""
+        """Lift an own speed limit, or leave that to the colleague whose area the vehicle has entered."""
         answer = await self._tablet.say(atv, CommandKind.SET_SPEED, speed_frac=1.0)
         if answer is None:
             return

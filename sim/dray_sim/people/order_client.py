@@ -1,4 +1,4 @@
-"""The customers' side in a simulated run: places the demand and notes what becomes of it."""
+"""The customers' side in a simulated run: places the demand and notes its results."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ORDER_CLIENT = "desk"
 """Its name on the bus. Random generators are seeded with it: another name would be another run of every seed."""
 
 REPEAT_S = 5.0
-"""An order that nobody has answered is sent again after this long."""
+"""Interval between two repetitions of an unanswered order."""
 
 
 class OrderClient:
@@ -23,7 +23,7 @@ class OrderClient:
     Args:
         bus: joined as `ORDER_CLIENT`.
         clock: the plant's clock.
-        strategists: who hears of orders.
+        strategists: receive the orders.
     """
 
     def __init__(self, bus: Bus, clock: Clock, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:

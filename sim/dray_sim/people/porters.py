@@ -1,7 +1,8 @@
-"""Porters: people of a simulated factory who do with vehicles what somebody says on a panel that is being done with them.
+"""Porters: people of a simulated factory who carry vehicles as a person on a panel says.
 
-Who says there that a vehicle was carried away has no hands on this floor. So the porters lift it once that is believed, and when a
-place is kept for it they put it down there and switch it on. What somebody has switched off as a fault stays off until that fault ends.
+The person on the panel has no hands on this floor. So the porters lift the vehicle once the agents believe the
+report. When a place is kept for it they put it down there and switch it on. A vehicle that was switched off as a
+fault stays off until that fault ends.
 """
 
 from __future__ import annotations
@@ -13,15 +14,15 @@ from dray_sim.faults import Faults
 from dray_sim.people.floor_office import NAME as FLOOR_OFFICE
 
 NAME = "porters"
-"""On the bus."""
+"""Their name on the bus."""
 
 
 class Porters:
-    """Those of one factory; they join its network at once.
+    """The porters of one factory; they join its network at once.
 
     Args:
         factory: whose vehicles they carry.
-        faults: who is switched off by somebody else.
+        faults: show which vehicles were switched off by others.
     """
 
     def __init__(self, factory: SimFactory, faults: Faults) -> None:
@@ -43,7 +44,7 @@ class Porters:
                 self._put_down(message.fact)
 
     def _hear(self, removal: Removal) -> None:
-        # Who speaks by the floor office has hands, and uses them.
+        # People who speak through the floor office carry vehicles themselves.
         if removal.grant.person == FLOOR_OFFICE or removal.atv not in self._factory.vehicles:
             return
         last = self._said.get(removal.atv)
@@ -51,7 +52,7 @@ class Porters:
             self._said[removal.atv] = removal
 
     def _lift(self, freed: PlacesFreed) -> None:
-        """It was not heard for so long that its places are free."""
+        """Lift a vehicle whose places are free after a long silence."""
         removal = self._said.get(freed.atv)
         if removal is None or removal.number != freed.number or removal.node:
             return

@@ -1,4 +1,4 @@
-"""An operator's tablet: it shows what vehicles and machines say of themselves, and says commands until they are answered."""
+"""An operator's tablet: it shows the heartbeats of vehicles and machines, and repeats commands until they are answered."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ TRIES = 15
 """Half a minute of saying it again; then the vehicle does not hear."""
 
 GRANT_S = 60.0
-"""How long a command is good for: as long as it is repeated, and as it may then be under way."""
+"""Validity of a command: the time of its repetitions and of its transit."""
 
 
 CALL_OLD_S = 15.0
@@ -51,7 +51,7 @@ class LastHeard:
 
 
 class _Limits(TypedDict):
-    """Of a grant; see `SigningKey.grant`."""
+    """Limits of a grant; see `SigningKey.grant`."""
 
     person: str
     areas: tuple[str, ...] | None
@@ -59,10 +59,10 @@ class _Limits(TypedDict):
 
 
 class Tablet:
-    """One person's.
+    """The tablet of one person.
 
     Args:
-        person: its user, on the bus too.
+        person: its user, and its name on the bus.
         areas: in which that person's commands are granted; None for all.
         keys: the plant's.
         bus: joined while it is on.
@@ -70,7 +70,7 @@ class Tablet:
         authority: grants the commands.
 
     Attributes:
-        heard: the last heartbeat of every vehicle, wherever it is.
+        heard: the last heartbeat of every vehicle, in any area.
         machines: the same of every machine.
     """
 
@@ -86,7 +86,7 @@ class Tablet:
     ) -> None:
         self.heard: dict[str, LastHeard] = {}
         self._calls: dict[tuple[str, str], tuple[HelpCall, float]] = {}
-        """By what is called for, the newest call, and when it was heard."""
+        """Newest call about a subject, and when it was heard."""
         self.machines: dict[str, MachineHeartbeat] = {}
         self._person = person
         self._areas = areas
@@ -95,7 +95,7 @@ class Tablet:
         self._clock = clock
         self._authority = authority
         self._session: Session
-        """Of the last time that it was switched on."""
+        """Session since it was last switched on."""
         self._commands = 0
         self._answers = Answers()
 
@@ -119,7 +119,7 @@ class Tablet:
         speed_frac: float | None = None,
         wait_s: float | None = None,
     ) -> CommandAnswered | None:
-        """Give a command, again and again until it is answered; None when it never is."""
+        """Repeat a command until it is answered; None without an answer."""
         self._commands += 1
         command = VehicleCommand(
             command=f"{self._person}-{self._commands}",
@@ -159,7 +159,7 @@ class Tablet:
         return await self._give(machine, command.command, granted)
 
     def _limits(self) -> _Limits:
-        """For whom, where and until when a command is good."""
+        """Person, areas and validity of a command."""
         return _Limits(person=self._person, areas=self._areas, valid_until_s=self._clock.now_s() + GRANT_S)
 
     async def _give(self, agent: str, name: str, granted: Message) -> CommandAnswered | None:
@@ -176,12 +176,12 @@ class Tablet:
         return any(call.subject == (caller, "") for call in self._open_calls())
 
     def goods_left_on(self, atv: str) -> HelpCall | None:
-        """The call for goods that this vehicle has on board and that wait for a person; None for none."""
+        """The call for goods on board of this vehicle that wait for a person; None for none."""
         for call in self._open_calls():
             beat = self.machines.get(call.caller)
             briefs = () if beat is None else beat.tasks
             if call.goods and call.caller not in self.machines and self._carries(atv, call.goods):
-                return call  # A station's: the vehicle's own last word says what it has on board.
+                return call  # For a station's call, the vehicle's own last message shows its load.
             for brief in briefs:
                 if brief.task == call.goods and brief.stranded is not UNSET and brief.stranded.atv == atv:
                     return call
@@ -193,7 +193,7 @@ class Tablet:
         return brief is not None and brief.task == task
 
     def _open_calls(self) -> Iterator[HelpCall]:
-        """What the tablet shows."""
+        """The calls on the tablet."""
         for call, heard_s in self._calls.values():
             if call.state is not CallState.ENDED and self._clock.now_s() - heard_s <= CALL_OLD_S:
                 yield call

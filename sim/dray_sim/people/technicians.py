@@ -1,8 +1,8 @@
-"""People who look after machines (paper, case 1): they come when one is broken, mend it, and say so; or they hand its goals over.
+"""People who look after machines (paper, case 1): they come when one is broken, and repair it; or they hand its goals over.
 
-A technician is on duty, has a tablet that shows the machines' heartbeats, and does one thing at a time: a machine that calls for help is
-seen to by whom it asks. What takes longer than the goals can wait is handed over first; a machine that is taken to pieces is out of
-service meanwhile.
+A technician is on duty, has a tablet that shows the machines' heartbeats, and does one thing at a time. A machine
+that calls for help gets the technician whom it asks. If a repair takes longer than the goals can wait, they are
+handed over first, and the machine is out of service meanwhile.
 
     short      react -> take -> promise -> walk -> mend -> CLEAR FAULT
     long       react -> take -> walk -> HAND OVER -> TAKE OUT -> mend -> CLEAR FAULT -> PUT IN
@@ -32,21 +32,21 @@ if TYPE_CHECKING:
     from dray_sim.factory.sim_factory import SimFactory
 
 LOOK_S = 5.0
-"""How often somebody glances at the tablet."""
+"""Interval between two glances at the tablet."""
 
 
 @dataclass(frozen=True, slots=True)
 class Skill:
-    """How a technician works. Seconds are from and to.
+    """A technician's skill. Ranges of seconds have a lowest and a highest value.
 
     Attributes:
-        react_s: from seeing that a machine is broken to doing something about it.
+        react_s: from seeing a broken machine to the first action.
         walk_s: to the machine.
-        mend_s: to put it right, by the kind of the problem; of any other kind, and of what is unknown, `other_s`.
-        other_s: the same of all other kinds.
-        estimate: what is promised, as a part of the time that it will take.
-        promises_frac: the chance that somebody says to be on the way.
-        longest_s: what takes longer is handed over, and the machine is out of service meanwhile.
+        mend_s: time of a repair, by the kind of the problem; `other_s` applies to any other or unknown kind.
+        other_s: time of a repair of any other kind.
+        estimate: the promised time relative to the real one.
+        promises_frac: the chance that the technician promises to come.
+        longest_s: longest repair without a handover; after it the machine is taken out of service.
     """
 
     react_s: Range = (5.0, 30.0)
@@ -62,14 +62,14 @@ class Technician:
     """One person, who looks after the machines of one area and joins the bus as `technician-<area>`.
 
     Args:
-        area: for which machines; `EVERYWHERE` for all of them.
+        area: for which machines; area: responsible for the machines in it;
         factory: where.
-        random: all chance in this person's life.
-        skill: how this person works.
+        factory: the workplace.
+        random: the source of chance of this person's life.
 
     Attributes:
         name: on the bus.
-        duty: what others know of this person, and which machines call.
+        duty: the person's state on the bus, and the calls of machines.
         mended: how many machines were put right.
         handed_over: how many of them had lost their goals before.
     """
@@ -123,7 +123,7 @@ class Technician:
                 await self._bring_back(machine)
 
     def _concerns(self, machine: str, beat: MachineHeartbeat) -> bool:
-        """Whether it is broken, and asks this person; or calls nobody, stands here, and nobody else is on the way."""
+        """Whether it is broken and asks this person, or calls nobody, stands here, and no other person is on the way."""
         if not beat.problem or machine not in self._plant.machines or not self.duty.is_at_work:
             return False
         if self._tablet.calls(machine):
@@ -167,7 +167,7 @@ class Technician:
         self.mended += 1
 
     async def _bring_back(self, machine: str) -> None:
-        """Put a machine into service again; one that does not hear is told so later, and one that is broken again is mended first."""
+        """Put a machine into service again; a silent one is told later, and one that is broken again is repaired first."""
         answer = await self._tablet.tell(machine, MachineCommandKind.PUT_IN)
         if answer is not None and (answer.done or answer.reason is CommandRefusal.IN_SERVICE):
             self._out.discard(machine)
@@ -177,12 +177,12 @@ class Technician:
 
 
 def employ(factory: SimFactory, *, seed: int, skill: Skill | None = None) -> tuple[Technician, ...]:
-    """One technician for every area of a factory; whoever calls this lets them `run`.
+    """One technician for every area of a factory; the caller lets them `run`.
 
     Args:
         factory: where they work.
         seed: each draws from a generator of its own that follows from it.
-        skill: of everybody.
+        skill: of all technicians.
     """
     crew = tuple(
         Technician(area, factory, Random(f"{seed} technician {area}"), skill or Skill())

@@ -1,4 +1,4 @@
-"""People who have something brought or taken away: plain transports, some called off again, at any moment of their lives."""
+"""People who call transports: plain ones, some of them called off again, at any moment of their lives."""
 
 from __future__ import annotations
 
@@ -23,37 +23,37 @@ from dray.plant import Plant
 from dray.ports import Bus, Clock
 
 NAME = "caller"
-"""On the bus. Random generators are seeded with it."""
+"""Its name on the bus. Random generators are seeded with it."""
 
 AGAIN_S = 5.0
-"""What nobody has answered is said again after this long."""
+"""Interval between two repetitions of an unanswered message."""
 
 ASKED_EVERY_S = 40.0
-"""How a transport is that has been taken is asked so often, as a gateway asks for what it believes open."""
+"""Interval between two questions about a taken transport, as a gateway asks about open ones."""
 
 CALLS = (1, 12)
-"""In a run, from and to."""
+"""Lowest and highest number of calls in a run."""
 
 CALLED_OFF_FRAC = 0.3
 
 FOR_ONE_VEHICLE_FRAC = 0.2
 
 WISHED_FRAC = 0.5
-"""Of those for one vehicle: it is a wish, which ends."""
+"""Fraction of the calls for one vehicle in which that is a wish, which ends."""
 
 
 ABLE_FRAC = 0.5
-"""For so many something is wanted of the vehicle beside what the load asks for."""
+"""Fraction of the calls that want an ability of the vehicle beyond that of the load."""
 
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A transport that somebody asks for.
+    """A transport that a person asks for.
 
     Attributes:
         at_s: when (plant clock).
-        to: where it is to be brought.
-        order: what is said.
+        to: its destination.
+        order: the message.
         off_s: when it is called off, if it has not ended by then (plant clock).
     """
 
@@ -68,8 +68,8 @@ def draw_calls(
 ) -> tuple[Call, ...]:
     """The transports of one run, between any two places that keep a material; none is waited for after `until_s`.
 
-    Which vehicles are only wished for is drawn from `wishes`, and what is wanted of vehicles from `abilities`, so that older seeds
-    stand for the same calls.
+    `wishes` decides which vehicles are only wished for, and `abilities` the wanted abilities, so that older seeds
+    give the same calls.
     """
     calls = []
     for number in range(random.randint(*CALLS)):
@@ -96,10 +96,10 @@ def draw_calls(
 def with_things(
     plant: Plant, calls: Iterable[Call], random: Random, frac: float, until_s: float
 ) -> tuple[Call, ...]:
-    """The same calls, so many of them for a thing that nobody counts: from any place to another.
+    """The same calls, of which this fraction is for a thing without a count: from any place to another.
 
-    A thing always finds room, and is always there. So one that is for no vehicle alone, and that nobody calls off before `until_s`, is waited
-    for as long as it takes: it must end.
+    A thing always finds room, and is always there. So a call for a thing must end, however long it takes, unless it
+    is for one vehicle alone or called off before `until_s`.
     """
     places = [*sorted(plant.machines), *sorted(plant.stores)]
 
@@ -117,7 +117,7 @@ def with_things(
 
 
 def _wanted(plant: Plant, order: TransportOrdered, random: Random) -> str:
-    """An ability that some vehicle that may carry the load has beside what it asks for; empty where there is none."""
+    """An additional ability of a vehicle that may carry the load; empty where there is none."""
     needs = plant.materials[order.item].ability
     fleet = [order.vehicle] if order.vehicle else plant.able(needs)
     types = [plant.vehicle_types[plant.fleet[vehicle].type] for vehicle in fleet]
@@ -158,7 +158,7 @@ class TransportCaller:
             if self.states[name] not in TRANSPORT_ENDED:
                 left_s = max(AGAIN_S, call.off_s - self._clock.now_s())
                 await asyncio.sleep(min(ASKED_EVERY_S, left_s))
-        # Somebody who has missed the end asks once more: it is not begun again.
+        # A person who has missed the end asks once more: the transport does not begin again.
         await self._ask(call.to, call.order)
 
     async def _ask(self, to: str, message: TransportOrdered | TransportCancelled) -> None:

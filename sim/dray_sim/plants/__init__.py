@@ -1,5 +1,5 @@
-"""Plants that nobody here has drawn: a generator that knows nothing of the default one, and a judge of what becomes of them.
+"""Random plants: a generator that is independent of the default plant, and a judgement of their runs.
 
-`lanes` draws halls and their lanes, `draw` puts a factory on them, `play` lets it work for some hours, `judge` says what
-was promised and not kept, and whether it was foreseen.
+`lanes` draws halls and their lanes, and `draw` puts a factory on them. `play` runs it for some hours, and `judge`
+names broken promises and whether they were foreseen.
 """

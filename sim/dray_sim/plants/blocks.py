@@ -1,8 +1,7 @@
 """A floor of equal blocks between lanes: the road network of a generated plant.
 
-Blocks are counted row by row from the lower left. Places in a block are docked by short spurs from
-the lane below it or above it, so that a docked vehicle blocks nobody; two spurs that leave a lane at
-one spot share its node.
+Blocks are counted row by row from the lower left. Places in a block have docks on short spurs of the lane below or
+above it, so that a docked vehicle blocks no lane. Two spurs that leave a lane at one spot share its node.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ BLOCK_WIDTH_M, BLOCK_HEIGHT_M = 10.0, 7.5
 """Lane to lane, as in the default plant."""
 
 MARGIN_M = 3.0
-"""From the outermost lanes to the walls."""
+"""Distance from the outermost lanes to the walls."""
 
 SPUR_SPEED_MPS = 0.8
 """People work beside the spurs."""

@@ -1,8 +1,8 @@
 """Any factory that `dray plant check` accepts, drawn from a seed; it shares nothing with `dray_sim.plants.generator`.
 
-2 to 40 machines and 2 to 60 vehicles of one to four types, in one to three halls with lanes of any shape; docks in
-the lane, at the end of a spur or to drive through; storages that share a dock; lots of one piece and of sixty; names
-as people write them.
+There are 2 to 40 machines and 2 to 60 vehicles of one to four types, in one to three halls with lanes of any shape.
+Docks are in the lane, at the end of a spur or drive-through; storages may share a dock; lots have one piece to sixty;
+names look like people's.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ from dray_sim.plants.lanes import Network, draw_lanes, make_one_way
 
 MACHINES = (2, 40)
 VEHICLES = (2, 60)
-"""At least and at most, small ones as often as large ones."""
+"""Least and most; small numbers are as frequent as large ones."""
 
 SMALL_MACHINES, SMALL_VEHICLES = (2, 6), (2, 8)
-"""Of a plant that is played in a second or two."""
+"""Sizes of a plant that is played in a second or two."""
 
 STYLES = (
     ("{kind}{number}", "{word} {number}"),
@@ -72,7 +72,7 @@ def draw_plant(seed: int, *, small: bool = False, two_lanes: bool = False) -> Pl
             at a stop point.
 
     Raises:
-        PlantError: the generator has drawn what may not be; a fault of its own.
+        PlantError: the generator has drawn an invalid plant, which is its own fault.
     """
     random = Random(f"{seed} plant")
     machines = _between(random, SMALL_MACHINES if small else MACHINES)
@@ -86,7 +86,7 @@ def draw_plant(seed: int, *, small: bool = False, two_lanes: bool = False) -> Pl
 
 
 def _begun_at_stops(file: PlantFile) -> PlantFile:
-    """The same plant, in which nobody begins in a crossing."""
+    """The same plant, with no vehicle in a crossing at the beginning."""
     layout = lay_out(file)
     taken = {spec.node for spec in file.fleet}
     free = [node.id for node in layout.nodes if node.id not in layout.inner and node.id not in taken]
@@ -162,7 +162,7 @@ class _Draft:
 
     def _call(self, kind: str, number: int) -> tuple[str, str]:
         """Id and name."""
-        # Only a few styles end in the number; what is cut off must not be the difference.
+        # Only a few styles end in the number, and truncation must not remove the difference.
         return (
             self._id.format(kind=kind, number=number)[:32],
             self._name.format(word=kind, number=number)[:80],
@@ -171,7 +171,7 @@ class _Draft:
     # --- what is made of what, and who carries it ---
 
     def _types(self, abilities: list[str]) -> tuple[tuple[VehicleType, ...], list[str]]:
-        """Vehicle types, and one for every vehicle; what is carried at all is carried by somebody."""
+        """Vehicle types, and the type of every vehicle; some vehicle can carry each item."""
         random = self._random
         count = random.randint(1, min(4, self._vehicles))
         sets = [set(random.sample(abilities, random.randint(1, len(abilities)))) for _ in range(count)]
@@ -227,7 +227,7 @@ class _Draft:
     # --- places ---
 
     def _place(self) -> tuple[str, Box]:
-        """A dock of its own beside a crossing, or in it, with its box."""
+        """A separate dock beside a crossing, or in it, with its box."""
         random, network = self._random, self._network
         base = self._free[len(self._used) % len(self._free)]
         self._used.add(f"{base} {len(self._used)}")
@@ -279,7 +279,7 @@ class _Draft:
         for number, each in enumerate(kept):
             node, box = self._place()
             if placed and random.random() < 0.1:
-                # Two racks at one dock.
+                # Two racks share one dock.
                 node, box = placed[-1].node, placed[-1].box
             stocks = tuple(
                 Stock(material.id, max(material.lot, round(material.lot * random.uniform(1.0, 12.0))))
@@ -320,7 +320,7 @@ class _Draft:
         return tuple(placed)
 
     def _fleet(self, types: list[str]) -> tuple[VehicleSpec, ...]:
-        """Anywhere on the floor, each on a node of its own."""
+        """Vehicles anywhere on the floor, each on a node of its own."""
         random = self._random
         nodes = sorted(self._network.spots)
         while len(nodes) < len(types):
@@ -341,7 +341,7 @@ class _Draft:
         ]
 
     def _areas(self) -> tuple[Area, ...]:
-        """None, or the floor in stripes."""
+        """No areas, or stripes of the floor."""
         count = self._random.choice((0, 1, 3))
         width_m, height_m = round(self._network.width_m, 2), round(self._network.height_m, 2)
         edges = [min(width_m, width_m * number / count) for number in range(count + 1)] if count else []

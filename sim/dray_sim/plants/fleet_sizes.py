@@ -21,15 +21,16 @@ LOAD = 1.0
 """Part of the machines' time that orders take: more than a small fleet can carry."""
 
 FIRST_BATTERY_FRAC = 0.8
-"""Of vehicles that the plant did not have."""
+"""Battery level of added vehicles."""
 
 
 class FleetSize(msgspec.Struct, frozen=True):
-    """What one fleet has carried."""
+    """The transports of one fleet."""
 
     vehicles: int
     places: int
-    """For how many vehicles the floor has dwell points and places out of the way, the reserve's too."""
+    """Number of vehicles for which the floor has dwell points and places out of the way, those of the reserve
+    included."""
     transports: int
     pieces: int
     p50_s: float

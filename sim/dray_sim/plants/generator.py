@@ -1,9 +1,9 @@
 """Plants of any size at the density of the default one, for tests and benchmarks.
 
-A block of the floor holds one machine, two storages, six chargers, six parking places or one
-warehouse. How many there are of each follows from the numbers of machines and vehicles in the
-proportions of the default plant; where they are, and which machine makes what, follows from a seed.
-Unlike Figure 1 of the paper, a plant of hundreds of vehicles cannot have its chargers on the sides.
+A block of the floor holds one machine, two storages, six chargers, six parking places or one warehouse. Their numbers
+follow from those of machines and vehicles in the proportions of the default plant. The seed decides their places, and
+which machine makes which product. Unlike Figure 1 of the paper, a plant of hundreds of vehicles cannot have its
+chargers on the sides.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ from dray.plant import (
 from dray_sim.plants.blocks import BLOCK_HEIGHT_M, BLOCK_WIDTH_M, MARGIN_M, Blocks
 
 MAX_MACHINES, MAX_VEHICLES = 2_000, 5_000
-"""Ten times what plants are measured with; the floor stays below a kilometre."""
+"""Most machines and vehicles: ten times as many as in measured plants; the floor stays below a kilometre."""
 
 STORAGES_PER_MACHINE = 8 / 12
 CHARGERS_PER_VEHICLE = 6 / 8
 MACHINES_PER_STATION = 3
 MACHINES_PER_WAREHOUSE = 12
-"""As in the default plant, which has a parking place per vehicle, too."""
+"""As in the default plant, which also has a parking place per vehicle."""
 
 ASPECT = 1.5
 """Width of the floor over its height."""
@@ -54,33 +54,33 @@ STANDS_PER_BLOCK = 6
 MATERIALS_PER_STORAGE = 3
 LOTS_PER_STOCK = 10
 AREA_COLUMNS, AREA_ROWS = 3, 2
-"""Blocks of one operators' area: about three machines with what belongs to them."""
+"""Blocks of one operators' area: about three machines with their storages and other places."""
 
 BORDER_M = 1.0
-"""Areas meet this far below and to the left of a lane, so that a machine's dock is in its own area."""
+"""Distance of area borders below and to the left of a lane, so that a machine's dock is in its own area."""
 
 STANDS_M = ((2.0, 2.2), (5.0, 2.2), (8.0, 2.2), (2.0, 5.3), (5.0, 5.3), (8.0, 5.3))
 """Chargers and parking places within their block."""
 
 TWO_LANES_M = {2.0: 2.7, 3.5: 2.7, 5.0: 5.0, 6.5: 7.3, 8.0: 7.3}
-"""Where spurs leave a road of two lanes: there is room for a stop point between any two of them, and before a corner."""
+"""Positions of spurs on a two-lane road: there is room for a stop point between any two of them, and before a corner."""
 
 LENGTH_M, WIDTH_M = 0.823, 0.592
-"""Of all vehicles: blocks leave room for these."""
+"""Size of all vehicles, for which blocks leave room."""
 
 MOUTHS_M = 1.5
-"""From the middle of a warehouse to where it is entered and left."""
+"""Distance from the middle of a warehouse to its entrance and exit."""
 
 
 def generate_plant(seed: int, machines: int, vehicles: int, *, two_lanes: bool = True) -> Plant:
     """A plant of the wanted size; the same for the same arguments, in every process.
 
     Args:
-        seed: decides where everything is and which machine makes what.
+        seed: decides all places, and which machine makes which product.
         machines: how many, from 1 to `MAX_MACHINES`.
         vehicles: how many, from 1 to `MAX_VEHICLES`.
-        two_lanes: whether roads have two lanes; the same places in the same blocks, at spurs with room between them. Else they are
-            single track.
+        two_lanes: whether roads have two lanes; the same places are in the same blocks, at spurs with room between
+            them. Else they are single track.
 
     Raises:
         SettingsError: a number is out of its range.
@@ -102,7 +102,7 @@ class _Draft:
         self._vehicles = vehicles
         self._stands = {"charger": ceil(vehicles * CHARGERS_PER_VEHICLE), "parking": vehicles}
         self._machines = machines
-        # At least two, else a small plant would have all its material on one spot.
+        # At least two, otherwise a small plant would have all its material on one spot.
         self._storages = max(2, ceil(machines * STORAGES_PER_MACHINE))
         self._warehouses = ceil(machines / MACHINES_PER_WAREHOUSE)
         self._default = default_plant().file
@@ -171,7 +171,7 @@ class _Draft:
         return blocks, dealt
 
     def _x_m(self, x_m: float) -> float:
-        """Where a spur leaves its road, from the left of the block."""
+        """Position where a spur leaves its road, from the left of the block."""
         return TWO_LANES_M[x_m] if self._two_lanes else x_m
 
     def _box(self, block: int, x_m: float, y_m: float, width_m: float, depth_m: float) -> Box:
@@ -179,7 +179,7 @@ class _Draft:
         return Box(left_m + x_m, low_m + y_m, width_m, depth_m)
 
     def _place_warehouses(self, kind: Literal["source", "delivery"]) -> list[Warehouse]:
-        """One per block; vehicles drive through, so that none waits for another's way out."""
+        """One warehouse per block; vehicles drive through, so that none waits for another's way out."""
         placed = []
         for number, block in enumerate(self._kinds[kind], 1):
             half_m = self._x_m(5.0 + MOUTHS_M) - 5.0
@@ -190,7 +190,7 @@ class _Draft:
         return placed
 
     def _place_storages(self) -> tuple[Storage, ...]:
-        """Two per block; materials go round, so that every one is kept in every part of the floor."""
+        """Two storages per block; materials rotate, so that each is kept in every part of the floor."""
         materials = self._default.materials
         each = max(MATERIALS_PER_STORAGE, ceil(len(materials) / self._storages))
         placed = []
@@ -235,7 +235,7 @@ class _Draft:
         return tuple(placed)
 
     def _makes(self, index: int) -> tuple[Making, ...]:
-        """One to three products, more where few machines must make all; in turn, so that none is missing."""
+        """One to three products, more where few machines must make all; they rotate, so that none is missing."""
         products = self._default.products
         least = ceil(len(products) / self._machines)
         count = max(least, self._rng.choice((1, 2, 2, 3)))
@@ -261,7 +261,7 @@ class _Draft:
         )
 
     def _fleet(self, parkings: tuple[Parking, ...]) -> tuple[VehicleSpec, ...]:
-        """Every vehicle on a parking place of its own, types in turn."""
+        """Vehicles on parking places of their own, with their types in turn."""
         types = self._default.vehicle_types
         places = self._rng.sample(parkings, self._vehicles)
         return tuple(
@@ -277,6 +277,6 @@ class _Draft:
 
 
 def _borders(count: int, step: int, pitch_m: float, extent_m: float) -> list[float]:
-    """Where areas of `step` blocks meet along one axis, walls included."""
+    """Borders of areas of `step` blocks along one axis, walls included."""
     inner = (MARGIN_M + index * pitch_m - BORDER_M for index in range(step, count, step))
     return [0.0, *inner, extent_m]

@@ -8,16 +8,16 @@ from math import cos, hypot, pi, sin
 from random import Random
 
 MARGIN_M = 6.0
-"""From a crossing to the wall: places stand there."""
+"""Distance from a crossing to the wall: places stand there."""
 
 GATE_M = 12.0
-"""From hall to hall."""
+"""Distance between halls."""
 
 LEAST_GAP_M = 2.5
 """Between two crossings."""
 
 ONE_WAY_FRAC = (0.0, 0.0, 0.2, 0.5)
-"""Of the lanes of a plant, how many may lose one of their directions."""
+"""Fractions of a plant's lanes that may lose one of their directions."""
 
 SPEEDS_MPS = (0.5, 0.8, 1.0, 1.5, 2.0)
 

@@ -1,4 +1,4 @@
-"""One plant that was drawn from a seed, at work for some hours under a load that it can bear."""
+"""One plant that was drawn from a seed, at work for some hours under a load that it can serve."""
 
 from __future__ import annotations
 
@@ -28,10 +28,11 @@ Kind = Literal["raster", "halls"]
 right of way."""
 
 LOAD_FRAC = (0.3, 0.6)
-"""Of the load at which the scarcest resource is full: queues stay short there."""
+"""Range of the load, relative to the load at which the scarcest resource is full: queues stay short there."""
 
 SETTLE_S = 4 * 3600.0
-"""For what is left after the demand. Empty buffers are filled first, which a small fleet needs hours for."""
+"""Additional time for orders that are open after the demand. Empty buffers are filled first, which a small fleet
+needs hours for."""
 
 
 LEAST_ORDERS = 12
@@ -58,7 +59,7 @@ class Run(msgspec.Struct, frozen=True):
 
 
 class Judgement(msgspec.Struct, frozen=True):
-    """What became of it."""
+    """The results of a run."""
 
     seed: int
     plant: str
@@ -92,7 +93,7 @@ class Judgement(msgspec.Struct, frozen=True):
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """What was promised of every plant that can be served, and not kept."""
+        """Broken promises of a plant that can be served."""
         found = []
         if self.invariants != HELD:
             found.append(self.invariants)
@@ -108,9 +109,9 @@ class Judgement(msgspec.Struct, frozen=True):
 
     @property
     def named(self) -> str:
-        """Why a plant was not served: what `dray plant check` says before, or the verdict says of orders that are left.
+        """Why a plant was not served: by the earlier check of `dray plant check`, or by the verdict on unfinished orders.
 
-        A flat battery, a wait and a broken invariant are excused by nothing.
+        There is no excuse for a flat battery, a wait and a broken invariant.
         """
         if self.foreseen:
             return self.foreseen
@@ -118,7 +119,7 @@ class Judgement(msgspec.Struct, frozen=True):
         return self.verdict.text if only_left and self.verdict.bottleneck != NOTHING else ""
 
     def tell(self, *, whole: bool = False) -> list[str]:
-        """In a line, and the command that plays it again when it has failed; with all figures if `whole`."""
+        """One line, and the command that repeats a failed run; with all figures if `whole`."""
         verdict = "served" if not self.failures else "explained" if self.named else "FAILED"
         bearable = f"load {self.load:.1%} of {self.limit_load:.1%} ({self.limit})"
         work = f"{self.delivered} of {self.orders} orders, {self.transports} transports"
@@ -148,7 +149,7 @@ def plant_of(seed: int, kind: Kind, *, small: bool = False) -> Plant:
     """The plant of a seed.
 
     Raises:
-        PlantError: the generator has drawn what may not be.
+        PlantError: the generator has drawn an invalid plant.
     """
     return draw_raster(seed, small=small) if kind == "raster" else draw_plant(seed, small=small)
 
@@ -157,7 +158,7 @@ def draw(seed: int, kind: Kind = "raster", *, small: bool = False, hours: float 
     """The plant of a seed, and a demand that it can serve.
 
     Raises:
-        PlantError: the generator has drawn what may not be.
+        PlantError: the generator has drawn an invalid plant.
     """
     plant = plant_of(seed, kind, small=small)
     limit = Flow(plant).limits()[0]
@@ -250,7 +251,7 @@ def play_seed(
 
 
 def _forbids(warning: Advice) -> bool:
-    """Whether it says that the plant cannot be served at all: too little of something, or too many vehicles for its floor."""
+    """Whether the advice says that the plant cannot be served: a resource is too scarce, or the floor too small."""
     return warning.load_frac < NO_LOAD_FRAC or (warning.kind == "dwell_points" and warning.level == "error")
 
 

@@ -1,8 +1,9 @@
 """A hall with a raster of roads, drawn from a seed: places at spurs and in the lanes between its crossings, some of them shared.
 
-2 to 40 machines and 2 to 45 vehicles on a floor that is often too small for them: roads that are missing make dead ends and bridges,
-some are one-way, and vehicles may be more than chargers and parking places. It shares nothing with `dray_sim.plants.generator` and
-`dray_sim.plants.draw`. `dray plant check` finds no error in what is drawn.
+There are 2 to 40 machines and 2 to 45 vehicles on a floor that is often too small for them. Missing roads make dead
+ends and bridges, some roads are one-way, and there may be more vehicles than chargers and parking places. It shares
+nothing with `dray_sim.plants.generator` and `dray_sim.plants.draw`. `dray plant check` finds no error in these
+plants.
 """
 
 from __future__ import annotations
@@ -41,10 +42,10 @@ from dray.plant.planning.room import room_faults
 from dray.plant.roads import Roads
 
 MACHINES, VEHICLES = (2, 40), (2, 45)
-"""At least and at most, small ones as often as large ones."""
+"""Least and most; small numbers are as frequent as large ones."""
 
 SMALL_MACHINES, SMALL_VEHICLES = (2, 6), (2, 8)
-"""Of a plant that is played in a few seconds."""
+"""Sizes of a plant that is played in a few seconds."""
 
 PITCH_X_M, PITCH_Y_M = (8, 10, 14, 20), (7, 9, 12)
 """Between two crossings."""
@@ -53,13 +54,13 @@ SLOT_M = 2.4
 """Between two places on a road, and from a crossing to the first one."""
 
 SPURS_M = (1.3, 1.6, 1.9, 2.6)
-"""From a road to a dock."""
+"""Distances from a road to a dock."""
 
 BESIDE_M = 1.5
-"""From a dock to everything that is not its mouth."""
+"""Distance from a dock to everything except its mouth."""
 
 MARGIN_M = 5.0
-"""From the outer roads to the wall."""
+"""Distance from the outer roads to the wall."""
 
 MISSING = (0.0, 0.1, 0.25)
 """Part of the roads that may be left out, where everything stays joined."""
@@ -72,7 +73,7 @@ SPEEDS_MPS = (0.8, 1.0, 1.5, 2.0)
 ABILITIES = ("tote", "pallet", "long")
 
 ROOM = (1.05, 1.8)
-"""So many times the floor that its places need."""
+"""Range of the floor's size, as a multiple of the area that its places need."""
 
 IN_LANE = 0.1
 """Part of the places that are in the lane, not at a spur."""
@@ -103,7 +104,7 @@ def draw_raster(seed: int, *, small: bool = False) -> Plant:
             continue
         if not any(room_faults(plant)):
             return plant
-    raise AssertionError  # It goes on counting.
+    raise AssertionError  # The loop never ends by itself.
 
 
 class _Draft:
@@ -211,7 +212,7 @@ class _Draft:
     # --- places -----------------------------------------------------------------------------------
 
     def _draw_slots(self) -> list[tuple[Ends, float]]:
-        """Where places may be on roads: the road, and how far from its start (m)."""
+        """Possible positions of places on roads: the road, and the distance from its start (m)."""
         slots = []
         for ends, lane in self._roads.items():
             length_m = self._length_m(lane)
@@ -225,7 +226,7 @@ class _Draft:
         return hypot(to_x_m - x_m, to_y_m - y_m)
 
     def _place(self, name: str) -> tuple[str, Box]:
-        """A dock of its own, in the lane or at the end of a spur, with its box.
+        """A separate dock, in the lane or at the end of a spur, with its box.
 
         Raises:
             _NoRoom: no slot is left.
@@ -326,7 +327,7 @@ class _Draft:
         return tuple(materials), tuple(products)
 
     def _types(self, abilities: list[str]) -> tuple[VehicleType, ...]:
-        """One that carries everything, and perhaps a smaller one."""
+        """One type that carries everything, and perhaps a smaller one."""
         random = self._random
         every = VehicleType(
             "all",
@@ -342,10 +343,10 @@ class _Draft:
         return (every, small) if random.random() < 0.5 else (every,)
 
     def _fleet(self, types: tuple[VehicleType, ...], stands: list[str]) -> tuple[VehicleSpec, ...]:
-        """At chargers and parking places as far as they last, others at crossings; two at least that carry everything.
+        """Vehicles at chargers and parking places, the rest at crossings; at least two can carry everything.
 
         Raises:
-            _NoRoom: there are more vehicles than that.
+            _NoRoom: there are more vehicles than places.
         """
         random = self._random
         random.shuffle(stands)

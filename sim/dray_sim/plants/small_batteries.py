@@ -1,7 +1,7 @@
-"""Plants drawn from a seed whose batteries last minutes: few chargers, often at the end of a dead end, and a demand up to the full.
+"""Plants drawn from a seed whose batteries last minutes: few chargers, often at a dead end, and a demand up to the full.
 
-They are those of `dray_sim.plants.draw` but for what vehicles use and are given. In a plant that `dray plant check` lets pass nobody runs
-flat, whatever is ordered: vehicles leave work and not one another without power.
+They are those of `dray_sim.plants.draw`, except for the vehicles' consumption and charging. In a plant that passes
+`dray plant check` no vehicle runs flat under any demand: vehicles give up work before they run out of power.
 """
 
 from __future__ import annotations
@@ -25,23 +25,23 @@ HOURS = 0.5
 """A battery of these is spent and filled several times in it."""
 
 LOAD_FRAC = (0.1, 1.0)
-"""Of the machines' time: also more than the vehicles can carry."""
+"""Range of the machines' time that the demand takes: also more than the vehicles can carry."""
 
 LOT_FRAC, QUICKER = 0.2, (0.1, 0.5)
-"""Of the usual containers and cycles of a plant with right of way: its vehicles have much to carry."""
+"""Containers and cycles relative to those of a usual plant with right of way: its vehicles have many transports."""
 
 DEAD_END_M, STEP_M = 9.0, 3.0
-"""Of the road to a charger in a dead end, and from one of its nodes to the next."""
+"""Length of the road to a charger in a dead end, and distance between its nodes."""
 
 
 class Charged(msgspec.Struct, frozen=True):
-    """What became of the vehicles of one plant.
+    """The results of one plant's vehicles.
 
     Attributes:
-        refused: what the check says that is wrong with it; then nothing was played.
-        flat: vehicles that ran flat, and when (plant clock), in the order of their misfortune.
-        invariants: what was held, or broken.
-        orders, delivered: what was ordered, and came.
+        refused: the errors that the check found; then nothing was played.
+        flat: vehicles that ran flat, each with its time (plant clock), in that order.
+        invariants: `held`, or the broken one.
+        orders, delivered: numbers of orders.
     """
 
     seed: int
@@ -59,7 +59,7 @@ def has_right_of_way(seed: int) -> bool:
 
 
 def draw_file(seed: int) -> PlantFile:
-    """The plant file of a seed, whatever the check says of it."""
+    """The plant file of a seed, before the check."""
     random = Random(f"{seed} small batteries")
     file = _floor(seed, random).file
     kept = max(1, min(len(file.chargers), round(len(file.fleet) * random.choice((0.1, 0.25, 0.4, 0.6)))))
@@ -116,7 +116,7 @@ def _with_small_battery(kind: VehicleType, random: Random) -> VehicleType:
 
 
 def _at_a_dead_end(file: PlantFile) -> PlantFile:
-    """The first charger beyond the upper edge of the floor, at the end of a road of its own."""
+    """Move the first charger beyond the upper edge of the floor, to the end of a separate road."""
     docks = {place.node for places in (file.warehouses, file.storages, file.machines) for place in places}
     base = max((node for node in file.nodes if node.id not in docks), key=lambda node: (node.y_m, node.id))
     road = [

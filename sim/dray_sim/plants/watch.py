@@ -1,4 +1,4 @@
-"""What must not be seen in a plant that can be served: a flat battery, and a carrier that waits and waits."""
+"""Failures in a plant that can be served: a flat battery, and a carrier that waits for too long."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ BEYOND_PROMISE_S = 120.0
 """A carrier may wait so long beyond its promise."""
 
 WORKS_S = 15.0
-"""Beside the manoeuvre itself, what docking takes with no one before it: the question, the answer, the handover."""
+"""Time of an undisturbed docking beside the manoeuvre itself: the question, the answer, the handover."""
 
 MOVES_MPS = 0.01
 
@@ -35,15 +35,15 @@ class Waiting:
 
 
 class Watch:
-    """A listener for what vehicles do.
+    """A listener for the vehicles' heartbeats.
 
     A carrier waits when it stands at a dock for longer than its manoeuvre takes.
 
     Args:
-        plant: how long manoeuvres take.
+        plant: the durations of manoeuvres.
 
     Attributes:
-        flat: vehicles whose battery was empty, in the order of their misfortune.
+        flat: vehicles whose battery was empty, in that order.
         longest: the wait that was longest beyond a promise.
         waits: carriers that waited longer than their promise and `BEYOND_PROMISE_S`, by task.
     """
@@ -52,12 +52,12 @@ class Watch:
         kinds = {vehicle.id: plant.vehicle_types[vehicle.type] for vehicle in plant.fleet.values()}
         self._works_s = {atv: max(kind.load_s, kind.unload_s) + WORKS_S for atv, kind in kinds.items()}
         self._stands: dict[str, tuple[Phase | None, float]] = {}
-        """In which phase, and since when."""
+        """Present phase, and its beginning."""
         self.flat: dict[str, float] = {}
         self.longest = Waiting()
         self.waits: dict[tuple[str, str], float] = {}
         self._promised_s: dict[tuple[str, str], float] = {}
-        """What each has bid for each task; forgotten when a heartbeat names another task."""
+        """Bid of each vehicle for each task; forgotten when a heartbeat names another task."""
         self._carries: dict[str, str] = {}
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:

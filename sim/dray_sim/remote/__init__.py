@@ -2,10 +2,11 @@
 
     count_pieces  -- query {plant}/floor/@pieces -> all pieces that are there now
 
-A floor that begins anew knows nothing of the one before. To an agent that has taken over its body there, it
-says nothing, so that the agent finds its body lost; and to the next life it says that the body is new.
+A floor that begins anew knows nothing of the one before. It says nothing to an agent of the earlier floor, so that
+the agent finds its body lost. To that agent's next life it says that the body is new.
 
-`server` lets agents elsewhere use the bodies of a floor, `floor_monitor` sees whether two vehicles are in one spot, `pieces` counts the pieces of a floor elsewhere.
+`server` lets agents elsewhere use the bodies of a floor, `floor_monitor` sees whether two vehicles are in one spot,
+`pieces` counts the pieces of a floor elsewhere.
 """
 
 from __future__ import annotations

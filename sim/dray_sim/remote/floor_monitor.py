@@ -1,4 +1,4 @@
-"""What is true of vehicles on a floor whose agents are elsewhere: whether two were in one spot, and which lanes they entered."""
+"""The true state of vehicles on a floor whose agents are elsewhere: overlaps, and the lanes that they entered."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.checks.floor.overlaps import Overlap, Overlaps
 
 LOOK_EVERY_S = 1.0
-"""How often what goes on as before is judged up to now."""
+"""Interval at which unchanged motion is judged up to now."""
 
 log = logging.getLogger(__name__)
 
@@ -74,7 +74,7 @@ class FloorMonitor:
             self.look()
 
     def look(self) -> None:
-        """Judge what has not come to a change, up to now."""
+        """Judge unchanged motion up to now."""
         self._watch_lanes()
         self._overlaps.check_end(self._clock.now_s())
 

@@ -10,7 +10,7 @@ from dray_sim.bodies.floor import Pieces
 
 
 def pieces_key(plant: str) -> str:
-    """Where a floor is asked for all its pieces."""
+    """The key of a floor's query for all its pieces."""
     return f"{plant}/floor/@pieces"
 
 

@@ -1,4 +1,4 @@
-"""The floor's side: agents elsewhere use its bodies, one agent each; vehicles with bodies of their own say what they pick and drop."""
+"""The floor's side: agents elsewhere use its bodies, one agent each; real vehicles report their picks and drops."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ from dray_sim.bodies.floor import Floor
 from dray_sim.remote.pieces import pieces_key
 
 TELL_EVERY_S = 0.1
-"""How often a body's state is told when nothing happens: as the pose on a panel is refreshed."""
+"""Interval between two reports of an unchanged body: that of a panel's pose."""
 
 
 @dataclass(frozen=True, slots=True)
 class Traffic:
-    """What has gone between bodies and their agents so far.
+    """Counts of the messages between bodies and their agents.
 
     Attributes:
         bodies: how many there are, by whether an agent has them: TAKEN, FREE or LOST.
-        reports: what bodies have reported.
-        waiting: reports that are not heard yet, as far as is known here.
-        again: how often a report was told once more.
-        instructions: what agents have instructed.
-        refused: letters that nothing was done about, by reason.
+        reports: from bodies.
+        waiting: reports without a known receipt.
+        again: repetitions of reports.
+        instructions: from agents.
+        refused: messages without an effect, by reason.
     """
 
     bodies: Mapping[str, int]
@@ -61,7 +61,7 @@ class Traffic:
 
 
 TAKEN, FREE, LOST = "taken", "free", "lost"
-"""A life of its agent has it; none has had it yet; one had it and has not heard too much."""
+"""States of a body: a life of its agent has it; none has had it yet; one had it and has missed too much."""
 
 EARLIER_LIFE, FULL = "of an earlier life", "a full queue"
 """Why a letter is refused."""
@@ -73,14 +73,14 @@ class FloorServer:
     Args:
         session: of the floor's process.
         plant: the plant's id.
-        floor: further bodies are put down here.
-        refusal: why one more body cannot be put down; by default nobody is in its way.
-        foreign: vehicles that are not simulated: places count what these say they have picked and dropped. Their doubles here are off the
-            floor, and no agent has them. Of any other vehicle only its body here is believed.
-        controlled: those that are used in another way, as machines that have controllers: no agent has their bodies here.
+        floor: its bodies; further ones are put down here.
+        refusal: why one more body cannot be put down; by default there is no obstacle.
+        foreign: vehicles that are not simulated: places count the picks and drops that they report. Their doubles
+            here are off the floor, without agents. For any other vehicle only its body here counts.
+        controlled: bodies with another use, as machines with controllers: they have no agents here.
 
     Attributes:
-        failures: bodies that could not be told of, by our own fault; others are.
+        failures: bodies whose state could not be reported, by our own fault; the others go on.
 
     Raises:
         KeyError: a foreign one is no vehicle of the floor.
@@ -100,7 +100,7 @@ class FloorServer:
         self._crossing = Crossing(asyncio.get_running_loop())
         self.failures = Failures("the floor")
         self._moved: dict[str, tuple[tuple[int, int], bytes]] = {}
-        """Of each foreign vehicle the newest transfer, by its life and number, and what was answered."""
+        """Newest transfer by life and number, and the answer, by foreign vehicle."""
         self._foreign = frozenset(foreign)
         for atv in self._foreign:
             floor.lift(atv)
@@ -124,7 +124,7 @@ class FloorServer:
             for served in self._served:
                 try:
                     served.tell()
-                except Exception:  # noqa: BLE001 - whatever it is, it is about this one body
+                except Exception:  # noqa: BLE001 - any error concerns this one body only
                     self.failures.note("telling how a body is")
 
     def end(self) -> None:
@@ -134,7 +134,7 @@ class FloorServer:
 
     @property
     def traffic(self) -> Traffic:
-        """As of now."""
+        """The present counts."""
         served = self._served
         counts = sum((each.counts for each in served), Counter[str]())
         return Traffic(
@@ -206,7 +206,7 @@ class _Served:
         """Whether any life has had it; and whether one had it before the life that has it now."""
         self._exchange = Exchange()
         self._past = Counter[str]()
-        """What was counted in earlier lives: sums must never fall."""
+        """Counts of earlier lives: sums must never fall."""
         self.refused = 0
         session.declare_queryable(key, _answering(crossing, self._answer))
         session.declare_subscriber(f"{key}/do", Callback(self._on_sample, indirect=False))
@@ -226,29 +226,29 @@ class _Served:
 
     @property
     def counts(self) -> Counter[str]:
-        """In all lives."""
+        """Counts of all lives."""
         now = self._exchange
         return self._past + Counter(reports=now.said, again=now.again, instructions=now.heard)
 
     def tell(self) -> None:
-        """Say how it is, and what is not heard yet, if anybody has taken it over."""
+        """Report its state and all unheard reports, if an agent has taken it over."""
         if self._life:
             told = Told(self._life, self._exchange.write(), to_part(self._body.sense()))
             self._session.put(f"{self._key}/told", encode(told))
 
     def let_go(self) -> None:
-        """Tell nobody any more, and obey nobody, until the next life takes it over."""
+        """Stop reporting and obeying, until the next life takes it over."""
         self._life = NO_LIFE
 
     def _report(self, report: Report) -> None:
         if self._exchange.full:
-            self.let_go()  # Its agent is dead or cut off, and has lost it.
+            self.let_go()  # The agent is dead or cut off, and has lost the body.
         if self._life:
             self._exchange.say(to_part(report))
             self.tell()
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
-        """On Zenoh's threads."""
+        """Runs on Zenoh's threads."""
         self._crossing.offer(self._obey, sample.payload.to_bytes())
 
     def _answer(self, query: zenoh.Query) -> None:

@@ -1,1 +1,1 @@
-"""One seeded run: the stage, who watches it, and what its report, its evidence and its verdict are."""
+"""One seeded run: its stage, its listeners, its report, its evidence and its verdict."""

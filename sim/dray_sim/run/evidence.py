@@ -1,7 +1,7 @@
-"""What a scenario has shown: a claim, and every yes or no that it rests on, with the figure behind it.
+"""The evidence of a scenario: a claim, and the checks on which it rests, each with its figure.
 
-Evidence is data first (`--json`), and the same data for a reader in two forms: lines for a terminal,
-and a section of docs/scenarios.md. A check says what was seen in a run; none is written down before.
+Evidence is data first (`--json`), and readable in two forms: lines for a terminal, and a section of
+docs/scenarios.md. Every check states an observation of a run; none is written down before.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import msgspec
 from dray_sim.run.verdict import Verdict
 
 HELD = "held"
-"""What a report says of its invariants when nothing broke them."""
+"""Text for the invariants of a report when all held."""
 
 LINE = 100
 """Columns of running text."""
@@ -28,17 +28,17 @@ FIGURES = (
     "transport_p50_s",
     "transport_p95_s",
 )
-"""Of one run, as in its `dray_sim.run.report.Report`."""
+"""Names of the figures of one run, as in its `dray_sim.run.report.Report`."""
 
 
 class Check(msgspec.Struct, frozen=True):
-    """One thing that must be so for the claim to hold."""
+    """One condition of the claim."""
 
     name: str
-    """What must be so, as a sentence."""
+    """The condition, as a sentence."""
     held: bool
     figure: str
-    """What was seen."""
+    """The observation."""
 
 
 class Table(msgspec.Struct, frozen=True):
@@ -60,22 +60,22 @@ class Evidence(msgspec.Struct, frozen=True):
     scenario: str
     seed: int
     source: str
-    """Where the paper claims it, or that the claim is ours."""
+    """Source of the claim in the paper, or a note that it is ours."""
     claim: str
     story: str
-    """What is done to the factory."""
+    """The events in the factory."""
     held: bool
     """The claim, and every invariant of every run."""
     checks: tuple[Check, ...]
     tables: tuple[Table, ...]
     measured: dict[str, str]
-    """What depends on the computer that it ran on: real time and memory. No part of the document."""
+    """Figures that depend on the computer: real time and memory. They are not part of the document."""
     invariants: str
-    """`held`, or what was broken first."""
+    """`held`, or the first broken invariant."""
     trace: str
-    """The fingerprint of everything that was said, in all runs."""
+    """The fingerprint of all messages, in all runs."""
     orders_placed: int = 0
-    """From here on: of the run in which the fewest orders were on time."""
+    """From here on: figures of the run in which the fewest orders were on time."""
     orders_delivered: int = 0
     orders_due: int = 0
     on_time_frac: float = 0.0
@@ -83,10 +83,10 @@ class Evidence(msgspec.Struct, frozen=True):
     transport_p50_s: float = 0.0
     transport_p95_s: float = 0.0
     verdict: Verdict | None = None
-    """What was short in that run."""
+    """The bottleneck of that run."""
 
     def describe(self) -> str:
-        """The report for a terminal; but for `measured` the same bytes for the same seed."""
+        """The report for a terminal; except for `measured`, the same bytes for the same seed."""
         lines = [
             f"{self.scenario}, seed {self.seed}: {self._verdict()}",
             "",
@@ -129,7 +129,7 @@ class Evidence(msgspec.Struct, frozen=True):
 
     @property
     def failure(self) -> str:
-        """What did not hold, for a message; empty when all did."""
+        """The failed checks, for a message; empty when all held."""
         if self.invariants != HELD:
             return self.invariants
         failed = [f"{check.name}: no ({check.figure})" for check in self.checks if not check.held]

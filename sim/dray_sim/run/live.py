@@ -1,4 +1,4 @@
-"""A part of a scenario that is played live: in a factory that others look at, and that goes on after it."""
+"""A part of a scenario that is played live: in a factory that others watch, and that goes on after it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from dray_sim.run.stage import Stage
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How it ended.
+    """The end of a part.
 
     Attributes:
         at_s: when (plant clock).
-        checks: what had to be so, and what was seen; a broken invariant is one that did not hold.
+        checks: conditions and observations; a broken invariant is one that did not hold.
     """
 
     at_s: float
@@ -35,9 +35,9 @@ class LivePlay:
     """One part, played once.
 
     Args:
-        part: what is played.
+        part: to be played.
         plant: where; `part.plant()`.
-        seed: everything that is left to chance follows from it.
+        seed: of everything random.
         make: makes the factory; see `Stage`.
 
     Attributes:
@@ -80,7 +80,7 @@ class LivePlay:
         finally:
             acting.cancel()
             broken.cancel()
-            # From here on nobody asks: what is kept would only grow.
+            # From here on there is no reader, and kept messages would only grow.
             self.stage.listeners.clear()
         self._tell()
 

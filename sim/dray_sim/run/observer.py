@@ -1,4 +1,4 @@
-"""What a run shows: figures gathered from the facts that agents record.
+"""The figures of a run, gathered from the facts that agents record.
 
 The observer hears every utterance at the moment it is said, and disturbs nothing: it is not on the
 bus. It keeps figures, not histories; the length of a run does not matter to it.
@@ -38,7 +38,7 @@ from dray.messages.fact import (
 
 @dataclass(slots=True)
 class MachineTimes:
-    """How long a machine has been in each status (s)."""
+    """Time of a machine in each status (s)."""
 
     status: MachineStatus = MachineStatus.IDLE
     since_s: float = 0.0
@@ -80,11 +80,11 @@ class Observer:
         self.carriers_changed = 0
         self.messages = 0
         self.negotiation = 0
-        """Messages that are neither heartbeats, hints of who is around, nor history: what the contracts and right of way cost."""
+        """Messages that are neither heartbeats, presence hints nor history: the cost of contracts and right of way."""
         self.machines: dict[str, MachineTimes] = {}
         self._transport_tasks: dict[str, None] = {}
         self._arrived: dict[str, dict[str, int]] = {}
-        """By order that has not ended, and by its goals: pieces that were told."""
+        """Reported pieces by open order and its goals."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
@@ -95,7 +95,7 @@ class Observer:
             self.negotiation += 1
 
     def close(self, now_s: float) -> None:
-        """The run is over: count the time of what still goes on."""
+        """End the run: count the time of all unfinished states."""
         for times in self.machines.values():
             times.enter(times.status, now_s)
 

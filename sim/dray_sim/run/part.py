@@ -16,15 +16,15 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Part(Generic[T]):
-    """Where, with whom, what is done, and what must be so then.
+    """The plant, the load, the script and the judgement of a part.
 
     Attributes:
         name: as in `dray up --scenario NAME`.
         shift: how long and how busy.
         plant: makes the plant that it is played in.
-        script: what is done.
+        script: acts on the factory.
         steps: that it tells of, in the order in which they are expected.
-        judge: what must be so of what the script has told.
+        judge: checks the script's result.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Part(Generic[T]):
         return play(self.shift, self.plant(), seed, self.script, self.steps)
 
     def checks(self, played: Played[T]) -> tuple[Check, ...]:
-        """What its run has shown; nothing where a broken invariant has cut it short."""
+        """The checks of its run; none where a broken invariant has cut it short."""
         if played.told is None and played.invariants != HELD:
             return ()
         return self.judge(cast(T, played.told))

@@ -14,7 +14,7 @@ from dray_sim.run.verdict import Verdict, judge
 
 
 class Report(msgspec.Struct, frozen=True):
-    """What came of a run. Shares are parts of 1; times are factory seconds."""
+    """The figures of a run. Shares are parts of 1; times are factory seconds."""
 
     scenario: str
     seed: int
@@ -24,7 +24,7 @@ class Report(msgspec.Struct, frozen=True):
     """Placed orders whose time was up before the end."""
     orders_delivered: int
     on_time_frac: float
-    """Of the orders that were due."""
+    """Fraction of the due orders that were on time."""
     pieces_delivered: int
     transports: int
     transport_p50_s: float
@@ -33,35 +33,35 @@ class Report(msgspec.Struct, frozen=True):
     """Real handover less the carrier's promise."""
     late_p95_s: float
     starvation_frac: float
-    """Of the machines' time with something to make, how much of it material was missing."""
+    """Fraction of the machines' time with work in which material was missing."""
     machine_frac: dict[str, float]
     """The machines' time by status."""
     empty_travel_frac: float
-    """Of all metres driven."""
+    """Fraction of all metres."""
     utilisation_frac: dict[str, float]
     """The vehicles' time by activity."""
     bids_per_task: float
     rounds_per_task: float
     messages_per_task: float
-    """Of the negotiation: heartbeats and history not counted."""
+    """Messages of the negotiation, without heartbeats and history."""
     watches_taken: int
     watches_lost: int
     answers: dict[str, int]
-    """How awards ended."""
+    """Results of awards."""
     refusals: dict[str, int]
     """Why vehicles did not bid."""
     messages: int
     deliveries: int
     invariants: str
-    """`held`, or what was broken."""
+    """`held`, or the broken invariant."""
     trace: str
     """The fingerprint of everything that was said."""
     verdict: Verdict
-    """What was short."""
+    """The bottleneck."""
 
     @property
     def failure(self) -> str:
-        """What did not hold; empty when all did."""
+        """The failure; empty when all held."""
         return "" if self.invariants == HELD else self.invariants
 
     def describe(self) -> str:

@@ -1,4 +1,4 @@
-"""A scenario: a claim about the factory, what is done to it, and how its truth is seen."""
+"""A scenario: a claim about the factory, the events that test it, and its judgement."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from dray_sim.run.site import Site
 from dray_sim.run.stage import Played, with_right_of_way, with_strategists
 
 HERE = Site()
-"""As the scenario stands."""
+"""The scenario's own plant and load."""
 
 
 class Outcome(Protocol):
-    """What a run of anything in the list gives."""
+    """The result of a run."""
 
     @property
     def failure(self) -> str:
-        """What did not hold; empty when all did."""
+        """The failed checks; empty when all held."""
         ...
 
     def describe(self) -> str:
-        """For a reader; the same for the same seed."""
+        """A text for a reader; the same for the same seed."""
         ...
 
     def document(self) -> str:
@@ -36,19 +36,19 @@ class Outcome(Protocol):
 
 
 class Playable(Protocol):
-    """What `dray sim list` lists and `dray sim run` runs."""
+    """An entry of `dray sim list` and `dray sim run`."""
 
     @property
     def name(self) -> str: ...
 
     @property
     def shows(self) -> str:
-        """In one line."""
+        """One line of description."""
         ...
 
     @property
     def source(self) -> str:
-        """Where its claim comes from; empty when there is none."""
+        """Source of its claim; empty when there is none."""
         ...
 
     def run(self, seed: int, site: Site = HERE) -> Outcome:
@@ -67,13 +67,13 @@ class Playable(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What the runs of a scenario have shown.
+    """The findings of a scenario's runs.
 
     Attributes:
         runs: all of them; their invariants and traces go into the report.
-        checks: what the claim rests on.
+        checks: the conditions of the claim.
         tables: figures beside it.
-        measured: what depends on the computer.
+        measured: figures that depend on the computer.
     """
 
     runs: tuple[Played[Any], ...]
@@ -88,11 +88,11 @@ class Scenario:
 
     Attributes:
         name: as in `dray sim run NAME`.
-        source: where the paper claims it, or that the claim is ours.
+        source: of the claim in the paper, or a note that it is ours.
         claim: in our words.
-        story: what is done.
-        play: does it, for a seed.
-        elsewhere: does it in another plant, under another load or for another time; None where what is done names
+        story: the events.
+        play: plays it, for a seed.
+        elsewhere: plays it in another plant, under another load or for another time; None where the script names
             machines and vehicles of one plant.
         parts: those of its runs that can be followed live, step by step.
     """
@@ -112,10 +112,10 @@ class Scenario:
         return self.elsewhere is not None
 
     def run(self, seed: int, site: Site = HERE) -> Evidence:
-        """Play it, and put the claim beside what was seen.
+        """Play it, and compare the claim with the findings.
 
         Raises:
-            SettingsError: it can be played as it stands only, and `site` is another.
+            SettingsError: it has only one plant and load, and `site` is another.
         """
         with with_right_of_way(site.traffic), with_strategists(site.strategists):
             found = self._play(seed, site)
@@ -154,14 +154,14 @@ class Scenario:
 
 
 def _figures(reports: list[Report]) -> dict[str, Any]:
-    """Those of the run in which the fewest orders were on time, of equal ones the first; with its verdict."""
+    """Figures and verdict of the run in which the fewest orders were on time, the first of equal ones."""
     worst = min(reports, key=lambda report: report.on_time_frac if report.orders_due else 1.0)
     names = (*FIGURES, "verdict")
     return {name: getattr(worst, name) for name in names}
 
 
 def _fingerprint(traces: list[str]) -> str:
-    """One for all runs: a single run keeps its own."""
+    """One fingerprint for all runs: a single run keeps its own."""
     if len(traces) == 1:
         return traces[0]
     return hashlib.blake2b(" ".join(traces).encode(), digest_size=16).hexdigest()

@@ -1,12 +1,12 @@
 """Why a plant has not done more: every wait of a transport and of a machine, with its cause.
 
-A listener that looks at the heartbeats and at the storages every `LOOK_S` and adds up. It takes no part, and the run is the same
-without it. What it saw becomes words in `dray_sim.run.verdict`.
+A listener that looks at the heartbeats and at the storages every `LOOK_S` and adds up. It takes no part, and the run
+is the same without it. `dray_sim.run.verdict` puts the result into words.
 
-A transport waits for *material* that no storage has, for a *charger* when those that could carry it have no battery left,
-for *vehicles* when they all carry something else, at a *dock* that is held, or in a *lane*. A machine that has no material,
-or no room for what it has made, loses its time to the cause for which the transport waits or has waited; to its own
-*buffer* when it has waited for nothing and has come too late all the same.
+A transport waits for *material* that no storage has, for a *charger* when able vehicles have no battery left, for
+*vehicles* when they all carry something else, at a *dock* that is held, or in a *lane*. A machine without material,
+or without room for its goods, loses its time to the cause for which the transport waits or has waited. If the
+transport did not wait and still came too late, the cause is the machine's own *buffer*.
 """
 
 from __future__ import annotations
@@ -33,22 +33,22 @@ from dray.overload import Overload
 from dray.plant import Plant
 
 LOOK_S = 10.0
-"""Short beside any transport, and long beside what a look costs."""
+"""Interval between two looks: short beside any transport, and long beside the cost of a look."""
 
 BIDDING_S = 15.0
-"""So long nobody may be contracted without that anybody is missing."""
+"""Time of a normal auction, in which no vehicle is missing yet."""
 
 HELD_S = 12.0
-"""A held dock is asked again every 5 s; one of which nothing more was heard for this long is open."""
+"""A held dock is asked again every 5 s; without another question for this long it counts as open."""
 
 STANDS_S = 20.0
-"""In the lane, with way ahead; whoever turns or brakes is not slower than walking for so long."""
+"""Time below walking speed in the lane, with way ahead; turning and braking are shorter."""
 
 REMEMBERED_S = 20.0
-"""A transport that has waited for less came too late for another reason."""
+"""Shortest wait that counts: a transport that has waited for less came too late for another reason."""
 
 HUNGRY_FRAC = 0.3
-"""An idle vehicle with less in its battery looks for a charger, or should."""
+"""Battery level below which an idle vehicle looks for a charger, or should."""
 
 Cause = tuple[str, str]
 """Kind and name: material, charger, vehicles, dock, lane or buffer, and which."""
@@ -62,22 +62,22 @@ class HasStock(Protocol):
 
 
 class Shortfall:
-    """Adds up who waits for what.
+    """Adds up the waits and their causes.
 
     Args:
         plant: abilities, docks and bills.
-        storages: what is in them at any moment.
+        storages: give their present stock.
 
     Attributes:
         looked_s: how long it has looked.
         open_s: transports' time from the announcement to the end.
-        wait_s: of that, what they have waited for, by cause.
+        wait_s: of that, waiting time by cause.
         machine_s: machines' time by machine and status.
         lost_s: machines' time without material or room, by cause.
-        left_s: what machines still have to make, in their own time, at the last look.
+        left_s: machines' time for the goals that were open at the last look.
         working_s, charging_s, hungry_s: vehicles' time by vehicle: under contract, charging, idle with a low battery.
         docked_s: vehicles' time at docks under contract, by place; more than there is where several stand at one.
-        overloaded_s: time in which the vehicles could not carry what was asked for (`dray.overload`).
+        overloaded_s: time in which the demand exceeded the vehicles' capacity (`dray.overload`).
         overloaded_waiting: transports that had waited too long for a vehicle then, at the worst look.
         empty_s: time in which no storage had a container of it, by material.
     """
@@ -113,10 +113,10 @@ class Shortfall:
         self._moved_s: dict[str, float] = {}
         self._opened_s: dict[str, float] = {}
         self._waited: dict[str, dict[Cause, float]] = {}
-        """By open transport, what it has waited for so far."""
+        """Waits so far, by open transport."""
         self._overload = Overload()
         self._announced_s: dict[str, float] = {}
-        """By open transport, when it was announced first."""
+        """First announcement, by open transport."""
         self._look_s = 0.0
 
     def on_message(self, at_s: float, _sender: str, address: str, message: Message) -> None:
@@ -167,7 +167,7 @@ class Shortfall:
                 del notes[ended]
 
     def _stock(self) -> dict[str, list[int]]:
-        """What every storage has of every material."""
+        """The stock of every material in every storage."""
         found: dict[str, list[int]] = {}
         for storage in self._storages.values():
             for item, pieces in storage.stock.items():
@@ -211,7 +211,7 @@ class Shortfall:
     def _cause(
         self, task: TaskBrief, stock: dict[str, list[int]], now_s: float, age_s: float
     ) -> Cause | None:
-        """What a transport waits for at this moment."""
+        """The cause for which a transport waits now."""
         carrier = self._atvs.get(task.primary)
         if carrier is None or not task.primary:
             if self._none_of(task.item, task.quantity, stock):
@@ -237,7 +237,7 @@ class Shortfall:
         return item in self._plant.materials and not any(pieces >= quantity for pieces in stock.get(item, ()))
 
     def _nobody(self, task: TaskBrief) -> Cause:
-        """Why nobody takes a transport: no battery, or all are busy."""
+        """Why no vehicle takes a transport: no battery, or all are busy."""
         ability = self._plant.ability_of(task.item)
         able = [self._atvs[atv] for atv in self._able.get(ability, ()) if atv in self._atvs]
         refused = self._refused.get(task.task, {})
@@ -274,7 +274,7 @@ class Shortfall:
         levels = {level.item: level.level for level in heard.buffers or ()}
         for goal in heard.goals:
             if goal.made < goal.quantity:
-                # Of a product that was defined since, it is known only what the machine has a buffer for.
+                # For a product that is newer than the plant file, only the machine's buffers are known.
                 known = self._plant.products.get(goal.product)
                 bill = (
                     {line.material: line.quantity for line in known.bill}
@@ -289,7 +289,7 @@ class Shortfall:
         return []
 
     def _blame(self, heard: MachineHeartbeat, item: str, stock: dict[str, list[int]]) -> Cause | None:
-        """For what the transports of an item wait or have waited most."""
+        """The longest wait among the transports of an item."""
         waited: dict[Cause, float] = defaultdict(float)
         for task in heard.tasks:
             if task.item == item:

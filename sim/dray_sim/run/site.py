@@ -1,4 +1,4 @@
-"""Where, how busy and for how long a scenario is played, when not as it stands."""
+"""Another plant, load or duration for a scenario."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """What is other than in the scenario; None for what stays.
+    """Deviations from the scenario; None for its own value.
 
     Attributes:
         plant: instead of the default one.
         load: part of the machines' time that the demand takes, above 0.
         hours: of demand, above 0.
-        traffic: vehicles take up room, and drive with right of way; every scenario can be played without, too.
-        strategists: how many share the orders, also in every scenario; None: one, but where a scenario says otherwise.
+        traffic: whether vehicles take up room, and drive with right of way; every scenario can be played without,
+            too.
+        strategists: number of strategists, also in every scenario; None for one, or the scenario's own number.
     """
 
     plant: Plant | None = None
@@ -48,7 +49,7 @@ class Site:
         return shift
 
     def __str__(self) -> str:
-        """For a reader."""
+        """A text for a reader."""
         parts = []
         if self.plant is not None:
             parts.append(f"the plant {self.plant.id} ({self.plant.name})")

@@ -1,8 +1,7 @@
-"""One seeded run: a factory, whoever watches it, and the orders that it gets.
+"""One seeded run: a factory, its listeners, and its orders.
 
-A *script* is a coroutine that does something to the running factory and tells what it has seen; the
-run ends with it. Everything else goes on by itself. All invariants are watched, and the first that
-breaks ends the run.
+A *script* is a coroutine that acts on the running factory and returns its observations; the run ends with it.
+Everything else goes on by itself. All invariants are watched, and the first that breaks ends the run.
 """
 
 from __future__ import annotations
@@ -52,8 +51,8 @@ DUE_IN_S = 7200.0
 
 
 RIGHT_OF_WAY: ContextVar[bool] = ContextVar("right of way", default=False)
-"""Whether vehicles take up room and drive with right of way. Scenarios are about other things, and are played on either floor: so this
-is said around them (`with_right_of_way`), and not in each."""
+"""Whether vehicles take up room and drive with right of way. Scenarios are about other things, and are played on
+either floor, so a context sets it for all of them (`with_right_of_way`)."""
 
 
 @contextmanager
@@ -67,12 +66,15 @@ def with_right_of_way(on: bool) -> Iterator[None]:
 
 
 STRATEGIST_COUNT: ContextVar[int] = ContextVar("strategists", default=1)
-"""How many share the orders of all shifts that name no number of their own; said around them likewise (`with_strategists`)."""
+"""Number of strategists of all shifts without a number of their own; a context sets it, too (`with_strategists`)."""
 
 
 @contextmanager
 def with_strategists(count: int | None) -> Iterator[None]:
-    """Let all stages in here have so many strategists, but for those whose shift says how many; None for as many as before."""
+    """Set the number of strategists of all stages in this context, except for shifts with their own number.
+
+    None keeps the present number.
+    """
     before = STRATEGIST_COUNT.set(STRATEGIST_COUNT.get() if count is None else count)
     try:
         yield
@@ -82,21 +84,21 @@ def with_strategists(count: int | None) -> Iterator[None]:
 
 @dataclass(frozen=True, slots=True)
 class Shift:
-    """What is to be run.
+    """The parameters of a run.
 
     Attributes:
         name: of the scenario.
         duration_s: virtual time in which demand comes in.
         load: part of the machines' time that the demand takes; 0 for no demand.
         codec: pass every message through the wire format.
-        stock_frac: how full buffers are at the start, from and to.
+        stock_frac: range of the buffers' levels at the start.
         latency: of the network.
-        people: how the operators of all areas work; None for nobody on the floor.
+        people: how the operators of all areas work; None for an empty floor.
         keep: classes of facts and messages that the witness keeps.
-        overlaps: whether two vehicles in one spot are counted (False), break the run (True), or are not looked for (None); with
-            right of way they always break it.
-        embody: what stands between vehicles and their agents; nothing by default.
-        strategists: how many there are; None for as many as the run has (`with_strategists`), one if nobody says.
+        overlaps: whether overlapping vehicles are counted (False), break the run (True), or are not looked for
+            (None). With right of way they always break it.
+        embody: makes adapters between vehicles and their agents; none by default.
+        strategists: their number; None for that of the context (`with_strategists`), which is one by default.
     """
 
     name: str
@@ -114,12 +116,12 @@ class Shift:
 
 @dataclass(frozen=True, slots=True)
 class Played(Generic[T]):
-    """What came of a run.
+    """The results of a run.
 
     Attributes:
-        told: what the script returned; None when a broken invariant has cut it short.
+        told: the script's result; None when a broken invariant has cut it short.
         report: the figures of the run.
-        counts: of all that was said, by name.
+        counts: of all messages, by name.
         steps: those that have happened, in their order.
     """
 
@@ -145,15 +147,15 @@ class Stage:
 
     Attributes:
         factory: bodies, network, agents.
-        faults: what goes wrong in it.
+        faults: its faults.
         people: the operators.
-        looker: looks for loads that were disputed twice; None where real people may.
-        office: says which vehicles people have carried away; None where nobody needs to be told.
+        looker: looks for loads that were disputed twice; None where real people look for them.
+        office: reports vehicles that people have carried away; None where no report is needed.
         overlaps: vehicles in one spot so far; None where they are not looked for.
-        witness: what was said.
-        steps: how far the script is.
+        witness: of all messages.
+        steps: the script's progress.
         observer: figures so far.
-        shortfall: who has waited for what so far.
+        shortfall: waits so far.
         orders: all of them, placed or still to come.
         listeners: hear all that is said; a script may add its own.
     """
@@ -233,7 +235,7 @@ class Stage:
         """Let it run until every order that was placed is delivered, looking once a second.
 
         Returns:
-            How long that took (s), at most `within_s`.
+            The duration (s), at most `within_s`.
         """
         begun_s = self.now_s()
         for _ in range(int(within_s)):
@@ -257,7 +259,7 @@ class Stage:
         return placed
 
     def place(self, order: demand.Order) -> None:
-        """Place an order now, whatever its time says."""
+        """Place an order now, at any time of its own."""
         self.orders.append(order)
         self._placing.append(asyncio.create_task(self._customers.order(order)))
 
@@ -302,11 +304,11 @@ def play(
         shift: how long, and how busy.
         plant: the factory.
         seed: everything else follows from it.
-        script: what is done to the factory; None for nothing but letting the shift's time pass.
+        script: acts on the factory; None only lets the shift's time pass.
         steps: that the script tells of.
 
     Returns:
-        What was told, and the figures. A broken invariant ends the run and is named in the report.
+        The script's result, and the figures. A broken invariant ends the run and is named in the report.
     """
     return run(_play(shift, plant, seed, script, steps), JUMP)
 

@@ -12,11 +12,11 @@ from dray.scenario_steps import ScenarioStep
 
 @dataclass(frozen=True, slots=True)
 class Happened:
-    """That a step has happened.
+    """The event of a step.
 
     Attributes:
         at_s: when (plant clock).
-        agents: whom it is about.
+        agents: concerned by it.
     """
 
     at_s: float
@@ -33,9 +33,11 @@ class _Expected:
 
 
 class Steps:
-    """A `Listener` that knows how far a script is. A script says what it does itself, and names the words by which the rest is known.
+    """A `Listener` that knows the progress of a script.
 
-    Steps that were not declared are not told: a script may be part of a run that nobody follows.
+    A script reports its own actions, and names the messages that show the other steps.
+
+    Undeclared steps are ignored: a script may be part of a run without spectators.
 
     Args:
         declared: in the order in which they are expected.
@@ -54,11 +56,11 @@ class Steps:
         self._expected: list[_Expected] = []
 
     def tell(self, step: ScenarioStep, *agents: str) -> None:
-        """It has happened; told again it changes nothing.
+        """Note a step; a repetition changes nothing.
 
         Args:
-            step: which one.
-            agents: whom it is about.
+            step: that has happened.
+            agents: concerned by it.
         """
         if step in self.declared and step not in self.happened:
             self.happened[step] = Happened(self._now_s(), tuple(agent for agent in agents if agent))
@@ -73,14 +75,14 @@ class Steps:
         by: tuple[str, ...] = (),
         about: Callable[[Any], str] | None = None,
     ) -> None:
-        """It happens when this is said.
+        """Let a message or fact mark a step.
 
         Args:
-            step: which one.
+            step: to be marked.
             kind: class of a fact or a message.
-            where: which ones will do.
-            by: said by one of these agents; empty for anybody.
-            about: names whom it is about, out of what is said; None for whoever says it.
+            where: selects messages.
+            by: its possible senders; empty for all.
+            about: names the agent concerned, from the message; None for the sender.
         """
         if step in self.declared:
             self._expected.append(_Expected(step, kind, where, by, about))

@@ -1,6 +1,6 @@
-"""The trace of a run: one fingerprint over all that was said, and the last of it in words.
+"""The trace of a run: one fingerprint over all messages, and the last of them in words.
 
-Two runs with one seed have the same fingerprint, or something in them depends on what no seed governs.
+Two runs with one seed have the same fingerprint; otherwise something in them depends on a source outside the seed.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ TAIL = 200
 """Utterances kept for printing after a failure: some seconds of a busy plant."""
 
 _HEAD = Struct("<dII")
-"""The time, and the lengths of what follows, so that no two utterances write the same bytes."""
+"""The time, and the lengths of the following parts, so that no two utterances write the same bytes."""
 
 
 class Utterance(NamedTuple):
-    """Who said what to whom, and when."""
+    """One message with its sender, address and time."""
 
     at_s: float
     sender: str

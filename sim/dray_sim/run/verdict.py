@@ -1,4 +1,4 @@
-"""The verdict on a run: what was short, what of it is too few, and a figure for each resource."""
+"""The verdict on a run: its bottleneck, the remedy, and a figure for each resource."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from dray.plant.file.reasons import Reason, told
 from dray_sim.run.shortfall import Cause, Shortfall
 
 SERVED_FRAC = 0.95
-"""Of the orders that were due, on time; with it and little lost, nothing is short."""
+"""Fraction of the due orders on time; above it, and with little lost time, there is no bottleneck."""
 
 LOST_FRAC = 0.05
-"""Of the time of machines with work."""
+"""Fraction of the time of machines with work."""
 
 FULL_FRAC = 0.85
-"""Of its time a machine made pieces: it has none left."""
+"""Fraction of its time in which a machine made pieces: it has none left."""
 
 LEFT_FRAC = 0.5
-"""Of the time of the run: a machine that had so much left to make at the end was given more than it can make."""
+"""Fraction of the run's time: a machine with so much work left at the end was given more than it can make."""
 
 WAIT_FRAC = 0.2
-"""Of the time of all transports."""
+"""Fraction of the time of all transports."""
 
 SHOWN_FRAC = 0.005
-"""What is used and waited for less is not shown."""
+"""Least use and wait of a resource that is shown."""
 
 TOLD = 3
 """Resources of a kind that are named."""
@@ -37,42 +37,42 @@ NOTHING = "nothing"
 
 
 class Resource(msgspec.Struct, frozen=True):
-    """One resource, as it was used. Shares are parts of 1."""
+    """The use of one resource. Shares are parts of 1."""
 
     kind: str
     """vehicles, charger, machine, material, dock, lane or buffer."""
     name: str
     busy_frac: float
-    """Of its time; of a material, the time in which no storage had a container of it. A dock may have more than 1 in a
-    simulation, where vehicles do not keep each other out: that many docks would be needed."""
+    """Fraction of its time; for a material, the time in which no storage had a container of it. A dock may have more
+    than 1 in a simulation where vehicles do not exclude each other: that many docks would be needed."""
     waiting_frac: float
-    """Of the time of all transports, what they waited for it."""
+    """Fraction of the time of all transports in which they waited for it."""
     lost_frac: float
-    """Of the time of machines with work, what they lost for it."""
+    """Fraction of the time of machines with work that they lost because of it."""
 
 
 class Verdict(msgspec.Struct, frozen=True):
-    """What was short in a run."""
+    """The bottleneck of a run."""
 
     bottleneck: str
     """A kind of resource, or `nothing`."""
     name: str
-    """Which; empty for nothing."""
+    """Id of the resource; empty for none."""
     text: str
-    """In words: what is too few, how it shows, and what to do; and for how long the plant was overloaded."""
+    """In words: the scarce resource, the symptom and the remedy; and how long the plant was overloaded."""
     code: str
-    """Of the text, by `dray.plant.file.reasons`, so that panels tell it in the reader's language."""
+    """Code of the text, by `dray.plant.file.reasons`, so that panels show it in the reader's language."""
     values: dict[str, Any]
-    """What is filled into it."""
+    """Values for the text."""
     overloaded_frac: float
-    """Of the time; by the rule of the alert `overloaded`."""
+    """Fraction of the time, by the rule of the alert `overloaded`."""
     overloaded_waiting: int
     """Transports that had waited too long for a vehicle, when there were most of them."""
     resources: tuple[Resource, ...]
     """The scarcest of every kind."""
 
     def lines(self) -> list[str]:
-        """For a reader."""
+        """Lines for a reader."""
         shown = [f"  {'verdict':<30} {self.text}"]
         for each in self.resources:
             figures = [f"{_busy(each)} {each.busy_frac:.0%}"]
@@ -87,7 +87,7 @@ class Verdict(msgspec.Struct, frozen=True):
 def judge(
     plant: Plant, seen: Shortfall, *, placed: int, delivered: int, due: int, on_time_frac: float
 ) -> Verdict:
-    """The verdict on what was seen.
+    """Judge a run.
 
     Args:
         plant: the plant.
@@ -131,7 +131,7 @@ def judge(
 
 
 def _bottleneck(found: list[Resource], *, on_time: bool, left: bool) -> Resource | None:
-    """What everything waits for; None when nothing was short."""
+    """The resource for which everything waits; None without a bottleneck."""
     lost = sum(each.lost_frac for each in found)
     full = max(
         (each for each in found if each.kind == "machine"), key=lambda each: each.busy_frac, default=None
@@ -141,8 +141,8 @@ def _bottleneck(found: list[Resource], *, on_time: bool, left: bool) -> Resource
     if full is not None and full.busy_frac < FULL_FRAC:
         full = None
     worst = found[0]
-    # What machines lost here and there is nothing beside one that had no time left at all; and that a load comes too
-    # late is the fault of a dock at which several vehicles would have to stand.
+    # Scattered losses of machines are small beside a machine without any time left. A late load is the fault of a
+    # dock at which several vehicles would have to stand.
     if lost >= LOST_FRAC and (full is None or worst.lost_frac >= 2 * LOST_FRAC) and worst.kind != "buffer":
         return worst
     if dock is not None and dock.busy_frac > 1.0:

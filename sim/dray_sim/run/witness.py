@@ -1,7 +1,6 @@
-"""An eye-witness of a run: lets a scenario wait until something is said, and look back at what was.
+"""A witness of a run: a scenario can wait for a message, and look back at earlier ones.
 
-It hears every utterance at the moment it is said and takes no part. What it keeps is what it was asked
-to keep, and bounded.
+It hears every message at once and takes no part. It keeps only the requested kinds, within a bound.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message
 T = TypeVar("T")
 
 KEPT = 100_000
-"""Utterances of one kind: more than an hour of a busy plant has of the rarer ones that are asked for."""
+"""Most kept messages of one kind: more than an hour of a busy plant has of the rarer requested kinds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +25,7 @@ class Seen(Generic[T]):
 
     at_s: float
     agent: str
-    """Who said it."""
+    """The sender."""
     said: T
 
 
@@ -68,7 +67,7 @@ class Witness:
             self._answer(at_s, sender, said)
 
     def all(self, kind: type[T], *, since_s: float = 0.0) -> list[Seen[T]]:
-        """What was kept of this kind, oldest first."""
+        """Kept messages of this kind, oldest first."""
         return [seen for seen in self._kept[kind] if seen.at_s >= since_s]
 
     async def first(
@@ -83,12 +82,12 @@ class Witness:
 
         Args:
             kind: class of a fact or a message.
-            where: which ones will do.
+            where: selects messages.
             by: said by this agent; empty for anybody.
             within_s: how long to wait.
 
         Returns:
-            What was said, or None when time was up.
+            The message, or None after the timeout.
         """
         waiter = _Waiter(kind, by, where, asyncio.get_running_loop().create_future())
         self._waiters.append(waiter)

@@ -1,4 +1,4 @@
-"""Processes that work for another one, and end with it however it ends."""
+"""Processes that work for a parent, and end with it in any case."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from multiprocessing.connection import wait
 
 
 def end_with_parent() -> None:
-    """To be called in a process of a pool: it ends when the one that has started it is gone.
+    """End this process of a pool when its parent is gone; called in that process.
 
-    A pool asks its processes to end when its own process ends gracefully. One that is killed asks nobody, and its
+    A pool asks its processes to end when its own process ends gracefully. A parent that is killed cannot ask, and its
     processes would wait for work for ever.
     """
     parent = multiprocessing.parent_process()

@@ -1,7 +1,7 @@
-"""Named scenarios: what `dray sim run NAME` plays.
+"""Named scenarios, for `dray sim run NAME`.
 
-Each lives in a module of its own, which says what it shows: the paper's six cases and two experiments,
-and what we want to know beside them.
+Each is in a module of its own, which states its claim: the paper's six cases and two experiments, and further
+questions of ours.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ _ALL: tuple[Playable, ...] = (
 )
 
 SCENARIOS: Mapping[str, Playable] = {scenario.name: scenario for scenario in _ALL}
-"""By name, in the order in which they are listed."""
+"""Scenarios by name, in the order of their listing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +75,8 @@ class LivePart:
     """A part of a scenario that can be followed live.
 
     Attributes:
-        part: what is played.
-        shows: what its scenario shows, in one line.
+        part: to be played.
+        shows: its scenario's description, in one line.
     """
 
     part: Part[Any]
@@ -89,4 +89,4 @@ LIVE: Mapping[str, LivePart] = {
     if isinstance(scenario, Scenario)
     for part in scenario.parts
 }
-"""What `dray up --scenario NAME` plays, by name."""
+"""Parts by name, for `dray up --scenario NAME`."""

@@ -8,11 +8,11 @@ from dray_sim.run.site import Site
 from dray_sim.run.stage import Shift, play, with_right_of_way, with_strategists
 
 SHIFT = Shift(name="day", duration_s=8 * 3600.0, load=0.85)
-"""Of the machines' time: a good day, with a little room for whatever comes between."""
+"""Load as a fraction of the machines' time: a good day, with a little room for disturbances."""
 
 
 class Day:
-    """Figures, and no claim: what the others are compared with."""
+    """Figures without a claim, with which the other scenarios are compared."""
 
     name = SHIFT.name
     shows = "An eight-hour shift of seeded demand in the default plant, with no faults."

@@ -1,6 +1,6 @@
 """docs/scenarios.md: the reports of all scenarios in one document, made by one command.
 
-The same seed gives the same bytes, whatever computer makes them and however many processes work at it.
+The same seed gives the same bytes on any computer and with any number of processes.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ def sections(
         seed: of all of them.
         jobs: how many at once.
         done: told of each as soon as it has ended.
-        names: which.
-        site: where; most can be played as they stand only, with right of way or without.
+        names: of the scenarios.
+        site: plant and load; most scenarios have only their own, with right of way or without.
 
     Returns:
         Their parts, in the order of the names.

@@ -1,4 +1,4 @@
-"""What faults cost: the same shift without any, with lossy links, and with vehicles that die."""
+"""The cost of faults: the same shift without any, with lossy links, and with vehicles that die."""
 
 from __future__ import annotations
 
@@ -15,13 +15,12 @@ from dray_sim.run.stage import Shift, Stage, play
 from dray_sim.scenarios.tally import HEAD, SETTLE_S, Tally, all_delivered, row, run_out, tally
 
 SHIFT = Shift(name="fault-cost", duration_s=4 * 3600.0, load=0.85, people=Habits())
-"""Half a day as the scenario `day` has it, with operators on the floor, who find something to do only when
-something fails."""
+"""Half a day of the scenario `day`, with operators on the floor, who have work only when something fails."""
 
 DIES_EVERY_S = 1800.0
 
 ON_TIME_COST = 0.05
-"""So much of the orders may be late that would not be without faults."""
+"""Largest fraction of the orders that faults may delay."""
 
 
 async def lose(stage: Stage, loss_frac: float) -> Tally:
@@ -36,7 +35,7 @@ async def die(stage: Stage) -> Tally:
     vehicles = tuple(stage.factory.vehicles)
     while stage.now_s() + DIES_EVERY_S < stage.shift.duration_s:
         await asyncio.sleep(DIES_EVERY_S)
-        # Not ended by the script: somebody has to come.
+        # The script does not end the fault: a person has to come.
         stage.faults.begin(PoweredOff(random.choice([atv for atv in vehicles if stage.factory.running(atv)])))
     await stage.until_s(stage.shift.duration_s)
     return tally(stage, await stage.settle(SETTLE_S))
@@ -48,7 +47,7 @@ CONDITIONS: tuple[tuple[str, Callable[[Stage], Awaitable[Tally]]], ...] = (
     ("20 % loss", partial(lose, loss_frac=0.20)),
     ("a vehicle dies every 30 min", die),
 )
-"""The first is what the others are compared with."""
+"""The first condition is the baseline of the others."""
 
 
 def cost(seed: int, shift: Shift = SHIFT, plant: Plant | None = None) -> Findings:

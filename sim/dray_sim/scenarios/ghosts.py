@@ -1,4 +1,4 @@
-"""What vehicles that pass through one another would promise, beside what is true of vehicles that take up room."""
+"""The figures of vehicles that pass through one another, beside those of vehicles that take up room."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FIGURES: dict[str, Callable[[Report], str]] = {
     "later than promised p95": lambda report: f"{report.late_p95_s:+.1f} s",
     "machines starving": lambda report: f"{report.starvation_frac:.2%} of their time with work",
 }
-"""Of a report: what traffic changes."""
+"""Figures of a report that traffic changes."""
 
 
 def compared(name: str, seed: int, site: Site, outcome: Outcome) -> Table | None:
@@ -38,7 +38,8 @@ def compared(name: str, seed: int, site: Site, outcome: Outcome) -> Table | None
         outcome: of the first run.
 
     Returns:
-        None where there is nothing to compare: the first run was without right of way, too, takes long, or all is the same.
+        None where there is nothing to compare: the first run was also without right of way, or takes long, or all
+            figures are equal.
     """
     if not site.traffic or name not in COMPARED:
         return None

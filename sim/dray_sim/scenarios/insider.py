@@ -1,4 +1,4 @@
-"""One liar in the fleet: what it costs, behaviour by behaviour."""
+"""One liar in the fleet: its cost, behaviour by behaviour."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ LEARNING_S = 900.0
 """Coordinators learn by their own experience, so the first lies of each cost more; they are not counted."""
 
 COST_FRAC = 0.05
-"""So much of the deliveries a liar may cost, once the first quarter of an hour is over."""
+"""Largest fraction of the deliveries that a liar may cost, after the first quarter of an hour."""
 
 
 LIARS = tuple(behaviour for behaviour in BEHAVIOURS.values() if not behaviour.has_key)
-"""Who has a vehicle's disk costs that vehicle, until a person has let it go; nobody is there to do that."""
+"""A thief of a vehicle's disk costs that vehicle until a person releases it, and no person is there."""
 
 
 @dataclass(frozen=True, slots=True)
 class Deliveries:
-    """What has arrived after `LEARNING_S`."""
+    """Deliveries after `LEARNING_S`."""
 
     orders: int
     pieces: int
 
     def cost_frac(self, without: Deliveries) -> float:
-        """The greater of what is lost in orders and in pieces, against the same shift without the liar."""
+        """The greater of the losses in orders and in pieces, relative to the same shift without the liar."""
         return max(_lost_frac(self.orders, without.orders), _lost_frac(self.pieces, without.pieces))
 
 

@@ -12,17 +12,17 @@ from dray_sim.run.stage import Played, Shift, play
 from dray_sim.scenarios.tally import HEAD, Tally, all_delivered, listed, row, run_out
 
 LATENCIES_S = (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)
-"""Up to what the longest bidding window is made for."""
+"""Up to the latency that the longest bidding window allows for."""
 
 ENDURED_S = 1.0
-"""What is asked is asked up to here. A place is granted over four links, one after the other, so vehicles that take up room drive
-ever more slowly beyond it: the table says how slowly."""
+"""Largest latency under which the claim must hold. The grant of a place takes four links, one after the other, so vehicles
+that take up room drive ever more slowly beyond it, as the table shows."""
 
 SHIFT = Shift(name="latency-sweep", duration_s=2 * 3600.0, load=0.6)
-"""With room in it: what is asked is whether everything goes on, and at what cost."""
+"""Low load: the question is whether work goes on, and at what cost."""
 
 STARVED_FRAC = 0.02
-"""Of the time with work: above it, machines do not reorder early enough for such a network."""
+"""Fraction of the time with work: above it, machines do not reorder early enough for such a network."""
 
 
 def sweep(

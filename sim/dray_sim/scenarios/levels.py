@@ -15,36 +15,37 @@ from dray_sim.run.stage import Shift, Stage, play
 ORDERS = 30
 
 EVERY_S = 270.0
-"""Between two orders of one container, of the two products in turn: with kills they took 250 s each when they came faster."""
+"""Interval between two orders of one container, of the two products in turn: with kills they took 250 s each when
+they came faster."""
 
 DUE_IN_S = 7200.0
 
 KILL_EVERY_S = 600.0
-"""One agent after another is killed: each machine, then the strategist."""
+"""Interval between two kills: each machine in turn, then the strategist."""
 
 DEAD_S = 45.0
-"""Longer than a goal waits for its machine: others make what is missing of it."""
+"""Absence of a killed agent, longer than a goal waits for its machine: others make the rest of it."""
 
 END_WITHIN_S = 28_800.0
 
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """What has become of all pieces of one item."""
+    """The balance of all pieces of one item."""
 
     item: str
     came: int
-    """At the beginning, and from the source."""
+    """Pieces at the beginning, and from the source."""
     made: int
     scrapped: int
     used: int
     delivered: int
     lies: int
-    """In storages, buffers and goods, on board, set aside, and in people's hands."""
+    """Pieces in storages, buffers and goods, on board, set aside, and in people's hands."""
 
     @property
     def difference(self) -> int:
-        """Pieces that nobody can explain."""
+        """Unexplained pieces."""
         return self.came + self.made - self.used - self.delivered - self.lies
 
     def row(self) -> tuple[str, ...]:
@@ -55,17 +56,17 @@ class Account:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """What was seen."""
+    """Observations of the script."""
 
     took_s: float
     kills: int
     accounts: tuple[Account, ...]
     due: dict[str, int]
-    """By product, pieces that were ordered."""
+    """Ordered pieces, by product."""
 
 
 def accounts(stage: Stage, first: Counter[str]) -> tuple[Account, ...]:
-    """One for each material, part and product."""
+    """One account for each material, part and product."""
     floor, lies = stage.factory.floor, stage.factory.floor.lying()
     sums: dict[str, Counter[str]] = {"made": Counter(), "scrapped": Counter(), "consumed": Counter()}
     for workcell in floor.workcells.values():

@@ -14,15 +14,14 @@ from dray_sim.scenarios.tally import HEAD, Tally, all_delivered, listed, row, ru
 LOSSES_FRAC = (0.0, 0.05, 0.10, 0.20, 0.30, 0.40)
 
 ENDURED_FRAC = 0.30
-"""What is asked is asked up to here: whoever hears two of five messages less is suspected before others have learned how much is
-lost."""
+"""Largest loss under which the claim must hold. At 40 % an agent is suspected before others have learned the loss."""
 
 SHIFT = Shift(name="loss-sweep", duration_s=2 * 3600.0, load=0.6)
 
 STARVED_FRAC = 0.02
 
 TAKEOVERS_PER_TRANSPORT = 0.05
-"""At the worst loss: suspicion learns how much is lost, so that hardly anybody who lives is replaced."""
+"""Most takeovers at the worst loss: suspicion learns the loss, so that hardly any living vehicle is replaced."""
 
 
 async def lose(stage: Stage, loss_frac: float) -> Tally:

@@ -1,4 +1,4 @@
-"""What it brings that obstacles are told and gone round: the time that transports lose by what lies on lanes."""
+"""The benefit of reporting and avoiding obstacles: the time that transports lose by obstacles on lanes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ SETTLE_S = 1800.0
 
 
 class Told(StrEnum):
-    """What vehicles know of obstacles."""
+    """The vehicles' knowledge of obstacles."""
 
     NONE = "there are none"
     PROBLEM = "a problem of whoever meets them"
@@ -44,7 +44,7 @@ class Told(StrEnum):
 
 
 class _WithoutPlace:
-    """A body that says that its way is blocked, and not where: its agent can only wait until that is over."""
+    """A body that reports a blocked way without the place: its agent can only wait until that is over."""
 
     def __init__(self, body: Body) -> None:
         self._body = body
@@ -100,7 +100,7 @@ async def obstruct(stage: Stage, told: Told) -> tuple[float, int, int]:
         laid += 1
         stage.factory.clock.call_at(stage.now_s() + lasts_s, partial(_take_away, stage.faults, fault))
     await stage.settle(SETTLE_S)
-    # What a machine makes is a task as well, takes ten times as long, and has nothing to do with lanes.
+    # A machine's production is a task as well, takes ten times as long, and does not depend on lanes.
     opened_s = {
         seen.said.task: seen.at_s
         for seen in reversed(stage.witness.all(TaskOpened))
@@ -115,7 +115,7 @@ async def obstruct(stage: Stage, told: Told) -> tuple[float, int, int]:
 
 
 def _take_away(faults: Faults, fault: str) -> None:
-    """What lies there is gone, if it is no person who has gone on already."""
+    """Remove the obstacle, unless it was a person who has gone on already."""
     with suppress(FaultError):
         faults.end(fault)
 

@@ -16,18 +16,18 @@ from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Shift, Stage, play
 
 FIRST_FLEET = ("ATV2", "ATV4")
-"""Two that can carry everything: less than the peak needs."""
+"""Two vehicles that can carry everything: fewer than the peak needs."""
 
 JOIN_EVERY_S = 30.0
 
 SPAN_S = 3600.0
-"""What is measured, before and after."""
+"""Measured time, before and after."""
 
 SHIFT = Shift(name="peak-season", duration_s=3.5 * SPAN_S, load=0.85, keep=(Bid, ContractEnded))
 
 FACTOR = 1.2
-"""So much more must be carried with the joining vehicles than in the same hour of the same demand without them. The
-hour before is no measure: other orders come in it."""
+"""Least growth of the transports with the joining vehicles, relative to the same hour of the same demand without
+them. The hour before is no measure: other orders come in it."""
 
 SOON_S = 600.0
 """A joining vehicle has bid by then; whether it is the cheapest is up to the others, too."""
@@ -35,7 +35,7 @@ SOON_S = 600.0
 
 @dataclass(frozen=True, slots=True)
 class Hour:
-    """What was done in the time that was measured."""
+    """The work of the measured time."""
 
     transports: int
     pieces: int
@@ -56,7 +56,7 @@ class Hour:
 
 @dataclass(frozen=True, slots=True)
 class Season:
-    """What was seen.
+    """Observations of the script.
 
     Attributes:
         first_s: how long each joining vehicle took until its first bid.

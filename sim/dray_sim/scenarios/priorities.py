@@ -1,4 +1,4 @@
-"""Urgent orders beside others: how much sooner they come, what that costs the others, and that nothing starves."""
+"""Urgent orders beside others: how much sooner they come, their cost to the others, and that nothing starves."""
 
 from __future__ import annotations
 
@@ -21,30 +21,32 @@ SHIFT = Shift(name="priorities", duration_s=6 * 3600.0)
 LOAD = 0.85
 
 SHARES = {Priority.URGENT: 0.1, Priority.HIGH: 0.1, Priority.LOW: 0.1}
-"""Parts of the orders; the rest are normal. Who hurries everything hurries nothing."""
+"""Parts of the orders; the rest are normal. Only few orders may be urgent: if all are, none is."""
 
 SETTLE_S = LOW_STANDS_BACK_S + 4 * 3600.0
-"""After the last order everything is delivered within this: what is low is wanted a shift after it is due."""
+"""Longest time from the last order to the last delivery: a low order is wanted a shift after it is due."""
 
 SOONER_FRAC = 0.75
-"""So much of its time at most an urgent order takes. It counts what the slowest take: nothing is made and brought within 15 minutes."""
+"""Longest time of an urgent order, relative to its time without priorities. It includes the slowest ones: nothing is
+made and brought within 15 minutes."""
 
 COST_FRAC = 0.25
-"""So much longer at most takes what is normal."""
+"""Largest extra time of normal orders, as a fraction."""
 
 PASSED_MAX_S = 1800.0
-"""A machine goes on with what came later for no longer than it takes to fetch the material of what should go first."""
+"""Longest time in which a machine goes on with later work: the time to fetch the material of the work that should go
+first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """What was seen.
+    """Observations of the script.
 
     Attributes:
-        took_s: from placing to the last piece, by order, those that were delivered.
+        took_s: from placing to the last piece, by delivered order.
         late: those that came after they were due.
         open: orders that were not delivered.
-        passing: who was passed for how long.
+        passing: how long goals were passed.
     """
 
     took_s: dict[str, float]

@@ -1,7 +1,7 @@
-"""What judging problems brings: the time that is lost for each kind, when bodies have words alone and when they tell the kind.
+"""The benefit of judging problems: the lost time for each kind, when bodies give words alone and when they tell the kind.
 
-With right of way a vehicle that cannot drive is in the way of others, so people carry it away who cannot mend it where it stands. Else all
-figures would tell of the jam behind a dead drive before the only gate.
+With right of way a vehicle that cannot drive is in the way of others, so people who cannot repair it on the spot
+carry it away. Otherwise all figures would show the jam behind a dead drive before the only gate.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ SEEDS = 6
 SHIFT = Shift(name="problems", duration_s=2 * 3600.0, load=0.6, keep=(TaskClosed, TookOver))
 
 EVERY_S = 90.0
-"""Between two problems, in the mean, where somebody is on the way: hardly two vehicles stand at a time. Who stands before a dock holds up all
-that come there, and what one problem costs is only seen where no other one does."""
+"""Between two problems, in the mean, where somebody is on the way: hardly two vehicles stand at a time. A vehicle
+that stands before a dock holds up all others there. The cost of one problem shows only where there is no other."""
 
 CARRIED_AFTER_S = 180.0
-"""Whoever has come and has not mended a vehicle where it stands by then carries it away, and mends it elsewhere."""
+"""Time after which a person carries a vehicle away that is not repaired, and repairs it elsewhere."""
 
 SETTLE_S = 1800.0
-"""After it what was not delivered counts as lost until then."""
+"""Time after the last problem; a transport that is open then counts as lost until then."""
 
 SPREAD = 0.6
-"""Of the logarithm of how long a problem lasts: one in six lasts nearly twice as long as usual."""
+"""Standard deviation of the logarithm of a problem's duration: one in six lasts nearly twice as long as usual."""
 
 STRUCK = frozenset({Phase.APPROACHING, Phase.CARRYING})
 """A vehicle has its problem on the way."""
@@ -49,8 +49,8 @@ class Sort:
     """A sort of problem.
 
     Attributes:
-        about: what the body knows of it.
-        usually_s: half of them are over by then, with a person who comes where one is needed.
+        about: the body's knowledge of it.
+        usually_s: median duration, with a person who comes where one is needed.
     """
 
     about: Problem
@@ -68,17 +68,17 @@ SORTS: tuple[Sort, ...] = (
     Sort(Problem(kind=ProblemKind.EMERGENCY_STOP, needs_person=True), 40.0),
     Sort(Problem(kind=ProblemKind.DOCK, passes=True), 25.0),
 )
-"""Our assumptions: nobody has published such times. A lost position is chosen to last longer than vehicles believe at
-first, so that something is there to be learned."""
+"""Our assumptions: there are no published times. A lost position lasts longer than vehicles believe at first, so that
+they have something to learn."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """What one problem has cost.
+    """The cost of one problem.
 
     Attributes:
         after_s: how much later its transport was delivered than expected before.
-        moved: another vehicle has taken it over.
+        moved: whether another vehicle has taken it over.
     """
 
     kind: ProblemKind
@@ -91,7 +91,7 @@ async def strike(stage: Stage, told: bool) -> tuple[Lost, ...]:
 
     Args:
         stage: the run.
-        told: whether their bodies tell the kind, and what they know.
+        told: whether their bodies tell the kind and the details.
     """
     sorts, gaps, victims = stage.random("sorts"), stage.random("gaps"), stage.random("victims")
     struck: dict[str, tuple[ProblemKind, float]] = {}
@@ -103,7 +103,7 @@ async def strike(stage: Stage, told: bool) -> tuple[Lost, ...]:
             busy = _busy(stage, struck)
             if not busy:
                 continue
-            # All sorts as often, and in the same order both times.
+            # All sorts are equally frequent, and in the same order both times.
             deck = deck or sorts.sample(SORTS, len(SORTS))
             sort = deck.pop()
             lasts_s = sorts.lognormvariate(log(sort.usually_s), SPREAD)
@@ -129,10 +129,10 @@ async def _carry_away(stage: Stage, office: FloorOffice, atv: str, lasts_s: floa
 
 
 def _busy(stage: Stage, struck: Mapping[str, object]) -> dict[str, tuple[str, float]]:
-    """Vehicles on their way with a transport that nothing has happened to yet, and when they expect to be done.
+    """Vehicles on their way with an undisturbed transport, each with its expected end.
 
-    Left out is one that is late already: what has kept it, a vehicle that stands in its way say, is not what its own problem costs. And one
-    with finished goods on board: they exist once, and wait for their carrier whatever is known of its problem.
+    A vehicle that is late already is left out. The cause of its delay, as an obstacle, is not the cost of its own
+    problem. So is one with finished goods on board: they exist once, and wait for their carrier in any case.
     """
     busy: dict[str, tuple[str, float]] = {}
     for atv, heartbeat in stage.witness.atvs.items():

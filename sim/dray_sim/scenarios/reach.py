@@ -1,4 +1,4 @@
-"""Who can be heard at all: which vehicles have lost their WLAN and have nobody near who could pass them on."""
+"""Which vehicles can be heard: some have lost their WLAN and have no neighbour that could relay for them."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ LATELY_S = 5.0
 
 
 class Reach:
-    """Looks at the floor all the time, as nobody in the factory can, and judges who was taken for dead.
+    """Looks at the whole floor, as no agent can, and judges suspicions of living vehicles.
 
     Args:
         stage: the run.
 
     Attributes:
         in_reach: tasks taken from a vehicle that lived and could be heard; there should be none.
-        out_of_reach: tasks taken from one that lived, and that nobody could hear.
+        out_of_reach: tasks taken from a living vehicle that no agent could hear.
     """
 
     def __init__(self, stage: Stage) -> None:
@@ -58,7 +58,7 @@ class Reach:
                 self._judge(changed.said.task, changed.said.epoch, changed.said.replaced, changed.at_s)
 
     def _judge(self, task: str, epoch: int, replaced: str, at_s: float) -> None:
-        # The secondary says it, and then the coordinator, of one and the same change.
+        # The secondary and then the coordinator report one and the same change.
         if (task, epoch) in self._judged or not self._stage.factory.running(replaced):
             return
         self._judged.add((task, epoch))

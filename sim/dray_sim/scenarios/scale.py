@@ -1,4 +1,4 @@
-"""Scale: the same factory floor, larger and larger at equal density; what every single agent has to do must stay the same."""
+"""Scale: the same factory floor, larger and larger at equal density; the work of every single agent must stay the same."""
 
 from __future__ import annotations
 
@@ -14,33 +14,34 @@ from dray_sim.run.stage import Played, Shift, Stage, play
 VEHICLES = (8, 50, 200, 1000)
 
 MACHINES_PER_VEHICLE = 0.75
-"""As many in every plant, on as much floor for each."""
+"""The ratio and the floor per vehicle are the same in every plant."""
 
 WARM_UP_S = 900.0
-"""Until orders have become goals, and goals transports."""
+"""Time until orders have become goals, and goals transports."""
 
 SHIFT = Shift(name="scale", duration_s=1800.0, load=0.85)
 
 GROWTH = 1.5
-"""What an agent may have to do in the largest plant, as a multiple of what it has in the plant of `REFERENCE` vehicles. In a smaller
-one everybody is within reach of everybody, so there is less to hear; and a machine bids for the goals of the whole plant."""
+"""Largest work of an agent in the largest plant, as a multiple of that in the plant of `REFERENCE` vehicles. In a
+smaller plant all agents are within reach of one another, so there is less to hear. A machine bids for the goals of
+the whole plant."""
 
 REFERENCE = 50
 
 AT_WORK = (Activity.MOVING_EMPTY, Activity.MOVING_LOADED, Activity.HANDLING)
 
 LATE_S = 10.0
-"""How much later than promised one transport in twenty may be."""
+"""Largest delay of one transport in twenty beyond its promise."""
 
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """What agents have handled in a second, after the warm-up.
+    """Events that agents have handled per second, after the warm-up.
 
     Attributes:
         vehicle: each of the vehicles, on average.
         machine: each of the machines, on average.
-        strategist: the strategist, who speaks with all machines.
+        strategist: which speaks with all machines.
     """
 
     vehicle: float
@@ -49,7 +50,7 @@ class Load:
 
 
 async def work(stage: Stage) -> Load:
-    """Let the demand come in, and count what is handled once everything runs."""
+    """Let the demand come in, and count the handled events after the warm-up."""
     await stage.until_s(WARM_UP_S)
     before = _handled(stage)
     await stage.until_s(stage.shift.duration_s)

@@ -21,10 +21,10 @@ MACHINES, VEHICLES, LOAD = 2, 3, 0.2
 """Small, so that a month takes minutes: time makes leaks, not size. Some 50 transports a day."""
 
 FULL_AFTER_DAYS = 10
-"""By then every bounded history is full, and the heap has its shape."""
+"""Time until every bounded history is full, and the heap has its shape."""
 
 GROWTH_FRAC = 0.02
-"""From there to the end. A leak of two small objects per transport would be more."""
+"""Largest growth from there to the end. A leak of two small objects per transport would be more."""
 
 SLOWER_FRAC = 0.1
 """Chance has it that one week asks for more transports than another, and these are a little slower."""
@@ -45,7 +45,7 @@ class Day:
 
 @dataclass(frozen=True, slots=True)
 class Week:
-    """The transports of a week, or of what there is of the last one."""
+    """The transports of a week, or of the last, incomplete one."""
 
     a_day: float
     p50_s: float
@@ -58,7 +58,7 @@ class Week:
 
 @dataclass(frozen=True, slots=True)
 class Month:
-    """What was seen."""
+    """Observations of the script."""
 
     days: tuple[Day, ...]
     weeks: tuple[Week, ...]
@@ -150,7 +150,7 @@ def soak(seed: int, days: int = DAYS, full_after_days: int = FULL_AFTER_DAYS) ->
 
 
 def _days(days: int, full_after_days: int) -> list[int]:
-    """Which days to name."""
+    """The days to name."""
     return sorted({1, full_after_days, (full_after_days + days) // 2, days})
 
 

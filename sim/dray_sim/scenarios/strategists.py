@@ -1,4 +1,4 @@
-"""Two strategists or more, one of which is killed every few minutes: no order is lost, none is made twice, and none waits for long."""
+"""Two strategists or more, one of which is killed every few minutes: no order is lost, made twice, or waits for long."""
 
 from __future__ import annotations
 
@@ -22,29 +22,30 @@ HOURS = 8.0
 KILL_EVERY_S = 300.0
 
 DEAD_S = 60.0
-"""Four times as long as the other one waits."""
+"""Absence of a killed strategist, four times as long as the other one waits."""
 
 ORDER_EVERY_S = 110.0
-"""Not a part of KILL_EVERY_S: orders come before, in and after the time that a strategist is away."""
+"""Interval that does not divide KILL_EVERY_S: orders come before, during and after a strategist's absence."""
 
 DUE_IN_S = 7200.0
 
 END_WITHIN_S = 14_400.0
 
 BEGUN_WITHIN_S = PEER_SILENCE_S + WORKING_INTERVAL_S + TURN_S + 2 * GOAL_RULES.window_s
-"""From an order until a machine has its first goal, at most: the silence, the look for it, a turn, and an auction with its answers."""
+"""Longest time from an order until a machine has its first goal: the silence, the look for it, a turn, and an auction
+with its answers."""
 
 ALONE_HOURS = 2.0
-"""How long one strategist alone is watched, to compare with."""
+"""Hours for which one strategist alone is watched, for comparison."""
 
 
 class Begun:
-    """When each order was begun, and what was taken over: a `Listener`."""
+    """Beginning of each order, and takeovers: a `Listener`."""
 
     def __init__(self) -> None:
         self.begun_s: dict[str, float] = {}
         self.taken_over: Counter[str] = Counter()
-        """By order, how often."""
+        """Number of takeovers, by order."""
         self.lost = 0
         """Goals that were given to others."""
 
@@ -63,18 +64,18 @@ class Begun:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """What was seen."""
+    """Observations of the script."""
 
     kills: int
     away: tuple[float, ...]
-    """Of each order that came while a strategist was away: how long it waited for its beginning (s)."""
+    """Wait for the beginning of each order that came while a strategist was away (s)."""
     there: tuple[float, ...]
     """The same of the others."""
     taken_over: int
     """Orders that were taken over, each as often as that was."""
     lost: int
     is_exact: bool
-    """Whether of each product as much has arrived as was ordered."""
+    """Whether the arrived pieces of each product equal the ordered ones."""
 
 
 async def order_and_kill(stage: Stage, hours: float) -> Told:

@@ -27,13 +27,13 @@ BUSY = (Activity.MOVING_EMPTY, Activity.MOVING_LOADED, Activity.HANDLING, Activi
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """What a way of bringing material takes.
+    """The cost of a way of bringing material.
 
     Attributes:
-        floor_m2: that storages stand on.
-        vehicles: at work, in the mean of the run.
-        metres_m: that all of them have driven.
-        energy_wh: that all of them have used, driving and standing.
+        floor_m2: area of the storages.
+        vehicles: at work, on average.
+        metres_m: driven by all of them.
+        energy_wh: used by all of them, driving and standing.
     """
 
     floor_m2: float

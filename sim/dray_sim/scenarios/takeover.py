@@ -1,4 +1,4 @@
-"""How long a dead primary goes unreplaced: hundreds of seeded deaths against the computed bound."""
+"""The time until a dead primary is replaced: hundreds of seeded deaths against the computed bound."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ RUNS = 500
 CUT_RUNS = 100
 
 AIM_S = 5.0
-"""For 99 of 100 deaths (the issue)."""
+"""Longest time for 99 of 100 deaths (the issue)."""
 
 SHIFT = Shift(
     name="takeover",
@@ -40,38 +40,38 @@ FIRST_S, LAST_S = 15.0, 90.0
 """A death comes at a random moment in between."""
 
 LOOK_S = 20.0
-"""Where nobody is watched at that moment, another one is drawn within this time. To take the first at which somebody is
-would choose watches that have just begun."""
+"""Range of the time until the next try, where no vehicle is watched at that moment. Taking the first moment with a
+watched vehicle would favour watches that have just begun."""
 
 LOOKS = 90
-"""Until somebody is found who carries something and is watched."""
+"""Most tries until a watched carrier is found."""
 
 WAIT_S = 30.0
-"""For what follows; far above any bound."""
+"""Observation time after a death; far above any bound."""
 
 CUT_S = 60.0
-"""How long a WLAN stays away: most of a transport."""
+"""Duration of a WLAN cut: most of a transport."""
 
 BOUND_S = bound_s(WORKING_INTERVAL_S) + WLAN.cap_s
-"""From a death to the takeover, on a good link: the bound of suspicion, and the slowest delivery of the last
+"""Bound from a death to the takeover, on a good link: the bound of suspicion, and the slowest delivery of the last
 heartbeat before it."""
 
 NEW_S = WORKING_INTERVAL_S + WLAN.cap_s
 """A watch that is younger may not have heard its primary yet."""
 
 NEW_BOUND_S = BOUND_S + LATENESS_MAX_S
-"""Then nobody knows how slow the link is, and it is taken for the worst."""
+"""Bound for a new watch: the link's speed is unknown, and is taken for the worst."""
 
 
 @dataclass(frozen=True, slots=True)
 class Replaced:
-    """One death.
+    """One death and its takeover.
 
     Attributes:
-        phase: how far the victim was.
-        watched_s: for how long its secondary had watched it.
+        phase: of the victim's transport.
+        watched_s: how long its secondary had watched it.
         after_s: from the death to the new carrier's start; None when there was none.
-        doubled: more than one carrier began after it.
+        doubled: whether more than one carrier began after it.
     """
 
     victim: str
@@ -82,13 +82,13 @@ class Replaced:
 
     @property
     def bound_s(self) -> float:
-        """By when it must have been replaced."""
+        """The bound for this death (s)."""
         return BOUND_S if self.watched_s >= NEW_S else NEW_BOUND_S
 
 
 @dataclass(frozen=True, slots=True)
 class Unheard:
-    """One vehicle whose WLAN went away, and how often it was replaced for it though it lived."""
+    """One living vehicle whose WLAN went away, and how often it was replaced for that."""
 
     victim: str
     in_reach: int
@@ -149,7 +149,7 @@ async def cut(stage: Stage, *, radio: bool) -> Unheard | None:
 
 
 async def _victim(stage: Stage) -> tuple[str, TaskBrief] | None:
-    """At a random moment, a random transport whose primary and secondary live; its load can be fetched."""
+    """At a random moment, a random transport whose primary and secondary live, and whose load can be fetched."""
     random = stage.random("victim")
     for product in random.choices(tuple(stage.plant.products), k=ORDERS):
         stage.order(product, stage.plant.products[product].lot)

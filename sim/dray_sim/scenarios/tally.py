@@ -1,4 +1,4 @@
-"""What runs under different conditions are compared by."""
+"""Figures by which runs under different conditions are compared."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray_sim.run.evidence import HELD, Check
 from dray_sim.run.stage import Played, Stage
 
 SETTLE_S = 2 * 3600.0
-"""After the demand. The last order takes half an hour on a good network; four times that says it hangs."""
+"""Longest time after the demand. The last order takes half an hour on a good network; after four times that it hangs."""
 
 HEAD = (
     "delivered",
@@ -24,7 +24,7 @@ HEAD = (
     "carrier changed",
     "starved",
 )
-"""Of `row`."""
+"""Column heads of `row`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class Tally:
 
 
 async def run_out(stage: Stage) -> Tally:
-    """Let the demand come in, and then let the factory work off what is left."""
+    """Let the demand come in, and then let the factory finish the open orders."""
     await stage.until_s(stage.shift.duration_s)
     settled_s = await stage.settle(SETTLE_S)
     return tally(stage, settled_s)

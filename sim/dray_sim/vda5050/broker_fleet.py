@@ -27,7 +27,7 @@ _log = logging.getLogger(__name__)
 
 
 def all_versions() -> tuple[Profile, ...]:
-    """One profile for each version: of 3.0 with updates and a horizon, of 2.1 with updates, of 2.0 in steps."""
+    """One profile for each version: 3.0 with updates and a horizon, 2.1 with updates, 2.0 in steps."""
     newest = load_profile("dray-sim")
     return (
         newest,
@@ -40,11 +40,11 @@ class BrokerFleet:
     """All vehicles, and their masters.
 
     Args:
-        plant: what stands where.
+        plant: the layout.
         clock: of the loop that this is made on.
         broker: where it is.
         to_wall_s: the plant's clock as unix time.
-        profiles: what vehicles understand, by turns in the order of the fleet.
+        profiles: of the vehicles, by turns in the order of the fleet.
 
     Attributes:
         bodies: of the present lives, by vehicle.
@@ -66,7 +66,7 @@ class BrokerFleet:
         self._links: dict[str, asyncio.Task[None]] = {}
 
     def embody(self, spec: VehicleSpec, sim: SimVehicle, life: int) -> Body:
-        """The body of one life of a vehicle's agent; a later life is told what the vehicle has said last."""
+        """The body of one life of a vehicle's agent; a later life gets the vehicle's last messages."""
         kind = self._plant.vehicle_types[spec.type]
         if spec.id not in self._vehicles:
             profile = self._profiles[len(self._vehicles) % len(self._profiles)]
@@ -93,12 +93,12 @@ class BrokerFleet:
         return body
 
     async def ready(self) -> None:
-        """Wait until all vehicles have said where they are.
+        """Wait until all vehicles have reported their positions.
 
         Raises:
-            whatever has ended a link: a fault of ours.
+            Exception: that of an ended link, a fault of ours.
         """
-        # Nobody sets an event for the last of several.
+        # The bodies have no common event to wait for.
         while not all(body.control.is_known for body in self.bodies.values()):
             for link in self._links.values():
                 if link.done():
@@ -112,7 +112,7 @@ class BrokerFleet:
         await asyncio.gather(*self._links.values(), return_exceptions=True)
 
     def remember(self, atv: str, memory: Memory) -> None:
-        """What the next life must know."""
+        """Keep the memory for the next life."""
         self._memories[atv] = memory
 
     def _start(self, name: str, link: Coroutine[None, None, None]) -> None:
@@ -123,10 +123,10 @@ class BrokerFleet:
 
 
 class _Kept(VehicleBody):
-    """Keeps what the vehicle has said last, for the next life.
+    """Keeps the vehicle's last messages for the next life.
 
     Attributes:
-        profile: with which it is spoken to.
+        profile: of the vehicle.
         last: by topic.
     """
 
@@ -149,7 +149,7 @@ class _Kept(VehicleBody):
 
 
 class _World:
-    """Of one master."""
+    """The world of one master."""
 
     def __init__(self, fleet: BrokerFleet, atv: str, link: MqttLink) -> None:
         self._fleet, self._atv, self._link = fleet, atv, link

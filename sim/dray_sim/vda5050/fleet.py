@@ -22,29 +22,29 @@ from dray_sim.vda5050.vehicle import Vda5050Vehicle
 from dray_sim.vda5050.words import Words
 
 DELAY_S = 0.02
-"""From one to the other: a broker on the vehicle's own computer."""
+"""Transit time of a message: a broker on the vehicle's own computer."""
 
 MANUFACTURER = "Dray"
 
 Carry = Callable[[str, bytes, Callable[[bytes], None]], None]
-"""Of a vehicle's id, a message, and what hands it over."""
+"""Called with a vehicle's id, a message, and the function that delivers it."""
 
 
 class MemoryFleet:
     """The vehicles of a factory, each with its master.
 
     Args:
-        plant: what stands where.
+        plant: the layout.
         clock: the plant's.
-        profile_of: what each vehicle understands, by its id; None for one that is simulated without VDA 5050.
-        quirks_of: how each misbehaves.
-        own_map_of: the ids and frame that each knows; None for the plant's.
+        profile_of: each vehicle's profile, by its id; None for a vehicle that is simulated without VDA 5050.
+        quirks_of: each vehicle's misbehaviour.
+        own_map_of: each vehicle's own ids and frame; None for the plant's.
         carry: brings a message of a vehicle or to it; by default each as it is, after `DELAY_S`.
 
     Attributes:
         vehicles: by id.
         bodies: of the present lives, by id.
-        notes: what the masters have told people.
+        notes: the masters' messages for people.
     """
 
     def __init__(
@@ -107,19 +107,19 @@ class MemoryFleet:
             self._carry(atv, data, partial(self.bodies[atv].on_message, topic))
 
     def say(self, atv: str, topic: str, data: bytes) -> None:
-        """What a master says to its vehicle."""
+        """Deliver a master's message to its vehicle."""
         self._carry(atv, data, partial(self.vehicles[atv].on_message, topic))
 
     def _bring(self, _atv: str, data: bytes, hand: Callable[[bytes], None]) -> None:
         self._clock.call_at(self._clock.now_s() + DELAY_S, partial(hand, data))
 
     def remember(self, atv: str, memory: Memory) -> None:
-        """What the next life must know."""
+        """Keep the memory for the next life."""
         self._memories[atv] = replace(memory)
 
 
 class LoudFailures(Failures):
-    """Where nothing but our own bugs is looked for, one ends what is played."""
+    """Failures that end the run, where it looks for our own bugs only."""
 
     def note(self, kind: str) -> None:
         """Raise it again."""
@@ -128,7 +128,7 @@ class LoudFailures(Failures):
 
 
 class _World:
-    """Of one master."""
+    """The world of one master."""
 
     def __init__(self, fleet: MemoryFleet, atv: str) -> None:
         self._fleet, self._atv = fleet, atv

@@ -13,7 +13,7 @@ from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.vda5050.on_broker import VehicleOnBroker, words_of
 
 MANUFACTURER, PROFILE = "Dray", "dray-sim"
-"""What the agent of each is to be started with; its serial number is its id."""
+"""Manufacturer and profile with which each vehicle's agent is started; its serial number is its id."""
 
 
 async def speak_vda5050(
@@ -22,9 +22,9 @@ async def speak_vda5050(
     """Let all vehicles speak until cancelled; a broker that is away is waited for.
 
     Args:
-        plant: what stands where.
+        plant: the layout.
         vehicles: their bodies.
-        clock: of the loop on which these work.
+        clock: of the loop on which the bodies work.
         broker: where it is.
     """
     version = load_profile(PROFILE).version

@@ -1,4 +1,4 @@
-"""Kills and restarts of agents, vehicles and brokers in any order, behind a proxy that spoils what they say: is all work done, and once?
+"""Kills and restarts of agents, vehicles and brokers in any order, behind a proxy that spoils messages: is all work done exactly once?
 
 The default plant at its full load, its vehicles of VDA 5050 2.0, 2.1 and 3.0 by turns, in virtual time: everything follows from the seed.
 """
@@ -25,26 +25,26 @@ from dray_sim.vda5050.fleet import MemoryFleet
 from dray_sim.vda5050.proxy import Proxy
 
 EVERY_S = 20.0
-"""From one kill to the next, on average."""
+"""Mean time from one kill to the next."""
 
 AGENT_AWAY_S, BROKER_AWAY_S = 5.0, 20.0
-"""Longest: then it is started again."""
+"""Longest absence; then it is started again."""
 
 ALL_FRAC = 0.2
-"""Of the brokers' ends those that take every vehicle's with them: a common one."""
+"""Fraction of the brokers' ends that affect every vehicle: the broker is a common one."""
 
 SETTLE_S = 3600.0
-"""Afterwards, with links that work and no new orders: what was begun comes to its end."""
+"""Time afterwards, with links that work and no new orders, in which all work comes to its end."""
 
 
 @dataclass
 class Outcome:
-    """What came of it.
+    """The results of a run.
 
     Attributes:
-        kills: by what was killed.
-        messages: what the proxy did, and how often.
-        opened, closed: tasks; those that were closed by their outcome.
+        kills: by the kind of the victim.
+        messages: number of the proxy's actions, by kind.
+        opened, closed: tasks; closed ones by their outcome.
         actions: that vehicles have carried out.
         twice: actions that a vehicle carried out more than once.
         broken: an invariant, in words; empty for none.
@@ -60,7 +60,7 @@ class Outcome:
 
     @property
     def failures(self) -> list[str]:
-        """Why it has not held; nothing when it has."""
+        """Violations; empty for none."""
         left = sorted(self.opened - self.closed.keys())
         often = sorted(task for task, outcomes in self.closed.items() if outcomes.count("delivered") > 1)
         return [
@@ -72,7 +72,7 @@ class Outcome:
 
     @property
     def outcomes(self) -> Counter[str]:
-        """How tasks ended."""
+        """The outcomes of tasks."""
         return Counter(outcomes[-1] for outcomes in self.closed.values())
 
     def on_message(self, _at_s: float, _sender: str, _address: str, message: Message) -> None:
@@ -87,7 +87,7 @@ class Outcome:
 
 
 def play(plant: Plant, seed: int, kills: int, *, traffic: bool = False) -> Outcome:
-    """Kill so many, one after the other, and look at what is left when all have settled."""
+    """Kill so many, one after the other, and examine the state after all have settled."""
     return run(_played(plant, seed, kills, traffic=traffic), JUMP)
 
 
@@ -123,7 +123,7 @@ async def _played(plant: Plant, seed: int, kills: int, *, traffic: bool) -> Outc
         if running.done():
             running.result()
         invariants.check_end(now.now_s())
-    except Exception as error:  # noqa: BLE001  Whatever ends an agent is what is looked for.
+    except Exception as error:  # noqa: BLE001  The search looks for any end of an agent.
         outcome.broken = f"{type(error).__name__}: {error}"
     outcome.broken = outcome.broken or (str(invariants.broken) if invariants.broken else "")
     outcome.messages = proxy.did
@@ -164,7 +164,7 @@ class _Killer:
         self._factory.crash(atv)
         await asyncio.sleep(self._chance.uniform(0.0, AGENT_AWAY_S))
         while atv in self._proxy.down:  # noqa: ASYNC110  Brokers come back by the clock alone.
-            await asyncio.sleep(1.0)  # It waits for its broker.
+            await asyncio.sleep(1.0)  # The vehicle waits for its broker.
         self._crashed.discard(atv)
         self._factory.restart(atv)
 

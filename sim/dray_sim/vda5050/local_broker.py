@@ -1,4 +1,4 @@
-"""A broker on this computer, for demonstrations, benchmarks and whoever tries something."""
+"""A broker on this computer, for demonstrations, benchmarks and experiments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How vehicles of the field misbehave, as values: each was seen with a real implementation (docs/vehicles.md)."""
+"""Misbehaviour of vehicles in the field, as values: each was seen with a real implementation (docs/vehicles.md)."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ import msgspec
 
 
 class Misbehaviour(msgspec.Struct, frozen=True):
-    """What one vehicle does otherwise than the text says; nothing, by default."""
+    """One vehicle's deviations from the text; none by default."""
 
     silent_until_asked: bool = False
-    """No state comes by itself before the first stateRequest."""
+    """It sends no state by itself before the first stateRequest."""
     says_offline: bool = False
     """Its connection message is OFFLINE, and stays so."""
     doubles_states: bool = False
     """Every state is said twice."""
     clock_off_s: float = 0.0
-    """Its clock differs from everybody's by so much."""
+    """Error of its clock (s)."""
     no_zone: bool = False
     """Its times have no Z."""
     ignores_first_orders: int = 0
-    """So many orders never reach it."""
+    """Number of first orders that never reach it."""
     refuses_every_second: bool = False
     """Every second orderId is refused in silence."""
     lingering_warnings: bool = False
@@ -29,7 +29,7 @@ class Misbehaviour(msgspec.Struct, frozen=True):
     keeps_node_states: bool = False
     """`nodeStates` is never empty once an order has come."""
     tells_ends_only: bool = False
-    """No state at the nodes between: several are skipped at once."""
+    """It sends no state at the nodes between: several are skipped at once."""
     cancel_s: float = 0.5
     """A cancelOrder takes so long; an order that comes meanwhile is killed by it."""
     idle_cancel_kills_next: bool = False
@@ -55,4 +55,4 @@ class Misbehaviour(msgspec.Struct, frozen=True):
     forgets_finished_order: bool = False
     """orderId is empty as soon as an order is done."""
     ignores_instant_actions: int = 0
-    """So many instant actions never reach it."""
+    """Number of instant actions that never reach it."""

@@ -1,4 +1,4 @@
-"""A simulated vehicle behind a real broker: what `Vda5050Vehicle` says and hears, by MQTT."""
+"""A simulated vehicle behind a real broker: the messages of `Vda5050Vehicle`, by MQTT."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class VehicleOnBroker:
         words: its version and name.
 
     Attributes:
-        vehicle: None before the broker was there for the first time.
+        vehicle: None before the first connection to the broker.
     """
 
     def __init__(
@@ -70,10 +70,10 @@ class VehicleOnBroker:
             self.vehicle.introduce()
 
     def on_link_lost(self, reason: str) -> None:
-        """It drives to the end of its base."""
+        """Do nothing: the vehicle drives to the end of its base."""
 
     def on_message(self, topic: str, data: bytes) -> None:
-        """Do what it is told; what is no message is not obeyed."""
+        """Handle a message; an invalid one is ignored."""
         if self.vehicle is not None:
             self.vehicle.on_message(topic, data)
 

@@ -37,7 +37,7 @@ class Point:
     actions: list[NodeAction]
 
     def gap_m(self, pose: Pose) -> float:
-        """How far a vehicle is from it; 0 where the order does not say where it lies."""
+        """Distance of a vehicle from it; 0 where the order does not give its position."""
         return 0.0 if self.x is None or self.y is None else hypot(self.x - pose.x_m, self.y - pose.y_m)
 
 
@@ -67,26 +67,26 @@ class Order:
 
     @property
     def ahead(self) -> range:
-        """From the point that was reached to the next one with an action, or to the end of the base: indexes."""
+        """Indexes from the point that was reached to the next one with an action, or to the end of the base."""
         after = range(self.reached + 1, self.base_end + 1)
         stop = next((i for i in after if self.points[i].actions), self.base_end)
         return range(self.reached, stop + 1)
 
     @property
     def is_over(self) -> bool:
-        """Nothing is left to do, and nothing is to come."""
+        """Whether all work is done, and nothing is to come."""
         over = all(action.status in ("FINISHED", "FAILED") for action in self.actions)
         return self.cancelled or (over and self.reached >= len(self.points) - 1)
 
     def give_up(self) -> None:
-        """End it where it is: what is not finished has failed."""
+        """End it now: unfinished actions have failed."""
         self.cancelled = True
         for action in self.actions:
             action.status = action.status if action.status == "FINISHED" else "FAILED"
 
 
 def read_message(data: bytes) -> dict[str, Any]:
-    """What was said; empty for what is no message: that is not obeyed."""
+    """The message; empty for an invalid one, which is ignored."""
     try:
         said = json.loads(data)
     except ValueError:
@@ -104,12 +104,12 @@ def read_order(said: dict[str, Any]) -> Order:
 
 
 def read_actions(said: dict[str, Any]) -> list[NodeAction]:
-    """Of `instantActions`, in whichever version."""
+    """The actions of `instantActions`, in any version."""
     return [_action(action) for action in said.get("actions") or said.get("instantActions") or ()]
 
 
 def instruction_of(action: NodeAction, number: int, charger: str) -> Pick | Drop | Charge | None:
-    """An action at a node as its body does it; None for one that it cannot do."""
+    """An action at a node as an instruction for its body; None for an impossible one."""
     said = action.parameters
     station = str(said.get("stationName", ""))
     match action.type:

@@ -1,7 +1,8 @@
-"""The map of a vehicle that knows only its own ids, and its own frame: what is said to it and what it says, translated on board.
+"""The map of a vehicle that knows only its own ids and its own frame: all its messages are translated on board.
 
-It stands between the wire and a `Vda5050Vehicle`, whose body drives by the plant's ids. An order with an id that the map does not have
-is not taken. Written beside the driver's `Names`, and not with it: each would find a mistake of the other.
+It stands between the wire and a `Vda5050Vehicle`, whose body drives by the plant's ids. An order with an id that the
+map does not have is not taken. It is written beside the driver's `Names`, and not with it: each would find a mistake
+of the other.
 """
 
 from __future__ import annotations
@@ -14,12 +15,12 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Axes:
-    """One map: u and v of it are those of the plant less its origin, turned, mirrored and divided by the unit."""
+    """One map: its u and v are those of the plant less its origin, turned, mirrored and divided by the unit."""
 
     x_m: float = 0.0
     y_m: float = 0.0
     turn: float = 0.0
-    """Of its first axis, counterclockwise (rad)."""
+    """Direction of its first axis, counterclockwise (rad)."""
     flip: int = 1
     """-1 where its second axis lies to the right of the first one."""
     unit_m: float = 1.0
@@ -46,14 +47,14 @@ class Axes:
 
 @dataclass
 class OwnMap:
-    """Of one vehicle.
+    """The map of one vehicle.
 
     Attributes:
         nodes: (map, its own id) -> the plant's.
         stations: its own id -> the plant's.
         axes: of each map, by its id.
         edges: ids that an edge may have; None for any.
-        unknown: what was said to it that it does not know.
+        unknown: ids in messages to it that it does not know.
         said: ids of nodes and edges in the orders that it has taken.
     """
 
@@ -64,10 +65,10 @@ class OwnMap:
     unknown: list[str] = field(default_factory=list)
     said: set[str] = field(default_factory=set)
     _map: str = ""
-    """That of the node where it was last."""
+    """The map of its last node."""
 
     def heard(self, topic: str, said: dict[str, Any]) -> dict[str, Any] | None:
-        """A message to it, by the plant's ids; None for one that it does not take."""
+        """A message to it, with the plant's ids; None for one that it rejects."""
         if topic != "order":
             return said
         strange = [*self._strange_nodes(said["nodes"]), *self._strange_edges(said["edges"])]
@@ -78,7 +79,7 @@ class OwnMap:
         return {**said, "nodes": [self._node(node) for node in said["nodes"]]}
 
     def told(self, said: dict[str, Any]) -> dict[str, Any]:
-        """What it says, by its own ids instead of the plant's."""
+        """A message of it, with its own ids instead of the plant's."""
         result = dict(said)
         if last := said.get("lastNodeId"):
             result["lastNodeId"], self._map = self._theirs(last), self._map_at(last)

@@ -1,4 +1,4 @@
-"""What a proxy between agents and vehicles does to messages: it drops, doubles, delays, spoils and reorders them."""
+"""A proxy between agents and vehicles: it drops, doubles, delays, spoils and reorders messages."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from random import Random
 from dray.ports import Clock
 
 DELAY_S = 0.02
-"""Of a message to which nothing is done."""
+"""Transit time of an undisturbed message."""
 
 DROP, DOUBLE, LATE, SPOIL = 0.05, 0.05, 0.10, 0.03
-"""How often each is done to a message."""
+"""Probability of each disturbance of a message."""
 
 LATEST_S = 2.0
-"""What is late comes within this, after others that were said later: reordered."""
+"""Longest delay of a late message, which may come after later ones: reordered."""
 
 
 class Proxy:
@@ -25,12 +25,12 @@ class Proxy:
 
     Args:
         clock: the plant's.
-        chance: what befalls a message follows from it.
+        chance: of the disturbances.
 
     Attributes:
-        did: how often each thing was done.
-        down: vehicles whose broker is away: what is said meanwhile is lost.
-        quiet: nothing is done to messages any more.
+        did: number of each disturbance.
+        down: vehicles whose broker is away: their messages are lost.
+        quiet: messages are not disturbed any more.
     """
 
     def __init__(self, clock: Clock, chance: Random) -> None:
@@ -40,12 +40,12 @@ class Proxy:
         self.quiet = False
 
     def carry(self, atv: str, data: bytes, hand: Callable[[bytes], None]) -> None:
-        """Bring a message to its hearer, or what is left of it.
+        """Carry a message, with its disturbance.
 
         Args:
             atv: whose broker it passes.
             data: the message.
-            hand: hands it over.
+            hand: delivers it.
         """
         self.did["carried"] += 1
         if atv in self.down:

@@ -1,7 +1,8 @@
 """A simulated vehicle that speaks VDA 5050: orders in, states out, and a body that drives.
 
-It does what the text says, or what its `Misbehaviour` says instead. An order is driven up to the next node with an action,
-or to the end of its base; there the action is done. What it says goes to `publish`, what is said to it comes by `on_message`.
+It behaves as the text says, or as its `Misbehaviour` says instead. It drives an order up to the next node with an
+action, or to the end of its base; there it does the action. Its messages go to `publish`, and messages to it come
+through `on_message`.
 """
 
 from __future__ import annotations
@@ -34,11 +35,11 @@ from dray_sim.vda5050.own_map import OwnMap
 from dray_sim.vda5050.words import Condition, Words
 
 Publish = Callable[[str, bytes, bool], None]
-"""Of a topic (the last chunk), a message, and whether the broker keeps it."""
+"""Called with a topic (the last chunk), a message, and whether the broker keeps it."""
 
 STATE_EVERY_S, DRIVING_EVERY_S, INSTANT_KEPT = 30.0, 1.0, 20
 REACHABLE_M = 2.0
-"""An order may begin so far from where it stands."""
+"""Largest distance between the vehicle and the beginning of an order (m)."""
 
 
 class Vda5050Vehicle:
@@ -49,15 +50,15 @@ class Vda5050Vehicle:
         kind: of its type.
         charger_at: the charger at a node; empty for none.
         clock: the plant's.
-        publish: says it.
+        publish: sends its messages.
         words: its version and name.
         corners: of its map: lanes that are not straight, by their ends.
         own_map: its own ids and frame; None where these are the plant's.
 
     Attributes:
-        condition: what it is beside its body; to be changed by tests, and told with `say_state`.
-        order: the one that it has; None before the first one, and after a restart.
-        done: actions that were carried out, by id: none may be there twice.
+        condition: its state beside its body; tests change it, and report it with `say_state`.
+        order: the present one; None before the first one, and after a restart.
+        done: executed actions, by id: none may be there twice.
     """
 
     def __init__(
@@ -82,9 +83,9 @@ class Vda5050Vehicle:
         self._drive = 0
         """The number of the newest instruction to its body."""
         self._way: list[int] = []
-        """For each node of the present drive its index in the order."""
+        """Index in the order, for each node of the present drive."""
         self._passed_m = 0.0
-        """What it had driven when it was at a node of its map last."""
+        """Distance driven when it was last at a node of its map."""
         self._spoken_s = float("-inf")
         self._asked = not self.quirks.silent_until_asked
         self._ready_s = float("-inf")
@@ -103,7 +104,7 @@ class Vda5050Vehicle:
     # --- what it says ----------------------------------------------------------------------------
 
     def introduce(self) -> None:
-        """Say that it is there, what it is, and how it is: the broker keeps the first two."""
+        """Announce its connection, its factsheet and its state: the broker keeps the first two."""
         now_s = self._clock.now_s()
         word = "OFFLINE" if self.quirks.says_offline else "ONLINE"
         self._publish_json("connection", self.words.connection(word, now_s), retain=True)
@@ -125,7 +126,7 @@ class Vda5050Vehicle:
             self._publish_json("state", said)
 
     def say_factsheet(self) -> None:
-        """Say what it is."""
+        """Publish its factsheet."""
         self._publish_json("factsheet", self.words.factsheet(self._kind, self._clock.now_s()), retain=True)
 
     def _publish_json(self, topic: str, said: dict[str, Any], *, retain: bool = False) -> None:
@@ -249,7 +250,7 @@ class Vda5050Vehicle:
         self.say_state()
 
     def _lose_way(self, reason: str) -> None:
-        """It follows its lanes: what does not go on from where it stands is not driven, and ends the order."""
+        """End the order: its way does not continue from where the vehicle stands."""
         order, self._way = self.order, []
         if order is None or order.is_over:
             return
@@ -295,7 +296,7 @@ class Vda5050Vehicle:
             self.condition.errors.append((kind, "WARNING", "no order to cancel", {"actionId": action.id}))
             return
         action.status = "RUNNING"
-        self._body.power_off()  # It stands at once; what it was about is lost.
+        self._body.power_off()  # It stands at once and loses its order.
         self._body.power_on()
         self._action = None
         self._clock.call_at(self._clock.now_s() + self.quirks.cancel_s, partial(self._finish_cancel, action))

@@ -1,4 +1,4 @@
-"""What a simulated vehicle says, word by word, in its version: state, connection, visualization and factsheet."""
+"""The messages of a simulated vehicle in its version: state, connection, visualization and factsheet."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from dray_sim.vda5050.misbehaviour import Misbehaviour
 from dray_sim.vda5050.order import NodeAction, Order
 
 EPOCH_S = 1_767_225_600.0
-"""The first of January 2026: what a vehicle's clock says when virtual time begins."""
+"""The first of January 2026: a vehicle's clock at the beginning of virtual time."""
 
 PREFIXES = {"2.0": "uagv/v2", "2.1": "uagv/v2", "3.0": "vda5050/v3"}
 
 
 @dataclass
 class Condition:
-    """What a vehicle is beside its body and its order.
+    """A vehicle's state beside its body and its order.
 
     Attributes:
         errors: (type, level, description, references).
         mode: how it is driven.
-        emergency_stop: which one is active.
+        emergency_stop: the active one.
         localised: it knows where it is.
         last_node: as `state` has it.
         last_sequence: likewise.
@@ -41,18 +41,18 @@ class Condition:
     errors: list[tuple[str, str, str, dict[str, str]]] = field(default_factory=list)
     instant: list[NodeAction] = field(default_factory=list)
     loads: list[dict[str, str]] | None = None
-    """What it tells instead of what is on board; None for the truth."""
+    """Reported loads instead of the real ones; None for the real ones."""
 
 
 class Words:
-    """Those of one vehicle.
+    """The messages of one vehicle.
 
     Args:
         version: 2.0, 2.1 or 3.0.
         manufacturer: its maker.
         serial: its number.
         map_id: of its poses.
-        quirks: what is otherwise.
+        quirks: its misbehaviour.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class Words:
 
     @property
     def prefix(self) -> str:
-        """Of its topics."""
+        """Prefix of its topics."""
         return f"{PREFIXES[self.version]}/{self.manufacturer}/{self.serial}"
 
     def header(self, topic: str, now_s: float) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Which types of vehicles may drive on the edges of a layout, and how fast."""
+"""The types of vehicles that may drive on the edges of a layout, and their speeds."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Admission:
 
     Args:
         layout: as it was read.
-        notes: where what fits together badly is said.
+        notes: takes reports of contradictions.
     """
 
     def __init__(self, layout: TrackLayout, notes: Notes) -> None:
@@ -21,7 +21,7 @@ class Admission:
         self._at_node = {node.original: node.types or self._all for node in layout.nodes}
 
     def limits(self, edge: TrackEdge, others: list[TrackEdge]) -> dict[str, float | None]:
-        """Type -> its highest speed on an edge, or on the others beside it; None where none is told.
+        """Type -> its highest speed on an edge, or on the others beside it; None where the layout gives none.
 
         A layout that names no types at all has the empty one, which is for all.
         """
@@ -46,7 +46,7 @@ class Admission:
         return found
 
     def only_some(self, types: dict[str, float | None]) -> bool:
-        """Whether these are not all."""
+        """Whether some types are left out."""
         return any(kind not in types for kind in self._all)
 
     def beside(self, first: TrackEdge, second: TrackEdge) -> list[str]:

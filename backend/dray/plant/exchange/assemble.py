@@ -1,4 +1,4 @@
-"""A layout of another system as a plant file that is not finished, and the mapping that keeps what the other system says."""
+"""Makes an unfinished plant file of a layout of another system, and a mapping that keeps the other system's data."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from dray.plant.file.check import RESERVED
 from dray.plant.file.reasons import Reason
 
 EDGE_M = 2.0
-"""Of free floor around the outermost nodes."""
+"""Free floor around the outermost nodes."""
 
 GAP_M = 5.0
-"""Between layouts of different levels, which are laid side by side."""
+"""Distance between layouts of different levels, which are laid side by side."""
 
 SAME_M = 0.001
 """Ways there and back that differ by less are one road: systems write numbers with three digits."""
 
 USUAL_MPS = 1.5
-"""The limit of a lane of which none is told: what a lane has that says nothing."""
+"""Limit of a lane without a given one, as in a plant file."""
 
 OPEN = ("materials", "products", "warehouses", "storages", "stations", "machines", "areas")
-"""Sections that no layout tells."""
+"""Sections that no layout has."""
 
 Data = dict[str, Any]
 
 
 class Imported(msgspec.Struct):
-    """What becomes of a layout."""
+    """The result of an import."""
 
     data: Data
-    """A plant file; what is open in it is null (`dray.plant.file.unfinished`)."""
+    """A plant file, in which open values are null (`dray.plant.file.unfinished`)."""
     mapping: Data
-    """Original ids beside ours, and what a plant has no field for."""
+    """Original ids beside ours, and data without a field in a plant."""
     notes: tuple[Note, ...]
 
 
@@ -50,9 +50,9 @@ def assemble(layout: TrackLayout, notes: Notes, *, plant: str, name: str) -> Imp
 
     Args:
         layout: as it was read.
-        notes: where what cannot be taken is said.
+        notes: takes reports of rejected data.
         plant: the id of the plant.
-        name: what people call it.
+        name: of the plant, for people.
     """
     if not layout.ours:
         merge_spots(layout, notes)
@@ -122,7 +122,7 @@ class _Assembly:
     # --- the floor -----------------------------------------------------------------------------------
 
     def _side_by_side(self) -> dict[str, tuple[float, float]]:
-        """By how much each level is moved, so that nothing is below 0 and levels do not lie on one another."""
+        """Offset of each level, so that no coordinate is below 0 and levels do not overlap."""
         shifts: dict[str, tuple[float, float]] = {}
         right_m = 0.0
         levels = dict.fromkeys(node.level for node in self._layout.nodes)
@@ -316,14 +316,14 @@ class _Assembly:
 
 
 def _largest(node: TrackNode) -> Data:
-    """What a node's entry says of the largest vehicle that may be there."""
+    """The largest vehicle in a node's entry."""
     if node.max_m is None:
         return {}
     return {"max_vehicle": {"length_m": node.max_m[0], "width_m": node.max_m[1]}}
 
 
 def _shift_m(low_m: float, high_m: float) -> float:
-    """By how much to move a layout whose nodes are between these: not at all where it lies well."""
+    """Offset of a layout whose nodes are between these; 0 where it lies well."""
     if low_m < 0.0:
         return EDGE_M - low_m
     # Coordinates of a map that begins far away would make a floor that is mostly empty.

@@ -1,7 +1,8 @@
 """Curves as corners: NURBS of LIF, Bezier curves of openTCS.
 
-A curve becomes a chain of straight pieces that leaves it by no more than `TOLERANCE_M` and bends by no more than `BEND_RAD` at a corner,
-so that its length is right to a few thousandths and no corner counts as a turn (`dray.plant.roads.BEND_RAD`).
+A curve becomes a chain of straight pieces. The chain deviates by at most `TOLERANCE_M` and bends by at most
+`BEND_RAD` at a corner. So its length is right to a few thousandths, and no corner counts as a turn
+(`dray.plant.roads.BEND_RAD`).
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from itertools import pairwise
 from math import atan2, hypot, pi, radians
 
 TOLERANCE_M = 0.02
-"""As exact as vehicles keep to a lane."""
+"""Largest deviation: that of a vehicle from its lane."""
 
 BEND_RAD = radians(20.0)
 
@@ -19,7 +20,7 @@ SHORT_M = 0.05
 """Shorter pieces are not divided: a curve with a cusp has no smooth corners."""
 
 MAX_CORNERS = 200
-"""Of one lane, as in the plant file."""
+"""Most corners of one lane, as in the plant file."""
 
 DEEPEST = 9
 """Halvings of one span: 512 pieces."""
@@ -29,17 +30,17 @@ LIGHT = 1e-9
 """The least weight of a control point; a lighter one takes no part in a curve."""
 
 FAR_M = 1e6
-"""From the origin: nothing of a plant lies further away, and products of such lengths can be computed."""
+"""Largest distance from the origin: no plant is larger, and products of such lengths can be computed."""
 
 MAX_POINTS = 1_000
-"""Of one curve; more is no track."""
+"""Most control points of one curve; a track has fewer."""
 
 Spot = tuple[float, float]
 Curve = Callable[[float], Spot]
 
 
 class CurveError(ValueError):
-    """A curve that is none; the text says why."""
+    """An invalid curve; the text says why."""
 
 
 def nurbs(degree: int, knots: Sequence[float], points: Sequence[tuple[float, float, float]]) -> list[Spot]:
@@ -98,7 +99,7 @@ def bezier(points: Sequence[Spot]) -> list[Spot]:
 
 
 def length_m(corners: Sequence[Spot]) -> float:
-    """Of a chain of straight pieces."""
+    """Length of a chain of straight pieces."""
     return sum(hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(corners))
 
 
@@ -108,7 +109,7 @@ def is_straight(corners: Sequence[Spot], tolerance_m: float = 0.001) -> bool:
 
 
 def apart_m(corners: Sequence[Spot], chain: Sequence[Spot]) -> float:
-    """How far the corners of one chain leave the pieces of another one at most; a single corner is its own piece."""
+    """Largest distance of one chain's corners from the pieces of another one; a single corner is its own piece."""
     pieces = list(pairwise(chain)) or [(chain[0], chain[0])]
     return max(min(_off_m(spot, *piece) for piece in pieces) for spot in corners)
 
@@ -156,7 +157,7 @@ def _bend_rad(chain: Sequence[Spot]) -> float:
 
 
 def _off_m(spot: Spot, start: Spot, end: Spot) -> float:
-    """From a spot to the straight piece between two others."""
+    """Distance from a spot to the straight piece between two others."""
     along_x, along_y = end[0] - start[0], end[1] - start[1]
     to_x, to_y = spot[0] - start[0], spot[1] - start[1]
     square = along_x**2 + along_y**2

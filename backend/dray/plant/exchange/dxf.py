@@ -1,7 +1,8 @@
 """A floor plan that an architect drew, as a picture to draw a plant on: DXF as SVG, in metres.
 
-`ezdxf` reads the file; it is in the extra `dxf`. What is drawn are lines: of lines, polylines, arcs, circles, ellipses and splines, also in blocks.
-Texts, hatches, dimensions and solids are left out, and counted. A floor plan is input: how much of it is read is bounded.
+`ezdxf` reads the file; it is in the extra `dxf`. Only lines are drawn: lines, polylines, arcs, circles, ellipses and
+splines, also in blocks. Texts, hatches, dimensions and solids are left out, and counted. A floor plan is input: how
+much of it is read is bounded.
 """
 
 from __future__ import annotations
@@ -23,22 +24,22 @@ if TYPE_CHECKING:
     from ezdxf.path import Path as Outline
 
 MAX_BYTES = 32 * 1024 * 1024
-"""Of a file; the plan of a hall has a few megabytes."""
+"""Largest file; the plan of a hall has a few megabytes."""
 
 MAX_ENTITIES = 200_000
-"""That are looked at, those of blocks each time that they are placed."""
+"""Most entities that are read; those of blocks count each time that they are placed."""
 
 MAX_CORNERS = 60_000
-"""Of all lines together; some 500 kB of SVG."""
+"""Most corners of all lines together; some 500 kB of SVG."""
 
 FINENESS = 4000.0
-"""Parts of the longer side: what is smaller is not drawn."""
+"""Smallest drawn part, as a fraction of the longer side: 1 in this number."""
 
 METRES = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 14: 0.1}
-"""By `$INSUNITS`: inches, feet, millimetres, centimetres, metres, decimetres."""
+"""Metres by `$INSUNITS`: inches, feet, millimetres, centimetres, metres, decimetres."""
 
 CURVE_PARTS = 400.0
-"""Of its own size: how far the corners of a curve may leave it."""
+"""Largest deviation of a curve's corners, as a fraction of its own size: 1 in this number."""
 
 LARGE = 1000.0
 """Longer without a unit: millimetres; no hall is a kilometre long."""
@@ -51,13 +52,13 @@ Spot = tuple[float, float]
 
 
 class FloorPlan(msgspec.Struct, frozen=True):
-    """What becomes of a file."""
+    """The result of reading a file."""
 
     svg: str
     width_m: float
     height_m: float
     notes: tuple[Reason, ...]
-    """What was left out or assumed."""
+    """Parts that were left out, and assumptions."""
 
 
 def read_dxf(file: Path) -> FloorPlan:
@@ -160,7 +161,7 @@ def _ending(entities: Iterable[DXFEntity], name: str) -> Iterator[DXFEntity]:
 
 
 def _corners(make_path: Callable[[DXFEntity], Outline], entity: DXFEntity) -> list[Spot]:
-    """The corners of one line, its curves as fine as it is large; none of what has no shape."""
+    """The corners of one line, its curves as fine as its size demands; none where it has no shape."""
     try:
         path = make_path(entity)
         controls = [(point.x, point.y) for point in path.control_vertices()]
@@ -174,7 +175,7 @@ def _corners(make_path: Callable[[DXFEntity], Outline], entity: DXFEntity) -> li
 
 
 def _metres(document: Drawing, longest: float, notes: list[Reason]) -> float:
-    """Of one unit of the drawing."""
+    """Metres in one unit of the drawing."""
     unit = document.header.get("$INSUNITS", 0)
     if unit in METRES:
         return METRES[unit]
@@ -184,7 +185,7 @@ def _metres(document: Drawing, longest: float, notes: list[Reason]) -> float:
 
 
 def _path(line: list[Spot], low_x: float, high_y: float, least: float, scale: float) -> list[tuple[int, int]]:
-    """A line in whole millimetres from the upper left corner, y down, without what is too small to be seen."""
+    """A line in whole millimetres from the upper left corner, y down, without invisibly small parts."""
     kept = [line[0]]
     for x, y in line[1:-1]:
         if hypot(x - kept[-1][0], y - kept[-1][1]) >= least:
@@ -197,7 +198,7 @@ def _path(line: list[Spot], low_x: float, high_y: float, least: float, scale: fl
 
 
 def _svg(paths: Iterable[list[tuple[int, int]]], width_m: float, height_m: float) -> str:
-    """One path of all lines, in millimetres, each line relative to its beginning; at the lower left of whatever it is shown in."""
+    """One path of all lines, in millimetres, each line relative to its beginning; it sits at the lower left of its frame."""
     wide, high = max(round(width_m * 1000), 1), max(round(height_m * 1000), 1)
     drawn = []
     for path in paths:

@@ -1,7 +1,7 @@
 """Reading LIF, the Layout Interchange Format of VDMA: 1.0.0 of March 2024, its drafts before, and 2.0.0 of September 2026 with origins.
 
-Few files keep to the format, so reading is lenient: numbers may be text, a type of vehicle may be named by any of the ways in which
-the versions name it, and what is missing is said. Metres; a file that can only be in millimetres is read so, and that is said.
+Few files keep to the format, so reading is lenient. Numbers may be text, types of vehicles may have the names of any
+version, and missing values are reported. Metres; a file that can only be in millimetres is read so, and that is said.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from dray.plant.exchange.track_layout import (
 from dray.plant.file.reasons import Reason
 
 CREATOR = "Dray"
-"""What `lif_export` writes as the creator."""
+"""The creator in files of `lif_export`."""
 
 TOLD_TWICE_M = 0.05
 """A node that two layouts have under one id at one spot is one node."""
@@ -54,12 +54,12 @@ def read_lif(data: Json, notes: Notes, *, unit: str = "", layouts: tuple[str, ..
 
     Args:
         data: the decoded JSON.
-        notes: where what is odd is said.
+        notes: takes reports of oddities.
         unit: `m`, `cm` or `mm`; found out if it is empty.
-        layouts: the ids of those that are wanted; all if there are none.
+        layouts: the ids of the wanted ones; empty for all.
 
     Raises:
-        ValueError: its speeds are none of vehicles, and nothing tells its unit.
+        ValueError: its speeds are impossible for vehicles, and nothing tells its unit.
     """
     return _Reader(data, notes, unit, layouts).read()
 
@@ -71,7 +71,7 @@ class _Reader(LifValues):
         self._types: dict[str, TrackVehicleType] = {}
         self._scale, self._speed_scale, self._fastest_mps = 1.0, 1.0, FASTEST_MPS
         self._own: dict[str, dict[str, str]] = {}
-        """Pointer of a layout -> what it calls its nodes -> the ids that no other layout has."""
+        """Pointer of a layout -> its names of nodes -> ids that no other layout has."""
 
     def read(self) -> TrackLayout:
         meta = self._object(self._data, "metaInformation", "")
@@ -111,7 +111,7 @@ class _Reader(LifValues):
         for at, origin in self._objects(self._data, "origins", ""):
             self._strange(origin, "origin", at)
             found.kept.setdefault("origins", []).append(self._rest(origin, {"layouts"}))
-            # One without an id is an origin of its own: its layouts must not lie on those of another.
+            # An origin without an id is a separate one: its layouts must not overlap those of another.
             yield f"{self._id(origin, 'originId', at) or at}/", at, origin
 
     def _layouts(self, found: TrackLayout) -> Iterator[tuple[str, str, Json]]:
@@ -207,7 +207,7 @@ class _Reader(LifValues):
         return key
 
     def _node_of(self, name: str, pointer: str, at: str) -> str:
-        """The node that a layout means by a name: its own one, else that of the only other layout that has one."""
+        """The node of a name in a layout: its own one, else that of the only other layout with one."""
         own = self._own[pointer]
         if name in own:
             return own[name]
@@ -262,7 +262,7 @@ class _Reader(LifValues):
             )
 
     def _curve(self, curve: object, at: str, start: Spot, end: Spot) -> list[Spot] | None:
-        """The corners of a trajectory between its ends; None for one that cannot be used."""
+        """The corners of a trajectory between its ends; None for an unusable one."""
         if not isinstance(curve, dict):
             self._notes.add(at, Reason("note_trajectory_no_object_lane_taken"))
             return None

@@ -1,7 +1,8 @@
 """A plant as LIF 1.0.0 or 2.0.0, for other systems. `dray.plant.exchange.read` makes the same nodes, lanes, chargers and parking places of it.
 
-What is written is the floor as it is driven: of a road of two lanes the stop points and its one-way lanes, since another system knows
-no right of way that could keep vehicles apart on the middle line. A lane with a shape is one edge with a trajectory of degree 1.
+It writes the floor as it is driven: the stop points and one-way lanes of a two-lane road. Another system has no right
+of way that could keep vehicles apart on the middle line. A lane with a shape is one edge with a trajectory of degree
+1.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ ACTIONS = {
     "parkings": ("park",),
     "places": ("pick", "drop"),
 }
-"""What vehicles do at a station: names of VDA 5050, and one of ours for parking places."""
+"""Actions of vehicles at a station: names of VDA 5050, and one of ours for parking places."""
 
 Json = dict[str, Any]
 
@@ -33,7 +34,7 @@ def export_lif(plant: Plant, exported_at: str, version: str = VERSIONS[0]) -> st
     """The text of a LIF file.
 
     Args:
-        plant: what is written.
+        plant: to be written.
         exported_at: when, as LIF wants it: ISO 8601 in UTC, `2026-11-23T08:00:00Z`.
         version: of LIF, one of `VERSIONS`.
     """
@@ -128,7 +129,7 @@ def _edge_2_0_0(edge: Json) -> Json:
 
 
 def _robot(kind: str) -> Json:
-    """A type of vehicles; a plant does not know who has made it."""
+    """A type of vehicles; a plant does not know its manufacturer."""
     return {"manufacturer": "", "seriesName": kind}
 
 
@@ -157,7 +158,7 @@ def _at(node: Node, file: PlantFile) -> list[str]:
 
 
 def _edges(layout: Layout, types: list[str]) -> Iterator[Json]:
-    """One edge for each direction; the way back of a lane follows it at once."""
+    """One edge for each direction; a lane's way back follows directly."""
     nodes = {node.id: node for node in layout.nodes}
     for lane in layout.lanes:
         yield _edge(lane, lane.start, lane.end, list(lane.shape), types, nodes)
@@ -194,7 +195,7 @@ def _edge(
 
 
 def _actions(file: PlantFile) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """What is done at a node. Of places that share one, the last counts: chargers before all others."""
+    """The actions at each node. For places that share one, the last counts: chargers before all others."""
     for places in (file.parkings, file.machines, file.storages, file.warehouses, file.chargers):
         for place in places:
             kind = (

@@ -9,31 +9,31 @@ from dray.plant.exchange.notes import Notes
 from dray.plant.file.reasons import Reason
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
-"""In metres."""
+"""Units of length in metres."""
 
 WORDS = {"m": "metres", "cm": "centimetres", "mm": "millimetres"}
 
 LONGEST = 500.0
-"""Of edges at the median; longer ones are not in metres. No lane is half a kilometre long."""
+"""Largest median length of edges; longer ones are not in metres. No lane is half a kilometre long."""
 
 DOUBTED_M = 100.0
-"""Of edges at the median, from which it is said that another unit is possible."""
+"""Median length of edges from which a note says that another unit is possible."""
 
 FASTEST_MPS = 20.0
 """Faster than any vehicle of a plant; AGVs drive 0.3 to 3 m/s."""
 
 USUAL_MPS = (0.2, 5.0)
-"""Within which the limit of most lanes lies."""
+"""Range of the limits of most lanes."""
 
 
 def scales(lengths: Sequence[float], speeds: Sequence[float], unit: str, notes: Notes) -> tuple[float, float]:
-    """What one unit of length is in metres, and one of speed in metres a second.
+    """Metres in one unit of length, and metres per second in one unit of speed.
 
     Args:
         lengths: of the edges, as the file has them.
-        speeds: of the edges, likewise.
-        unit: that somebody has said; empty for none.
-        notes: where what is assumed is said.
+        speeds: of the edges, in the file's unit.
+        unit: given by the user; empty for none.
+        notes: takes reports of assumptions.
 
     Raises:
         ValueError: the speeds cannot be in metres a second, and the lengths could be in metres; or several units are possible.
@@ -64,7 +64,7 @@ def scales(lengths: Sequence[float], speeds: Sequence[float], unit: str, notes: 
 
 
 def _question(length: float, speed: float, fitting: Sequence[str]) -> str:
-    """What has to be said before the file can be read."""
+    """The question about the unit that must be answered before the file can be read."""
     choices = " or ".join(
         f"{each} (times {UNITS[each]:g}: edges of {length * UNITS[each]:.3g} m, {speed * UNITS[each]:.3g} m/s)"
         for each in fitting or ("cm", "mm")

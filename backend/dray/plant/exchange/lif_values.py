@@ -1,4 +1,4 @@
-"""The values of a LIF document, read leniently: what is missing, of another kind or not understood is said with its JSON pointer."""
+"""The values of a LIF document, read leniently: missing, wrong or unknown ones are reported with their JSON pointers."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ STATION_USED = frozenset({"stationId", "stationName", "interactionNodeIds"})
 TYPE_PROPERTIES = ("vehicleTypeNodeProperties", "vehicleTypeEdgeProperties")
 NEW_TYPE_PROPERTIES = ("mobileRobotTypeNodeProperties", "mobileRobotTypeEdgeProperties")
 TYPES = ("vehicleTypeIds", "vehicleTypeId", "mobileRobotTypes", "mobileRobotTypeIds", "mobileRobotTypeId")
-"""For which types of vehicles a property is: the names that the versions have for it. One of them stands in a file."""
+"""Names of the versions for the types of vehicles of a property. A file has one of them."""
 ACTIONS = ("actions", "requiredActions", "feasibleActions")
-"""What vehicles do there: `actions` until 2.0.0, which has those that they must do and those that they may do."""
+"""Names of the actions of vehicles there: `actions` until 2.0.0, which distinguishes required and possible ones."""
 
 NAMED = {
     "metaInformation": {"projectIdentification", "lifId", "creator", "exportTimestamp", "lifVersion"},
@@ -62,7 +62,7 @@ NAMED = {
         *("maximumMobileRobotHeight", "direction"),
     },
 }
-"""What the standard names, by kind of object. The rest is not understood."""
+"""Names of the standard, by kind of object. All others are unknown."""
 
 NOT_IN_A_PLANT = {
     "theta": "how a vehicle stands at a node",
@@ -92,18 +92,19 @@ NOT_IN_A_PLANT = {
     "forbiddenActionTypes": "actions that are forbidden",
     "stationType": "what a station is called to vehicles",
 }
-"""Understood, kept in the mapping, and not in a plant file: what each is about. What only names or describes is not spoken of."""
+"""Known values that are kept in the mapping, and not in a plant file, with their meanings. Names and descriptions are
+left out."""
 
 
 class Admitted:
-    """The types of vehicles that the properties of a node or an edge name; all, where one of them names none."""
+    """The types of vehicles that the properties of a node or an edge name; all, where a property names none."""
 
     def __init__(self) -> None:
         self._types: dict[str, None] = {}
         self._all = False
 
     def add(self, types: list[str]) -> None:
-        """Those of one entry."""
+        """Add the types of one entry."""
         self._types.update(dict.fromkeys(types))
         self._all = self._all or not types
 
@@ -114,7 +115,7 @@ class Admitted:
 
 
 class LifValues:
-    """Reads values, and says what is odd about them."""
+    """Reads values, and reports oddities."""
 
     def __init__(self, notes: Notes) -> None:
         self._notes = notes
@@ -206,12 +207,12 @@ class LifValues:
 
 
 def key_of(value: object) -> str:
-    """An id as text; empty for what is none."""
+    """An id as text; empty where there is none."""
     return str(value) if isinstance(value, str | int) and not isinstance(value, bool) else ""
 
 
 def number_of(value: object) -> float | None:
-    """A finite number, also one that is written as text; None for what is none."""
+    """A finite number, also one that is written as text; None for anything else."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None
     try:

@@ -10,11 +10,11 @@ from dray.plant.model import is_id
 FOREIGN = re.compile(r"[^A-Za-z0-9_.]+")
 
 UNSEEN = re.compile(r"[\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069]")
-"""What may not stand in a name (`dray.plant.model.Name`)."""
+"""Characters that a name may not have (`dray.plant.model.Name`)."""
 
 
 def shown(name: str, most: int = 80) -> str:
-    """A name of another system as it can be shown: without what cannot be seen, and cut."""
+    """A name of another system for display: without invisible characters, and cut."""
     return UNSEEN.sub("", name)[:most]
 
 
@@ -22,8 +22,8 @@ class Ids:
     """Ids in one space: each name gets one, and none is given twice.
 
     Args:
-        prefix: what stands before a name that does not begin with a letter.
-        taken: ids that are nobody's, in small letters.
+        prefix: precedes a name that does not begin with a letter.
+        taken: ids that must not be given, in small letters.
     """
 
     def __init__(self, prefix: str, taken: frozenset[str] = frozenset()) -> None:

@@ -1,4 +1,4 @@
-"""What was odd in a layout, or could not be taken: each with its place, alike ones together."""
+"""Oddities of a layout, and rejected data: each with its place, equal ones together."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import msgspec
 from dray.plant.file.reasons import Reason
 
 MAX_NOTES = 500
-"""Different ones that are spelt out; a file with more is not what it says to be."""
+"""Most different notes that are spelt out; a file with more has another format than it claims."""
 
 
 class Note(msgspec.Struct):
@@ -17,10 +17,10 @@ class Note(msgspec.Struct):
     """The first place: a JSON pointer, or the line and element of an XML file."""
     text: Reason
     count: int = 1
-    """How often the same was found."""
+    """Number of equal findings."""
 
     def line(self) -> str:
-        """For people."""
+        """A line for people."""
         more = f" ({self.count} times; this is the first)" if self.count > 1 else ""
         return f"{self.place}: {self.text}{more}" if self.place else f"{self.text}{more}"
 

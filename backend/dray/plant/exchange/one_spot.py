@@ -1,4 +1,4 @@
-"""Nodes on one spot that a turning edge joins, made one node: a plant has no headings, and two places on one spot are never both free."""
+"""Merges nodes on one spot that a turning edge joins: a plant has no headings, and such places are never both free."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ SPOT_M = 0.05
 
 
 def merge_spots(layout: TrackLayout, notes: Notes) -> None:
-    """Make nodes on one spot one, where edges lead from one to the other.
+    """Merge nodes on one spot where edges lead from one to the other.
 
-    Their edges become turns at the node, which are kept in the layout's `kept` as `turns`; the other nodes are kept with the first
-    one of the file as `same_spot`.
+    Their edges become turns at the node, which the layout's `kept` lists as `turns`. The node that comes first in the
+    file keeps the others as `same_spot`.
     """
     nodes = {node.original: node for node in layout.nodes}
     first = {name: name for name in nodes}
@@ -28,7 +28,7 @@ def merge_spots(layout: TrackLayout, notes: Notes) -> None:
 
     order = {name: index for index, name in enumerate(nodes)}
     for edge in layout.edges:
-        # From group to group, so that a chain of short edges does not draw its ends together.
+        # The groups' first nodes are compared, so that a chain of short edges does not join its ends.
         one, other = find(edge.start), find(edge.end)
         if one != other and _one_spot(nodes[one], nodes[other]):
             kept, gone = sorted((one, other), key=order.__getitem__)

@@ -1,4 +1,4 @@
-"""A layout put onto a plant: where things stand is from the layout, what it cannot tell is from the plant."""
+"""Puts a layout onto a plant: positions come from the layout, all other data from the plant."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray.plant.layout import lay_out
 from dray.plant.plant import Plant
 
 FLOOR = ("nodes", "lanes")
-"""Sections of the layout. Where a plant says of a lane what LIF cannot, it stays said."""
+"""Sections of the layout. The plant's data of a lane stay where LIF has none."""
 
 PLACES = ("warehouses", "storages", "chargers", "parkings", "machines")
 """Sections whose entries stand at nodes."""
@@ -20,10 +20,10 @@ Data = dict[str, Any]
 
 
 def put_onto(imported: Data, plant: Plant) -> Data:
-    """An imported plant file, with what is open in it taken from a plant.
+    """Take an imported plant file, and fill its open values from a plant.
 
-    Where the layout is the floor of the plant as it is driven, the plant itself comes out: its roads of two lanes are not taken
-    apart. A place whose node the layout does not have is open again (its node is null).
+    Where the layout is the floor of the plant as it is driven, the result is the plant itself: its two-lane roads are
+    not taken apart. A place whose node the layout does not have is open again (its node is null).
 
     Args:
         imported: `dray.plant.exchange.assemble.Imported.data`.
@@ -47,7 +47,7 @@ def put_onto(imported: Data, plant: Plant) -> Data:
         if vehicle["node"] not in nodes:
             vehicle["node"] = None
     placed = {place["id"] for section in PLACES for place in result[section]}
-    # Of a station that the plant has, it has settled what its other nodes are.
+    # A station that the plant already has needs no assignment, nor do its other nodes.
     result["unassigned"] = [
         one for one in imported["unassigned"] if not placed & {one["id"], one.get("part_of")}
     ]
@@ -58,7 +58,7 @@ def put_onto(imported: Data, plant: Plant) -> Data:
 
 
 def _name_floor(result: Data, other: Data) -> None:
-    """What vehicles call nodes and lanes, from another file, where that says it."""
+    """Copy the vehicles' names of nodes and lanes from another file, where it has any."""
     nodes: dict[str, Data] = {node["id"]: node for node in other["nodes"]}
     result["nodes"] = tuple(
         {**node, **_said(nodes.get(node["id"], {}), "originals", "map", "max_vehicle")}
@@ -78,7 +78,7 @@ def _name_floor(result: Data, other: Data) -> None:
 
 
 def _name_places(result: Data, imported: Data) -> None:
-    """What vehicles call places, from a layout."""
+    """Copy the vehicles' names of places from a layout."""
     sections = [imported.get(section) or () for section in ("unassigned", "chargers", "parkings")]
     names: dict[str, Data] = {place["id"]: place for places in sections for place in places}
     for section in PLACES:
@@ -97,7 +97,7 @@ def _floor(plant: Plant) -> Data:
 
 
 def _driven(data: Data) -> tuple[object, ...]:
-    """Nodes and directed lanes, whatever their order."""
+    """Nodes and directed lanes, independent of their order."""
     lanes = set()
     for lane in data["lanes"]:
         shape = tuple((corner["x_m"], corner["y_m"]) for corner in lane.get("shape", ()))

@@ -1,8 +1,9 @@
-"""Reading plant models of openTCS: 0.0.4, 0.0.5, 6.0.0 and 7.0.0; of older ones what they have in common with these.
+"""Reading plant models of openTCS: 0.0.4, 0.0.5, 6.0.0 and 7.0.0; for older ones, the parts in common with these.
 
-Millimetres, and millimetres in a second. A path is driven forwards from its source to its destination (`maxVelocity`), and backwards, the
-back of the vehicle ahead, from there to its source (`maxReverseVelocity`); a speed of 0 is none. Control points are in units of the
-drawing, its y axis downwards.
+Millimetres, and millimetres in a second. A path is driven forwards from its source to its destination
+(`maxVelocity`). It is driven backwards, with the back of the vehicle ahead, from there to its source
+(`maxReverseVelocity`). A speed of 0 forbids a direction. Control points are in units of the drawing, its y axis
+downwards.
 """
 
 from __future__ import annotations
@@ -28,13 +29,13 @@ from dray.plant.exchange.xml_tree import Element
 from dray.plant.file.reasons import Reason
 
 MODELS = ("0.0.4", "0.0.5", "6.0.0", "7.0.0")
-"""Versions of which a file of openTCS was read."""
+"""Versions of openTCS whose files were read."""
 
 M = 0.001
 """A millimetre."""
 
 LENGTH_OFF_FRAC = 0.05
-"""A path's length and its drawn shape may differ by so much before it is said."""
+"""Largest difference between a path's length and its drawn shape without a note."""
 
 INITIAL = ("tcs:initialPosition", "loopback:initialPosition", "initialPosition")
 """Properties of a vehicle that name the point where it begins."""
@@ -80,7 +81,7 @@ CHILDREN = {
 
 
 def read_opentcs(model: Element, notes: Notes) -> TrackLayout:
-    """A model as a layout; what is odd is said in the notes.
+    """A model as a layout; oddities are reported in the notes.
 
     Raises:
         ValueError: it is no model.
@@ -96,7 +97,7 @@ class _Reader:
         self._points: dict[str, Spot] = {}
         self._drawing = Drawing(model)
         self._stretch = 1.0
-        """Of the drawing, where points are taken from it."""
+        """Scale of the drawing, where points are taken from it."""
 
     def read(self) -> TrackLayout:
         model = self._model
@@ -126,7 +127,7 @@ class _Reader:
         return found
 
     def _spots(self) -> list[Spot | None]:
-        """Where the points lie; by the drawing in a model that was drawn and never given coordinates."""
+        """Positions of the points; from the drawing in a model without coordinates."""
         points = self._model.all("point")
         told = [self._spot(point) for point in points]
         drawn = [self._drawing.spot(point) for point in points]
@@ -187,7 +188,7 @@ class _Reader:
         )
 
     def _largest(self, point: Element) -> Spot | None:
-        """Length and width of the largest vehicle that may be at a point; None where the model does not say them."""
+        """Length and width of the largest vehicle that may be at a point; None where the model does not give them."""
         box = point.first("maxVehicleBoundingBox")
         if box is None:
             return None
@@ -371,7 +372,7 @@ class _Reader:
         return round(x * M, 6), round(y * M, 6)
 
     def _number(self, of: Element, *keys: str) -> float | None:
-        """The first attribute of these that there is; NaN is what openTCS writes for none."""
+        """The first existing attribute of these; NaN stands for none in openTCS."""
         key = next((key for key in keys if key in of.attributes), None)
         if key is None:
             return None
@@ -403,7 +404,7 @@ def _charges(word: str) -> bool:
 
 
 def _kept(of: Element, notes: Notes) -> dict[str, Any]:
-    """What a plant has no field for, for the mapping; said once."""
+    """Data without a field in a plant, for the mapping; reported once."""
     kept: dict[str, Any] = {}
     if properties := properties_of(of):
         kept["properties"] = properties

@@ -21,17 +21,17 @@ SAME_FRAC = 0.05
 """Lengths of paths agree about a scale when they differ by so much at most."""
 
 AGREEING_FRAC = 0.8
-"""Of the paths, that must agree before a drawing is scaled by their lengths."""
+"""Fraction of the paths that must agree before a drawing is scaled by their lengths."""
 
 SYMBOLS = ("tcs:defaultLocationTypeSymbol", "tcs:defaultLocationSymbol")
 """Properties that name the symbol of a location or its type."""
 
 RECHARGE = "rechargeOperation"
-"""How the property of a vehicle ends that names its operation for charging."""
+"""End of the name of a vehicle's property for its charging operation."""
 
 
 class Drawing:
-    """What an editor knows of a model.
+    """An editor's data of a model.
 
     Args:
         model: the root element.
@@ -45,7 +45,7 @@ class Drawing:
         }
 
     def spot(self, point: Element) -> Spot | None:
-        """Where a point is shown (m)."""
+        """Position of a point in the drawing (m)."""
         layout = point.first("pointLayout")
         told = {} if layout is None else layout.attributes
         old = self._told.get(point.attributes.get("name", ""), {})
@@ -59,7 +59,7 @@ class Drawing:
         return None if x is None or y is None else (x * M, y * M)
 
     def path(self, path: Element) -> tuple[str, list[tuple[str, str]]]:
-        """How a path is drawn, and its control points as they are written."""
+        """The connection type of a path, and its control points as they are written."""
         layout = path.first("pathLayout")
         if layout is not None:
             points = [
@@ -85,12 +85,12 @@ def properties_of(of: Element) -> dict[str, str]:
 
 
 def scale_by_lengths(model: Element, drawn: Mapping[str, Spot]) -> float:
-    """By how much a drawing is to be stretched so that its paths are as long as they say; 1 where they do not agree."""
+    """Scale of a drawing by which its paths get their given lengths; 1 where they do not agree."""
     found = []
     for path in model.all("path"):
         start, end = (drawn.get(path.attributes.get(key, "")) for key in ("sourcePoint", "destinationPoint"))
         told = number_of(path.attributes.get("length"))
-        # A length of 1 is what the editor writes where none is known.
+        # The editor writes a length of 1 where none is known.
         if start and end and told is not None and told > 1.0:
             length_m = hypot(end[0] - start[0], end[1] - start[1])
             if length_m > 0.0:

@@ -1,4 +1,4 @@
-"""What vehicles call the nodes, lanes and maps of an imported layout, in the plant file: the ids that the file had where ours are others.
+"""The vehicles' names of an imported layout's nodes, lanes and maps: the file's ids where they differ from ours.
 
 A vehicle that was set up with the layout knows no other ids. `dray.adapters.vda5050.control.names` says them to it.
 """
@@ -19,13 +19,13 @@ Data = dict[str, Any]
 
 
 class OriginalNames:
-    """Those of one layout; none of one that Dray has written.
+    """The original names of one layout; none for a layout that Dray has written.
 
     Args:
         layout: as it was read.
         ids: our id of each node.
-        moved_m: by how much each level was moved.
-        notes: where what cannot be taken is said.
+        moved_m: the offset of each level.
+        notes: takes reports of rejected data.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class OriginalNames:
         self._has_several = len(self._frames) > 1
 
     def node(self, node: TrackNode) -> Data:
-        """What a node's entry says of its names; nothing where the vehicles' are ours."""
+        """The names in a node's entry; none where the vehicles use ours."""
         if self._is_ours:
             return {}
         same = [other["original"] for other in node.kept.get("same_spot", ())]
@@ -58,7 +58,7 @@ class OriginalNames:
         return {**said, "map": node.map} if self._has_several and node.map else said
 
     def name_lanes(self, lanes: list[Data], mapping: list[Data]) -> None:
-        """Say in each lane what its edges are called: the first one of each direction."""
+        """Add the edges' names to each lane: the first one of each direction."""
         if self._is_ours:
             return
         told = {(entry["start"], entry["end"]): entry["original"] for entry in mapping if "start" in entry}
@@ -74,6 +74,6 @@ class OriginalNames:
             {key: value for key, value in frame.items() if key == "id" or value}
             for frame in self._frames.values()
         ]
-        # Without an id among others nobody can tell which one is meant.
+        # A map without an id among others is ambiguous.
         frames = [frame for frame in frames if frame["id"] or len(frames) == 1]
         return [] if frames == [{"id": ""}] else frames

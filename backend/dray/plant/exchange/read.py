@@ -16,7 +16,7 @@ from dray.plant.file.reasons import Reason
 from dray.plant.file.text_encoding import LOST, UnknownEncodingError, decode_text
 
 MAX_BYTES = 64 * 1024 * 1024
-"""Of a layout file. A LIF file takes about 1 KiB for an edge."""
+"""Largest layout file. A LIF file takes about 1 KiB for an edge."""
 
 
 def read_layout(
@@ -34,9 +34,9 @@ def read_layout(
         content: the file; its text where somebody else has read it.
         file: its name, for errors and for the id of the plant.
         plant: the id of the plant; from the file's name if it is empty.
-        name: what people call the plant; what the file says if it is empty.
+        name: of the plant, for people; from the file if it is empty.
         unit: of a LIF file, `m`, `cm` or `mm`; found out if it is empty.
-        layouts: of a LIF file, the ids of the layouts that are wanted; all if there are none.
+        layouts: of a LIF file, the ids of the wanted layouts; empty for all.
 
     Raises:
         PlantError: it is neither of them, or has no node.
@@ -63,10 +63,10 @@ def read_layout(
 
 
 def _text(content: bytes, notes: Notes) -> str:
-    """The text of a file, and in the notes what had to be guessed.
+    """The text of a file; guesses are reported in the notes.
 
     Raises:
-        ValueError: it is in no encoding that is read here.
+        ValueError: its encoding is not supported.
     """
     if content.lstrip(b" \t\r\n").startswith(b"<") and b"\0" not in content[:4]:
         return xml_text(content, notes)

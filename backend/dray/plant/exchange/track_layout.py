@@ -1,4 +1,4 @@
-"""A layout as any system gives it: nodes, directed edges, stations and vehicles, in metres, with the ids of the system."""
+"""A layout of any system: nodes, directed edges, stations and vehicles, in metres, with the ids of the system."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class TrackNode(msgspec.Struct):
     """A point of a layout."""
 
     original: str
-    """Its id, which no other node of the layout has."""
+    """Its id, which is unique in the layout."""
     place: str
-    """Where in the file it stands, for notes."""
+    """Its place in the file, for notes."""
     x_m: float
     y_m: float
     level: str = ""
@@ -30,13 +30,13 @@ class TrackNode(msgspec.Struct):
     types: list[str] = []
     """The types of vehicles that may be there; empty for all."""
     kept: dict[str, Any] = {}
-    """What the file says of it and a plant has no field for."""
+    """Data of the file without a field in a plant."""
     called: str = ""
-    """What the file calls it, where several of its layouts call a node so."""
+    """Its name in the file, where several of its layouts use the same one."""
 
     @property
     def name(self) -> str:
-        """What the file calls it."""
+        """Its name in the file."""
         return self.called or self.original
 
 
@@ -69,7 +69,7 @@ class TrackStation(msgspec.Struct):
 
 
 class TrackVehicleType(msgspec.Struct):
-    """A make of vehicles; what is None is not told."""
+    """A make of vehicles; None stands for an unknown value."""
 
     original: str
     length_m: float | None = None
@@ -95,7 +95,7 @@ class TrackLayout(msgspec.Struct):
     """`LIF 1.0.0`, say."""
     name: str
     ours: bool = False
-    """Whether Dray has written it: it is in metres, and each of its nodes is a place of its own."""
+    """Whether Dray has written it: then it is in metres, and each of its nodes is a separate place."""
     nodes: list[TrackNode] = []
     edges: list[TrackEdge] = []
     stations: list[TrackStation] = []

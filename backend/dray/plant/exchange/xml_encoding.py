@@ -1,4 +1,4 @@
-"""The text of an XML file in whatever encoding it is, also in one that it names wrongly.
+"""The text of an XML file in any encoding, also in one that it names wrongly.
 
 Expat knows UTF-8, UTF-16 and the encodings of one byte for a letter. Tools of Windows write others, and names that are none (`ANSI`, `unicode`).
 """
@@ -18,7 +18,7 @@ NO_TEXT = frozenset({"idna", "punycode", "unicode_escape", "raw_unicode_escape",
 """Codecs of Python that no file is in."""
 
 WIDE = ("utf-16", "utf-32")
-"""What has a mark, or zeros by which it is told."""
+"""Encodings with a mark, or with zeros that show them."""
 
 LATIN = frozenset({"iso8859-1", "ascii"})
 """Windows-1252 holds these, and its letters stand in files that claim them."""
@@ -37,7 +37,7 @@ def xml_text(content: bytes, notes: Notes) -> str:
         try:
             return content.decode(codec)
         except (UnicodeError, LookupError):
-            # Not all of Python's codecs are of texts. It is told below what it is instead.
+            # Some of Python's codecs are not for texts. The code below finds the real encoding.
             pass
     try:
         decoded = decode_text(content)

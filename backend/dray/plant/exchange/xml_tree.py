@@ -1,6 +1,6 @@
 """XML as a tree with line numbers, by expat of the standard library.
 
-A document type is refused: without one there are no entities, so no text grows beyond what is written and nothing is fetched.
+A document type is refused. Without one there are no entities, so no text grows beyond the file, and nothing is fetched.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ MAX_ELEMENTS = 2_000_000
 
 
 class Element(msgspec.Struct):
-    """One element; text between elements is not kept, no format here has any."""
+    """One element; text between elements is not kept, because no format here has any."""
 
     name: str
     attributes: dict[str, str]
@@ -23,11 +23,11 @@ class Element(msgspec.Struct):
     children: list[Element] = []
 
     def all(self, name: str) -> list[Element]:
-        """Its children of a name."""
+        """Its children with a name."""
         return [child for child in self.children if child.name == name]
 
     def first(self, name: str) -> Element | None:
-        """Its first child of a name."""
+        """Its first child with a name."""
         return next((child for child in self.children if child.name == name), None)
 
 
@@ -42,7 +42,7 @@ WORDS = {
     errors.codes[errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]: "something stands behind its last element",
     errors.codes[errors.XML_ERROR_UNCLOSED_TOKEN]: "it ends in the middle of an element",
 }
-"""What expat finds, in our words."""
+"""Errors of expat, in our words."""
 
 
 def read_xml(text: str) -> Element:

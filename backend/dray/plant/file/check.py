@@ -1,8 +1,8 @@
-"""What a plant file may not say although every entry of it has the right shape.
+"""Faults of a plant file whose entries all have the right shape.
 
-A fault is a pair of the field, as ``machines[3].node``, and the reason with what to do about it.
-All faults are found in one go; what depends on something faulty is not reported a second time.
-Where things stand and how they are joined is looked at by `dray.plant.file.check_floor`.
+A fault is a pair of the field, as ``machines[3].node``, and the reason with its remedy. All faults are found in one
+go; an entry that depends on a faulty one is not reported a second time. `dray.plant.file.check_floor` checks
+positions and lanes.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ RESERVED = {
     **dict.fromkeys((f"strategist{number}" for number in range(2, 10)), Reason("reserved_strategist")),
     **dict.fromkeys(("floor", "observer", "authority"), Reason("reserved_certificate")),
 }
-"""Names that are taken, in small letters: a machine or vehicle of such a name would get the messages of another,
-or its certificate and its log would replace those of another."""
+"""Reserved names, in small letters. A machine or vehicle with such a name would get the messages of another agent, or
+would replace its certificate and its log."""
 
 MAX_COMPARED = 5_000
 """Names that a misspelt one is compared with; about 30 ms."""
@@ -59,15 +59,15 @@ PLAUSIBLE = {
     "unload_s": (0.01, 1e5),
     "width_m": (0.1, 10.0),
 }
-"""Lowest and highest value: beyond them somebody has mistaken the unit, and a simulation would hang."""
+"""Lowest and highest value: beyond them the unit is wrong, and a simulation would hang."""
 
 
 LEAST_CHARGE_FRAC = 0.05
-"""Between two thresholds of charging: for less, the way to a charger is not worth it."""
+"""Smallest difference between two thresholds of charging: for less, the way to a charger is not worth it."""
 
 
 def faults(file: PlantFile) -> Iterator[Fault]:
-    """Everything in a plant file that does not fit together; nothing for a good one. Reasons have codes (`dray.plant.file.reasons`)."""
+    """All contradictions in a plant file; none in a good one. Reasons have codes (`dray.plant.file.reasons`)."""
     yield from _ids(file)
     yield from _references(file)
     yield from _values(file)
@@ -86,7 +86,7 @@ def faults(file: PlantFile) -> Iterator[Fault]:
 
 
 def item_faults(file: PlantFile) -> Iterator[Fault]:
-    """What does not fit together of materials, products, and who makes and carries them; the floor is not looked at.
+    """Contradictions among materials, products, their makers and their carriers, without the floor.
 
     Reasons have codes (`dray.plant.file.reasons`).
     """
@@ -112,7 +112,7 @@ def _ids(file: PlantFile) -> Iterator[Fault]:
 
 
 def _references(file: PlantFile) -> Iterator[Fault]:
-    """Names of things that are nowhere defined."""
+    """Names without a definition."""
     known = {
         section: {spec.id for spec in getattr(file, section)} for sections in SPACES for section in sections
     }
@@ -205,14 +205,14 @@ def _charging(file: PlantFile) -> Iterator[Fault]:
 
 
 def _items(file: PlantFile) -> Iterator[Fault]:
-    """Materials and products: how much, who can carry them, who makes them."""
+    """Faults of materials and products: quantities, carriers and makers."""
     kinds = {kind.id: kind for kind in file.vehicle_types}
     types = {vehicle.type for vehicle in file.fleet}
     abilities = {ability for name in types & kinds.keys() for ability in kinds[name].abilities}
     stored = stored_for_machines(file)
     made = {making.product for machine in file.machines for making in machine.makes}
     materials = {material.id: material for material in (*file.materials, *_parts(file))}
-    # Something unknown among them may be the misspelt one that is looked for: reported already.
+    # An unknown item may be a misspelt one, which is reported already.
     all_types = types <= kinds.keys()
     all_stored = stored <= materials.keys()
     all_made = made <= {product.id for product in file.products}
@@ -255,7 +255,7 @@ def _bill(product: Product, where: str, materials: Mapping[str, Material]) -> It
             reason = Reason("plant_bill", count=line.quantity, buffer=material.buffer, item=material.id)
             yield f"{where}.bill[{at}].quantity", reason
         elif line.quantity + material.lot > material.buffer:
-            # Else a machine could hold too little for a cycle and too much for the next container.
+            # Otherwise a machine could hold too little for a cycle and too much for the next container.
             reason = Reason(
                 "plant_bill_and_lot", count=line.quantity, lot=material.lot, buffer=material.buffer
             )

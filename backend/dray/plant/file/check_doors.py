@@ -1,4 +1,4 @@
-"""What a plant file may not say about its doors: each stands on lanes that it names, with room to wait before it."""
+"""Faults of doors in a plant file: each stands on the lanes that it names, with room to wait before it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Fault = tuple[str, str]
 
 
 def door_faults(file: PlantFile) -> Iterator[Fault]:
-    """Faults of doors, as (field, reason). Where lanes join what is not there, that is reported already."""
+    """Faults of doors, as (field, reason). Lanes with unknown ends are reported elsewhere."""
     if not file.doors:
         return
     lanes = lanes_between(file)

@@ -1,4 +1,4 @@
-"""What a plant file may not say about its floor: where things stand, and how lanes join them."""
+"""Faults of the floor in a plant file: positions and lanes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MIN_LANE_M = 0.05
 """Shorter lanes are two nodes on one spot."""
 
 MIN_PIECE_M = 0.01
-"""Between two corners of a lane; a shorter piece has no direction."""
+"""Shortest distance between two corners of a lane; a shorter piece has no direction."""
 
 MAX_CORNERS = 200
 """Corners of an area: every edge is compared with every other."""
@@ -116,7 +116,7 @@ def _directions(lane: Lane) -> tuple[tuple[str, str], ...]:
 
 
 def _two_lanes(file: PlantFile) -> Iterator[tuple[str, str]]:
-    """Lanes that say of themselves what they cannot be, and nodes that are called as a stop point is."""
+    """Lanes with impossible properties, and nodes with the names of stop points."""
     docks = dock_nodes(file)
     for index, lane in enumerate(file.lanes):
         if lane.two_lanes:
@@ -155,7 +155,7 @@ def _shapes(file: PlantFile) -> Iterator[tuple[str, str]]:
 
 
 def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
-    """Two vehicles cannot stand on one spot, and none in a crossing."""
+    """Faults of first positions: two vehicles on one spot, or one in a crossing."""
     if _is_joined(file):
         layout = floor_of(file)
         crossing_of = {node: each for each in layout.crossings.values() for node in each.nodes}
@@ -181,9 +181,9 @@ def _is_joined(file: PlantFile) -> bool:
 
 
 def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
-    """Everybody must be able to get from every dock to every other, or vehicles strand."""
+    """Every vehicle must be able to get from every dock to every other, or vehicles strand."""
     if not _is_joined(file):
-        # Which docks a misspelt lane was to join is anybody's guess.
+        # The docks of a misspelt lane are unknown.
         return
     layout = floor_of(file)
     nodes = {node.id for node in layout.nodes}
@@ -212,7 +212,7 @@ def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
 def _unreachable_by_type(
     file: PlantFile, roads: Roads, docks: list[tuple[str, str, str]]
 ) -> Iterator[tuple[str, str]]:
-    """A lane may be for some types of vehicles only; but each vehicle must get everywhere on lanes that are for it."""
+    """Docks that a type of vehicle cannot reach on lanes for it; each vehicle must get everywhere."""
     driving = {vehicle.type for vehicle in file.fleet}
     for index, kind in enumerate(file.vehicle_types):
         own = roads.for_type(kind.id)

@@ -1,6 +1,6 @@
-"""Bills of several levels: what a product is made of, down to materials, and what cannot be.
+"""Bills of several levels: the composition of a product, down to materials, and its faults.
 
-A chain is named from a product to what it is made of: `drive <- gearbox <- shaft`.
+A chain is named from a product to its parts: `drive <- gearbox <- shaft`.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from dray.plant.file.reasons import Reason
 from dray.plant.model import PlantFile, Product
 
 CHAIN_MAX = 8
-"""Names of one chain that are told; nobody reads more."""
+"""Most names of one chain that are shown."""
 
 
 def level_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
-    """What cannot be, as (field, reason): products that are made of themselves, and machines that use what they make."""
+    """Faults as (field, reason): products that are made of themselves, and machines that use their own products."""
     products = {product.id: product for product in file.products}
     told: set[frozenset[str]] = set()
     for index, product in enumerate(file.products):
@@ -50,7 +50,7 @@ def circle_of(product: str, products: Mapping[str, Product]) -> tuple[str, ...]:
 
 
 def made_into(file: PlantFile, item: str) -> str:
-    """What an item is needed for, to be added to a reason; empty when no product is made of it."""
+    """The products that need an item, to be added to a reason; empty when there is none."""
     way = [item]
     while (user := _user(file, way)) is not None:
         way.append(user)
@@ -65,7 +65,7 @@ def chain_told(way: Sequence[str]) -> str:
 
 
 def levels_of(file: PlantFile) -> int:
-    """How many levels of products lie above one another; 1 where all are made of materials alone."""
+    """Number of levels of products; 1 where all are made of materials alone."""
     products = {product.id: product for product in file.products}
     heights: dict[str, int] = {}
 

@@ -1,4 +1,4 @@
-"""What a plant file may not say of what vehicles call things, and of their maps."""
+"""Faults of the vehicles' names for things, and of their maps, in a plant file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Fault = tuple[str, str]
 
 
 def name_faults(file: PlantFile) -> Iterator[Fault]:
-    """Names of which nobody can tell what they mean, and maps that are nowhere said."""
+    """Ambiguous names, and unknown maps."""
     yield from _map_faults(file)
     owners: dict[tuple[str, str], str] = {}
     for index, node in enumerate(file.nodes):

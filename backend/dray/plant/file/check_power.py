@@ -1,7 +1,8 @@
-"""Chargers that cannot feed the vehicles of a plant: then they run flat, or never work, whatever is ordered.
+"""Faults of the chargers of a plant: too weak ones let vehicles run flat, or never work, under any demand.
 
-Vehicles stop working in time for the way to a charger and for the queue there (`dray.plant.charger_queue`). Two things make that
-impossible: what they use without any work is more than the chargers give, or the queue takes more than a battery holds.
+Vehicles stop working in time for the way to a charger and for the queue there (`dray.plant.charger_queue`). Two
+conditions make that impossible: the vehicles' consumption without any work exceeds the chargers' power, or the queue
+takes more than a battery holds.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ LARGER = 1.1
 """Batteries are tried in steps of this factor, when it is asked how large they must be."""
 
 FAR_TIMES, SLOW_MPS = 2.0, 0.3
-"""A battery that is enough for a way of twice the length of the floor, at this speed, is looked at no further."""
+"""Way, in lengths of the floor, and speed at which a battery that suffices needs no further check."""
 
 MOST_TIMES = 50.0
-"""Batteries so many times as large are no advice."""
+"""Largest multiple of a battery that is given as advice."""
 
 
 def power_faults(plant: Plant) -> Iterator[tuple[str, str]]:
@@ -59,7 +60,7 @@ def chargers_for_idle(plant: Plant) -> float:
 
 
 def most_needed_frac(plant: Plant, queue: ChargerQueue, kind: str) -> float:
-    """The most that must be left in a battery of a type at the end of a transport: at the place that is farthest from chargers."""
+    """Highest battery level that a type needs at the end of a transport: at the place that is farthest from chargers."""
     routes = plant.routes(kind, OPEN)
     most_frac = queue.needed_frac(kind, 0.0, 0.0)
     for place in (*plant.machines, *plant.storages, *plant.warehouses):
@@ -67,7 +68,7 @@ def most_needed_frac(plant: Plant, queue: ChargerQueue, kind: str) -> float:
         try:
             _, way = routes.nearest(node, plant.closest(node, plant.chargers, 1))
         except NoWay:
-            continue  # Told as a trap, where it matters.
+            continue  # It is reported as a trap, where it matters.
         most_frac = max(most_frac, queue.needed_frac(kind, way.length_m, way.duration_s))
     return most_frac
 
@@ -87,7 +88,7 @@ def _short(plant: Plant, queue: ChargerQueue) -> str:
 
 
 def _remedy(plant: Plant) -> tuple[Reason, ...]:
-    """What would be enough."""
+    """The sufficient changes."""
     found: list[Reason] = []
     for chargers in range(len(plant.chargers) + 1, len(plant.fleet) + 1):
         if not _short(plant, ChargerQueue(plant, chargers=chargers)):

@@ -1,4 +1,4 @@
-"""What a plant file may not say of stocks: of what lies in storages and source warehouses, and how more of it comes."""
+"""Faults of stocks in a plant file: the contents of storages and source warehouses, and their refills."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def stock_faults(file: PlantFile, materials: Sequence[Material]) -> Iterator[Fau
 
 
 def stocks_of(file: PlantFile) -> Iterator[tuple[str, Stock]]:
-    """What lies in storages and warehouses, with its field."""
+    """The stocks of storages and warehouses, with their fields."""
     for index, storage in enumerate(file.storages):
         yield from ((f"storages[{index}].stocks[{at}]", stock) for at, stock in enumerate(storage.stocks))
     for index, warehouse in enumerate(file.warehouses):
@@ -45,7 +45,7 @@ def stocks_of(file: PlantFile) -> Iterator[tuple[str, Stock]]:
 
 
 def stored_for_machines(file: PlantFile) -> set[str]:
-    """What machines can fetch somewhere: in storages, and in warehouses that give it to them."""
+    """Items that machines can fetch: in storages, and in warehouses that give them to machines."""
     direct = [stock for warehouse in file.warehouses if warehouse.direct for stock in warehouse.stocks]
     return {stock.material for storage in file.storages for stock in storage.stocks} | {
         stock.material for stock in direct
@@ -53,7 +53,7 @@ def stored_for_machines(file: PlantFile) -> set[str]:
 
 
 def once(names: Iterable[str], where: str, key: str) -> Iterator[Fault]:
-    """Each name at most once within one list."""
+    """Report names that occur twice within one list."""
     seen: set[str] = set()
     for at, name in enumerate(names):
         if name in seen:

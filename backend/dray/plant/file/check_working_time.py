@@ -1,4 +1,4 @@
-"""What does not fit together of a plant's working times."""
+"""Faults of a plant's working times."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dray.plant.working_time import WEEK_S, WorkingHours, WorkingTime
 
 
 def working_time_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
-    """As (field, reason); nothing where all fits."""
+    """The faults as (field, reason); none where all fit."""
     try:
         ZoneInfo(file.time_zone)
     except (OSError, ValueError, KeyError):

@@ -1,8 +1,8 @@
 """YAML text as plain values, with the line of every field: the only place that knows YAML.
 
-The text is read event by event rather than composed at once, because a file may come from anybody:
-deep nesting overflows the stack of the composer, and aliases let a few lines stand for gigabytes.
-Neither is of use in a plant file; both are refused by name.
+The text is read event by event rather than composed at once, because a file may come from any source. Deep nesting
+overflows the stack of the composer, and aliases let a few lines stand for gigabytes. A plant file needs neither; both
+are refused by name.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[mi
 
 
 LINE_CHARS = 110
-"""Where written lines are folded, as in our sources."""
+"""Width at which written lines are folded, as in our sources."""
 
 
 class Document(msgspec.Struct, frozen=True):
-    """What a YAML text says, and where."""
+    """The values of a YAML text, and their lines."""
 
     data: object
     """Mappings, lists, strings, numbers, booleans and None."""
@@ -64,8 +64,8 @@ def read_document(text: str, file: str) -> Document:
         file: its name, for errors.
 
     Raises:
-        PlantError: the text is no YAML, or uses what a plant file may not: aliases, tags, several
-            documents, keys that are no plain text, or nesting beyond `MAX_DEPTH`.
+        PlantError: the text is no YAML, or uses forbidden parts: aliases, tags, several documents, keys that are no
+            plain text, or nesting beyond `MAX_DEPTH`.
     """
     reader = _Reader(file)
     try:
@@ -119,7 +119,7 @@ class _Reader:
         return data
 
     def _value(self, event: yaml.Event, events: Iterator[yaml.Event], field: str, depth: int) -> object:
-        """The value that begins with `event`, taking from `events` what else belongs to it."""
+        """The value that begins with `event`; its other events are taken from `events`."""
         self.lines.setdefault(field, _line(event))
         if not isinstance(event, yaml.ScalarEvent | yaml.CollectionStartEvent):
             raise self._fault(field, "aliases (*name) are not allowed: write the value out", event)
@@ -159,7 +159,7 @@ class _Reader:
         return values
 
     def _scalar(self, event: yaml.ScalarEvent, field: str) -> object:
-        """A scalar as YAML 1.1 reads it; what only looks like a date stays text."""
+        """A scalar as YAML 1.1 reads it; a value that only looks like a date stays text."""
         tag: str = self._resolver.resolve(  # type: ignore[no-untyped-call]
             yaml.ScalarNode, event.value, event.implicit
         )

@@ -1,8 +1,8 @@
 """Reading a plant file: text to shapes to a checked `Plant`, or every fault by line and field.
 
-Three passes, each only when the one before it found nothing: the YAML (`document`), the shape of
-every entry (`model`), and how the entries fit together (`check`). Of a file that is not finished (`unfinished`) what is open is
-named, and how its lanes fit together, as far as they are drawn.
+There are three passes, each only when the one before it found nothing. They check the YAML (`document`), the shape of
+every entry (`model`), and the relations between entries (`check`). In an unfinished file (`unfinished`) open values
+are named, and contradictions among the lanes that are drawn.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ MAX_BYTES = 8 * 1024 * 1024
 """A plant of 200 machines and 500 vehicles takes 0.3 MiB; more than this is some other file."""
 
 MAX_FAULTS = 100
-"""Faults that are spelt out; whoever has more corrects these first."""
+"""Most faults that are spelt out; an author with more corrects these first."""
 
 MISFITS = (
     (re.compile("^Object missing required field `(?P<name>.*)`$"), "missing"),
@@ -48,7 +48,7 @@ MISFITS = (
     (re.compile("^Expected `(?P<wanted>.*)` (?P<bound>.*)$"), "bounds"),
     (re.compile("^Invalid enum value (?P<value>.*)$"), "none_of_these"),
 )
-"""What msgspec says of a value that is not of its kind, and our code of it."""
+"""Messages of msgspec for a value of another kind, with our codes."""
 
 DEFAULT_PLANT = "default.yaml"
 """The factory of the paper's Figure 1, part of the package."""
@@ -113,7 +113,7 @@ def parse_plant(text: str, name: str) -> Plant:
 
     Args:
         text: YAML.
-        name: what to call it in errors, usually its path.
+        name: of the text in errors, usually its path.
 
     Raises:
         PlantError: it has one fault.
@@ -147,7 +147,7 @@ def document_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
         yield from misfits or power_faults(Plant(file))
         return
     yield from found
-    # What depends on something faulty is not reported a second time, nor is what stands in for something open.
+    # An entry that depends on a faulty one is not reported a second time, nor are placeholders for open values.
     rest = None if shape else drawable(data)[1]
     if rest is not None:
         named = {field for field, _ in found}
@@ -155,7 +155,7 @@ def document_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
 
 
 def unfinished_plant(path: str | Path) -> tuple[Plant, tuple[PlantError, ...]]:
-    """What can be drawn of a plant file, and what keeps it from being run.
+    """The drawable part of a plant file, and the faults that keep it from being run.
 
     Raises:
         PlantError: it cannot be read at all.
@@ -180,7 +180,7 @@ def with_machine(plant: Plant, spec: MachineSpec, name: str) -> Plant:
     Args:
         plant: as it was.
         spec: the joining agent.
-        name: what to call the joining agent in errors, usually the path of its file.
+        name: of the joining agent in errors, usually the path of its file.
 
     Raises:
         PlantError: it does not fit into this plant.
@@ -254,7 +254,7 @@ def shipped_plant(name: str) -> Plant:
 
 
 def sum_up(plant: Plant) -> str:
-    """What is in a plant, in one line."""
+    """The contents of a plant, in one line."""
     road_m = sum(lane.length_m for lane in plant.lanes)
     return (
         f"{plant.id} ({plant.name}): {len(plant.machines)} machines in {len(plant.stations)} stations, "
@@ -288,7 +288,9 @@ def _first(document: Document, name: str, found: Iterable[tuple[str, str]]) -> l
 
 
 def _shape_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
-    """The first fault of every entry, as (field, reason); none when the whole has the right shape. What is open is no fault here.
+    """The first fault of every entry, as (field, reason); none when the whole has the right shape.
+
+    Open values are no faults here.
 
     Entries are tried one by one because msgspec stops at the first fault that it meets.
     """
@@ -326,7 +328,7 @@ def _section_faults(name: str, value: object, kind: object) -> Iterator[tuple[st
 def _rest_faults(
     where: str, entry: dict[str, object], kind: type[msgspec.Struct]
 ) -> Iterator[tuple[str, str]]:
-    """What is wrong with an entry beside what is open in it."""
+    """Faults of an entry beside its open values."""
     types = {field.name: field.type for field in msgspec.structs.fields(kind)}
     for name, value in entry.items():
         if name not in types:
@@ -351,7 +353,7 @@ def _misfit(field: str, value: object, kind: object) -> tuple[str, str] | None:
 
 
 def _reason(words: str) -> Reason:
-    """What msgspec says, with our code."""
+    """The message of msgspec, with our code."""
     for form, code in MISFITS:
         if found := form.match(words):
             return Reason(code, **found.groupdict())

@@ -26,7 +26,7 @@ ITEM_TEXTS: Mapping[str, str] = {
     "plant_own_part": "{machine} makes {part}, of which {item} is made: "
     "a machine does not use what it makes; let another one make one of both",
 }
-"""By code, with what is filled in: reasons that a product has, too, which is no part of a plant file."""
+"""Texts by code, with placeholders: reasons that also apply to a product outside a plant file."""
 
 PART_TEXTS: Mapping[str, str] = {
     "and": "{one} and {other}",
@@ -118,7 +118,7 @@ SHAPE_TEXTS: Mapping[str, str] = {
     "none_of_these": "invalid enum value {value}",
     "misfit": "{words}",
 }
-"""What is wrong with the shape of an entry, or is open in it."""
+"""Faults of an entry's shape, and open values."""
 
 FAULT_TEXTS: Mapping[str, str] = {
     "id_reserved": "{name} is {taken}: choose another",
@@ -181,7 +181,7 @@ FAULT_TEXTS: Mapping[str, str] = {
     "charger_wait": "{chargers}: {type} may wait {wait_s:.0f} s while others charge, and its battery does not last for that, "
     "the way and some work: {remedy}",
 }
-"""What does not fit together in a plant file."""
+"""Contradictions in a plant file."""
 
 ADVICE_TEXTS: Mapping[str, str] = {
     "asked_load": "{text}; orders of {load_pct:.1f}% cannot be served",
@@ -219,7 +219,7 @@ ADVICE_TEXTS: Mapping[str, str] = {
     "touch": "lanes cross or touch without a common node: {pairs}; vehicles on them are not kept apart: "
     "give them a node where they meet, or move them apart",
 }
-"""What will starve, or is too narrow, in a plant that can be run."""
+"""Shortages and narrow places of a plant that can be run."""
 
 NOTE_TEXTS: Mapping[str, str] = {
     "note_edge_none_its_types_may": "edge {edge}: none of its types ({named}) may be at both of its nodes: taken for these types all the same",
@@ -313,7 +313,7 @@ NOTE_TEXTS: Mapping[str, str] = {
     "note_plan_in_millimetres": "it does not say its unit: millimetres are assumed, since it is {length:.0f} long",
     "note_plan_in_metres": "it does not say its unit: metres are assumed, since it is {length:.0f} long",
 }
-"""What was odd in a layout or a floor plan, or could not be taken."""
+"""Oddities of a layout or a floor plan, and rejected data."""
 
 PLAYED_TEXTS: Mapping[str, str] = {
     "played_late": "{on_time}% of {due} orders on time, and no one resource is short: the orders come together or are due too early for the ways and cycles",
@@ -334,7 +334,7 @@ PLAYED_TEXTS: Mapping[str, str] = {
     "played_no_report": "the simulator gave no report",
     "played_broken_off": "it was broken off",
 }
-"""What came of a shift that was played: the bottleneck, or why there is none."""
+"""Results of a shift that was played: the bottleneck, or why there is none."""
 
 TEXTS: Mapping[str, str] = {
     **ITEM_TEXTS,
@@ -345,10 +345,11 @@ TEXTS: Mapping[str, str] = {
     **NOTE_TEXTS,
     **PLAYED_TEXTS,
 }
-"""By code, with what is filled in."""
+"""All texts by code, with placeholders."""
 
 Value = object
-"""What is filled in: a text, a number, another reason, or several of them (a tuple), which are told with commas."""
+"""Value of a placeholder: a text, a number, another reason, or several of them (a tuple), which are joined with
+commas."""
 
 
 class Reason(str):
@@ -356,7 +357,7 @@ class Reason(str):
 
     Args:
         code: one of `TEXTS`.
-        values: what is filled in.
+        values: of the placeholders.
     """
 
     __slots__ = ("code", "values")
@@ -375,7 +376,7 @@ class Reason(str):
         return reason
 
     def __reduce__(self) -> tuple[object, ...]:
-        # It comes whole out of another process.
+        # Pickle it whole, for another process.
         return _again, (self.code, self.values)
 
 
@@ -403,11 +404,13 @@ def counted(one: str, many: str, count: int) -> Reason:
 
 
 def told(reason: str, named: Callable[[str], str]) -> dict[str, Any]:
-    """What is filled into a reason, as JSON: of a reason in it `code`, `values` and `text`. Empty for a text without a code.
+    """The values of a reason as JSON; an inner reason has `code`, `values` and `text`.
+
+    Empty for a text without a code.
 
     Args:
         reason: with or without a code.
-        named: how a text that is filled in is told.
+        named: formats a text among the values.
     """
     if not isinstance(reason, Reason):
         return {}

@@ -19,13 +19,14 @@ BOMS = (
 WINDOWS = "windows-1252"
 
 SAMPLE_BYTES = 4_096
-"""From the start of a file without a mark: enough to see UTF-16."""
+"""Size of the sample from the start of a file without a mark: enough to recognise UTF-16."""
 
 ZEROS_FRAC = 0.3
-"""Of every second byte, from which a file is UTF-16: in Western languages nearly all of them are zero."""
+"""Fraction of zeros among every second byte from which a file is UTF-16: in Western languages nearly all of them are
+zero."""
 
 LOST = "\ufffd"
-"""What a program writes for a character that it could not read."""
+"""A program's replacement for a character that it could not read."""
 
 _MISREAD = re.compile(r"[^\W\d_](?:[‚ƒ„…†‡ˆ‰‹“”•˜›][^\W\d_]|[ŠŒŽŸ][a-zß-ÿ])")  # noqa: RUF001 - these are the marks that are meant
 """Marks and capitals inside of a word, where letters stand in an older code page (DOS, Macintosh)."""
@@ -36,7 +37,7 @@ class Decoded(msgspec.Struct, frozen=True):
 
     text: str
     encoding: str
-    """As `utf-8`."""
+    """Name of the encoding, as `utf-8`."""
     assumed: bool = False
     """Whether nothing in the file tells its encoding, and it is not UTF-8."""
 

@@ -1,7 +1,8 @@
-"""A plant file that is not finished: what is open in it, and what of it can be drawn.
+"""An unfinished plant file: its open values, and its drawable part.
 
-Open is what stands there as null (`~`, or nothing after the colon) although the plant needs a value, and a station of which nobody
-has said what it is (`Unassigned`). Imported layouts and drafts of the editor are such files. `dray plant check` names all of it.
+A value is open if it is null (`~`, or nothing after the colon) although the plant needs it; so is a station without a
+purpose (`Unassigned`). Imported layouts and drafts of the editor are such files. `dray plant check` names all open
+values.
 """
 
 from __future__ import annotations
@@ -20,20 +21,21 @@ Fault = tuple[str, str]
 """Field and reason."""
 
 AT_LEAST_M = 1.0
-"""Of a floor that nobody has measured, beyond its last node; and the sides of a box that nobody has measured."""
+"""Margin of an unmeasured floor beyond its last node, and sides of an unmeasured box."""
 
 HINTED = frozenset(code.removeprefix("hint_") for code in PART_TEXTS if code.startswith("hint_"))
-"""Names of fields of which a hint says what to write."""
+"""Names of fields for which there is a hint."""
 
 BOXED = ("warehouses", "storages", "chargers", "machines")
 """Sections whose entries stand somewhere on the floor."""
 
 PLACEHOLDERS: Mapping[str, object] = {"bill": (), "kind": "source", "makes": (), "name": "", "stocks": ()}
-"""What stands in a picture for a field that is open or wrong. What is not in here and has no default leaves its entry out."""
+"""Placeholders in a picture for open or wrong fields. An entry is left out if a field of it has neither a placeholder
+nor a default."""
 
 
 def open_points(data: Mapping[str, object]) -> Iterator[Fault]:
-    """What is open in a file: nulls in place of values, and stations that are unassigned."""
+    """The open values of a file: nulls in place of values, and unassigned stations."""
     yield from _nulls("", data, PlantFile)
     stations = data.get("unassigned")
     if isinstance(stations, list):
@@ -43,7 +45,7 @@ def open_points(data: Mapping[str, object]) -> Iterator[Fault]:
 
 
 def unassigned_fault(index: int, name: str, node: str) -> Fault:
-    """That nobody has said what a station is."""
+    """The fault of a station without a purpose."""
     return f"unassigned[{index}]", Reason("unassigned", name=name, node=node)
 
 
@@ -55,14 +57,14 @@ def has_null(value: object) -> bool:
 
 
 def drawable(data: Mapping[str, object]) -> tuple[Plant, PlantFile | None]:
-    """A plant of what can be drawn of a file, to be looked at and not to be run.
+    """A plant of the drawable part of a file, to be looked at and not to be run.
 
     Args:
         data: the file, of any shape.
 
     Returns:
-        The plant, without what refers to nothing; and the file with its open fields replaced, to check how the rest fits together.
-        That is None where an entry had to be left out, since then its fields are not those of the file.
+        The plant, without broken references; and the file with its open fields replaced, to check the relations of
+            the rest. The file is None where an entry had to be left out, since then its indexes differ.
     """
     whole = True
     sections: dict[str, Any] = {}
@@ -82,7 +84,7 @@ def drawable(data: Mapping[str, object]) -> tuple[Plant, PlantFile | None]:
         sections[name] = tuple(_boxed(place, spots.get(place.node)) for place in sections[name])
     plain = _plain(data, sections)
     if not sections["vehicle_types"]:
-        # Nobody knows how wide a road of two lanes would be.
+        # The width of a two-lane road is unknown.
         plain["two_lanes"] = False
         sections["lanes"] = tuple(msgspec.structs.replace(lane, two_lanes=None) for lane in sections["lanes"])
     file = PlantFile(**plain, **sections)
@@ -90,14 +92,14 @@ def drawable(data: Mapping[str, object]) -> tuple[Plant, PlantFile | None]:
 
 
 def bare(kind: object) -> object:
-    """A type without what is annotated to it."""
+    """A type without its annotations."""
     while get_origin(kind) is Annotated:
         kind = get_args(kind)[0]
     return kind
 
 
 def entry_type(section: object) -> Any:
-    """The type of the entries of a list: X of ``tuple[X, ...]``, annotated or not; None for what is no list of structs."""
+    """The type of the entries of a list, as X of ``tuple[X, ...]``, annotated or not; None for anything else."""
     section = bare(section)
     if get_origin(section) is not tuple:
         return None
@@ -129,7 +131,7 @@ def _nulls(where: str, value: object, kind: object) -> Iterator[Fault]:
 
 
 def _filled(entry: object, kind: Any) -> Any:
-    """An entry with what is open or wrong in it replaced; None where that cannot be."""
+    """An entry with its open or wrong values replaced; None where that is impossible."""
     if not isinstance(entry, dict):
         return None
     values: dict[str, object] = {}
@@ -174,7 +176,7 @@ def _plain(data: Mapping[str, object], sections: Mapping[str, Any]) -> dict[str,
 
 
 def _connected(sections: Mapping[str, Any]) -> dict[str, Any]:
-    """The sections without what refers to nothing."""
+    """The sections without broken references."""
     nodes = {node.id: node for node in sections["nodes"]}
     types = {kind.id for kind in sections["vehicle_types"]}
     kept: dict[str, Any] = {**sections, "nodes": tuple(nodes.values())}

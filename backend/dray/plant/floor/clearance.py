@@ -1,4 +1,4 @@
-"""How far vehicles are apart that stand, turn on the spot or drive, and how far they must be."""
+"""Distances between vehicles that stand, turn on the spot or drive, and the required ones."""
 
 from __future__ import annotations
 
@@ -9,24 +9,26 @@ from dray.plant.layout import MARGIN_M, Size
 from dray.plant.model import Node
 
 CLEARANCE_M = 0.005
-"""Between two vehicles that right of way keeps apart, at the least: five times what the coordinates of stop points are rounded by."""
+"""Smallest gap between two vehicles that right of way keeps apart: five times the rounding of stop points'
+coordinates."""
 
 SHARPEST_SIN = 0.2
-"""Lanes that leave a node at less than 12 degrees are one road: they are told apart by their ends only."""
+"""Sine of the smallest angle between separate lanes. Lanes that leave a node at less than 12 degrees are one road,
+and differ by their ends only."""
 
 SAME_RAD = 1e-6
-"""Directions that differ by less are one: nobody turns."""
+"""Smallest difference of directions at which a vehicle turns."""
 
 STEP_M = 1e-4
-"""By so much a corner of a turning vehicle moves at least before it is looked at again."""
+"""Smallest step of a turning vehicle's corner."""
 
 
 def clear_m(length_m: float, width_m: float, angle_rad: float) -> float:
-    """From a node along a lane until a vehicle is clear of those that drive on another lane at this angle to it.
+    """Distance from a node along a lane at which a vehicle is clear of those on another lane at this angle.
 
     Args:
         length_m: of the largest vehicle.
-        width_m: likewise.
+        width_m: of the largest vehicle.
         angle_rad: between the two directions, from 0 to half a turn.
     """
     spacing_m = length_m / 2.0 + hypot(length_m, width_m) / 2.0 + MARGIN_M
@@ -46,9 +48,9 @@ def turn_rad(before_rad: float, after_rad: float) -> float:
 
 
 def turning_gap_m(size: Size, node: Node, before_rad: float, after_rad: float, other: Rectangle) -> float:
-    """How far a vehicle that turns on the spot keeps from what another one covers; below 0 how deep they overlap.
+    """Gap between a vehicle that turns on the spot and the area of another one; below 0 the depth of their overlap.
 
-    It stops looking where there is less than `CLEARANCE_M`: what it has found then is returned.
+    The search ends at a gap below `CLEARANCE_M`, and returns that one.
     """
     turn = turn_rad(before_rad, after_rad)
     sign, most, turned = (1.0 if turn >= 0.0 else -1.0), abs(turn), 0.0
@@ -59,5 +61,5 @@ def turning_gap_m(size: Size, node: Node, before_rad: float, after_rad: float, o
         least = min(least, gap)
         if turned >= most or least < CLEARANCE_M:
             return least
-        # No corner comes nearer faster than it moves on its circle.
+        # A corner approaches no faster than it moves on its circle.
         turned = min(most, turned + max(gap - CLEARANCE_M, STEP_M) / covers.radius_m)

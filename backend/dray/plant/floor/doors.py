@@ -1,8 +1,8 @@
-"""Doors on lanes: which of the lanes that vehicles drive lead through which door, and what its leaf covers.
+"""Doors on lanes: the driven lanes through each door, and the area of its leaf.
 
-A door stands in the middle of its lane. Whoever wants through waits at the lane's first node, where it can still turn round, and
-enters the lane only when the door stands open; of a road of two lanes those are the stop points before and after the door, from
-which no lane leads back. While anybody is on the lane the door stays open.
+A door stands in the middle of its lane. A vehicle waits at the lane's first node, where it can still turn round, and
+enters the lane only when the door stands open. On a two-lane road, those nodes are the stop points before and after
+the door, from which no lane leads back. While a vehicle is on the lane the door stays open.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ Ends = tuple[str, str]
 """A lane in one direction, by its nodes."""
 
 LEAF_M = 0.2
-"""How thick a door is."""
+"""Thickness of a door."""
 
 
 def doors_on(file: PlantFile, layout: Layout) -> dict[Ends, Door]:
-    """The doors of a file by the lanes that are driven through them, in each direction; what names no such lane is left out."""
+    """The doors of a file by the driven lanes through them, in each direction; doors without such a lane are left out."""
     lanes = lanes_between(file)
     driven = {(lane.start, lane.end): lane.both_ways for lane in layout.lanes}
     found: dict[Ends, Door] = {}
@@ -44,11 +44,11 @@ def lanes_between(file: PlantFile) -> dict[Ends, Lane]:
 
 
 def driven_through(lane: Lane, driven: Mapping[Ends, bool]) -> Iterator[Ends]:
-    """The lanes that are driven where a lane of the file lies, in each direction; none where it is no lane that a door can stand on.
+    """The driven lanes in place of a lane of the file, in each direction; none where a door cannot stand on it.
 
     Args:
         lane: of the file.
-        driven: the lanes of the layout by their ends, and whether they are driven both ways.
+        driven: the lanes of the layout by their ends, and whether they are two-way.
     """
     ends = lane.start, lane.end
     if lane.shape:
@@ -72,7 +72,7 @@ def doors_along(doors: Iterable[Door], lanes: Iterable[Lane]) -> tuple[Door, ...
 
 
 def leaf_of(lane: DirectedLane, nodes: Mapping[str, Node], types: Mapping[str, VehicleType]) -> Rectangle:
-    """What the shut door on a lane covers: as wide as the widest vehicle, and a margin on either side."""
+    """The area of the shut door on a lane: as wide as the widest vehicle, with a margin on either side."""
     start, end = nodes[lane.start], nodes[lane.end]
     width_m = max((kind.width_m for kind in types.values()), default=0.0) + 2.0 * MARGIN_M
     middle = (start.x_m + end.x_m) / 2.0, (start.y_m + end.y_m) / 2.0

@@ -48,7 +48,7 @@ def box_of(polygon: Sequence[Point]) -> tuple[float, float, float, float]:
 
 
 def distance_m(point: Point, polygon: Sequence[Point]) -> float:
-    """How far a point lies outside of a polygon; 0 for one inside or on its border."""
+    """Distance of a point outside of a polygon; 0 for one inside or on its border."""
     if inside(point, polygon):
         return 0.0
     return min(_distance_to_edge_m(point, start, end) for start, end in edges(polygon))
@@ -75,7 +75,7 @@ def crossing(first: tuple[Point, Point], second: tuple[Point, Point]) -> bool:
 
 
 def crossed_edges(polygon: Sequence[Point]) -> tuple[int, int] | None:
-    """Two edges of a polygon that meet although they should not, by index; None where it is simple.
+    """Two edges of a polygon that meet or overlap against the rules, by index; None where it is simple.
 
     Edge `i` begins at corner `i`. Neighbours share one corner and may not overlap otherwise.
     """

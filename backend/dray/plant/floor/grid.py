@@ -1,7 +1,7 @@
 """The grid of cells that announcements are addressed to.
 
-A vehicle listens to the cell it is in, a machine announces to the cells within its radius: what an
-announcement costs then depends on the radius, not on the size of the plant.
+A vehicle subscribes to its own cell, and a machine announces to the cells within its radius. So the cost of an
+announcement depends on the radius, not on the size of the plant.
 """
 
 from __future__ import annotations
@@ -62,5 +62,5 @@ def _clip(index: float, count: int) -> int:
 
 
 def _gap(value_m: float, low_m: float, high_m: float) -> float:
-    """How far a value lies outside of an interval; 0 inside."""
+    """Distance of a value outside of an interval; 0 inside."""
     return max(low_m - value_m, 0.0, value_m - high_m)

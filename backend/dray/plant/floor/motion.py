@@ -1,14 +1,13 @@
-"""How long a vehicle takes for a way: pure kinematics in closed form.
+"""The duration of a vehicle's way: pure kinematics in closed form.
 
-A vehicle speeds up and brakes with one constant acceleration, keeps to the limit of every lane,
-passes a bend at its turning speed at most, and stands at the beginning and at the end of a way,
-and before a door until that is open.
-The fastest motion within those bounds is a chain of trapezoids of speed over time, one per run
-(triangles where a run is too short to reach its limit), and its duration is exact.
+A vehicle speeds up and brakes with one constant acceleration, keeps to the limit of every lane, and passes a bend at
+its turning speed at most. It stands at both ends of a way, and before a door until that is open. The fastest motion
+within those bounds is a chain of trapezoids of speed over time, one per run. A run that is too short to reach its
+limit has a triangle. The duration is exact.
 
-A *run* is a piece of a way on which nothing changes: straight lanes of one limit in a row. It is a
-tuple of its length (m), its speed limit (m/s) and the highest speed at its end (m/s), and not a
-class, because a way into a large plant makes a million of them.
+A *run* is a piece of a way with constant properties: straight lanes of one limit in a row. It is a tuple of its
+length (m), its speed limit (m/s) and the highest speed at its end (m/s). It is not a class, because a way into a
+large plant makes a million of them.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ def limit_mps(lane: DirectedLane, vehicle: VehicleType) -> float:
 
 
 def lane_s(lane: DirectedLane, vehicle: VehicleType) -> float:
-    """What a lane costs: its time at the highest speed there, and that of its door."""
+    """The cost of a lane: its time at the highest speed there, and that of its door."""
     return lane.length_m / limit_mps(lane, vehicle) + lane.opening_s
 
 
@@ -45,7 +44,7 @@ def runs_s(runs: Sequence[Run], rate_mps2: float) -> float:
     """The least time from standstill at the beginning of the first run to standstill at the end of the last.
 
     Args:
-        runs: in the order of driving; the last one ends at 0 m/s whatever it says.
+        runs: in the order of driving; the last one ends at 0 m/s in any case.
         rate_mps2: acceleration and braking, above 0.
 
     Returns:

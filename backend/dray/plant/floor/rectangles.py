@@ -1,4 +1,4 @@
-"""Rectangles on the floor, as vehicles cover them: how far two are apart, and what a driven lane covers."""
+"""Rectangles on the floor, as areas of vehicles: the gap between two, and the area of a driven lane."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class Rectangle(msgspec.Struct, frozen=True, gc=False):
 
     @property
     def radius_m(self) -> float:
-        """Of the circle around it."""
+        """Radius of the circle around it."""
         return hypot(self.length_m, self.width_m) / 2.0
 
 
 def gap_m(first: Rectangle, second: Rectangle) -> float:
-    """How far two rectangles are apart at least; below 0 how deep they overlap.
+    """Lower bound of the distance between two rectangles; below 0 the depth of their overlap.
 
-    Along each of the four directions of their sides they are as far apart as their shadows; they overlap where they do
-    in all four (separating axes). The true distance is this or more, where the nearest points are two corners.
+    Their shadows are compared along each of the four directions of their sides; they overlap where the shadows do in
+    all four (separating axes). The true distance is this or more, where the nearest points are two corners.
     """
     dx_m, dy_m = second.x_m - first.x_m, second.y_m - first.y_m
     ahead_x, ahead_y = cos(first.heading_rad), sin(first.heading_rad)
@@ -45,12 +45,12 @@ def gap_m(first: Rectangle, second: Rectangle) -> float:
 
 
 def standing(node: Node, heading_rad: float, length_m: float, width_m: float) -> Rectangle:
-    """What a vehicle covers that stands on a node."""
+    """The area of a vehicle that stands on a node."""
     return Rectangle(node.x_m, node.y_m, heading_rad, length_m, width_m)
 
 
 def driven(start: Node, end: Node, length_m: float, width_m: float) -> Rectangle:
-    """What a vehicle covers, at one time or another, that drives from one node to another."""
+    """The area that a vehicle covers on its drive from one node to another."""
     dx_m, dy_m = end.x_m - start.x_m, end.y_m - start.y_m
     return Rectangle(
         (start.x_m + end.x_m) / 2.0,

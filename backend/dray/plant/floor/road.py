@@ -1,4 +1,4 @@
-"""One direction of a road between two crossings, and the ways from one to the next: who may drive there, and how fast."""
+"""One direction of a road between two crossings, and the ways over crossings, with their types of vehicles and limits."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class Road(msgspec.Struct):
     end: str
     speed_limit_mps: float
     offset_m: float
-    """To the right of the middle; 0 for a one-way road."""
+    """Distance to the right of the middle; 0 for a one-way road."""
     stops: tuple[Node, ...] = ()
-    """In the order of driving: one or two."""
+    """One or two, in the order of driving."""
     types: tuple[LaneType, ...] = ()
 
     def lane(self, start: str, end: str) -> Lane:
@@ -25,7 +25,7 @@ class Road(msgspec.Struct):
 
 
 def over_crossing(entered: Road, before: str, left: Road, after: str) -> Lane | None:
-    """The way over a crossing, for whoever may drive on both roads; None where nobody may."""
+    """The way over a crossing, for types of vehicles that may drive on both roads; None where there is no such type."""
     limit_mps = min(entered.speed_limit_mps, left.speed_limit_mps)
     types = entered.types or left.types
     if entered.types and left.types:

@@ -1,9 +1,9 @@
-"""Lanes that are not straight, as vehicles drive on them: a chain of short straight lanes over the corners of the shape.
+"""Curved lanes as they are driven: a chain of short straight lanes over the corners of the shape.
 
     a --- b         a lane from a to b with two corners:  a -> a.to-b.1 -> a.to-b.2 -> b
 
-Nobody stops between its ends: the whole lane is one `Crossing` of the layout, named as the stop point of a straight one would be, so a
-vehicle enters it only when it may drive to its end. Its length is that of the chain.
+No vehicle stops between its ends. The whole lane is one `Crossing` of the layout, with the name that a straight one's
+stop point would have. So a vehicle enters it only when it may drive to its end. Its length is that of the chain.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _chained(layout: Layout) -> Layout:
         ends = _ends(chain)
         within = crossed.get((lane.start, lane.end))
         if within is None:
-            # A crossing of its own.
+            # The lane becomes a crossing.
             name = name_after(lane.start, lane.end)
             middle = corners[len(corners) // 2]
             crossings[name] = Crossing(
@@ -92,7 +92,7 @@ def _chained(layout: Layout) -> Layout:
                 inner=tuple(corner.id for corner in corners),
             )
         else:
-            # It joins what is one crossing already.
+            # The lane joins an existing crossing.
             name = within
             gone = {(lane.start, lane.end), (lane.end, lane.start)}
             of = crossings[name]
@@ -109,12 +109,12 @@ def _chained(layout: Layout) -> Layout:
 
 
 def _ends(chain: list[Lane]) -> tuple[tuple[str, str], ...]:
-    """Of every direction of every lane."""
+    """The ends of every lane in each direction."""
     forward = [(lane.start, lane.end) for lane in chain]
     return (*forward, *((end, start) for start, end in forward)) if chain[0].both_ways else tuple(forward)
 
 
 def _outer(lane: Lane, inner: dict[str, str], *, forward: bool) -> tuple[str, ...]:
-    """Where who enters it stands, or who leaves it, as far as somebody may stand there."""
+    """Nodes where vehicles stand before they enter it, or after they leave it, if they may stand there."""
     ends = (lane.start, lane.end) if forward else (lane.end, lane.start)
     return tuple(end for end in ends[: 2 if lane.both_ways else 1] if end not in inner)

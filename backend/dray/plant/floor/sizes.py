@@ -1,4 +1,4 @@
-"""Nodes that only vehicles up to a size may be at: the lanes that lead there are for the types that fit.
+"""Nodes with a largest vehicle: only types that fit may use the lanes to them.
 
 A type's rectangle holds with its load, so a vehicle without one keeps off as well.
 """

@@ -1,1 +1,1 @@
-"""For whoever plans a plant: a first sketch, a picture, how much it can move, and what is advised against."""
+"""For planning a plant: a first sketch, a picture, its capacity, and advice."""

@@ -1,8 +1,8 @@
-"""What a plant file may say, and what will starve all the same: warnings, each with a figure and what to do.
+"""Warnings about a valid plant file: shortages, each with a figure and a remedy.
 
-Faults (`dray.plant.file.check`) say that a plant cannot be run at all. A warning says that it can, and how far: which
-resource is full before the machines are (`dray.plant.planning.flow`), who cannot be replaced, where nobody gets away, where
-the floor is too narrow for the vehicles (`dray.plant.planning.advice_floor`).
+Faults (`dray.plant.file.check`) say that a plant cannot be run at all. A warning says that it can be run, and with
+which limits. It names the resource that is full before the machines are (`dray.plant.planning.flow`), a vehicle that
+cannot be replaced, a trap, or a floor that is too narrow for the vehicles (`dray.plant.planning.advice_floor`).
 """
 
 from __future__ import annotations
@@ -21,16 +21,18 @@ from dray.plant.planning.room import ERRORS
 from dray.plant.plant import Plant
 
 GOOD_LOAD_FRAC = 0.85
-"""Of the machines' time: a good day. What is full below it is warned of."""
+"""Load of a good day, as a part of the machines' time. A resource that is full below it gets a warning."""
 
 MACHINE_LOAD_FRAC = 0.5
-"""Of machines themselves: that some products have more machines than others is no fault of a plant, but this much is."""
+"""Lowest load of machines without a warning: unequal numbers of machines per product are no fault, but below this
+they are."""
 
 MOST_OF_A_KIND = 3
-"""Warnings of one kind; whoever has more solves these first."""
+"""Most warnings of one kind; a planner with more solves these first."""
 
 KEPT_FRAC = 0.25
-"""Of a battery: whoever keeps more for the queue at the chargers stops earlier than the usual rules say (`Charging.must_below_frac`)."""
+"""Battery level above which a vehicle stops for the queue at the chargers earlier than by the usual rules
+(`Charging.must_below_frac`)."""
 
 NO_LOAD_FRAC = 0.005
 """Below this a plant cannot be served at all."""
@@ -54,7 +56,7 @@ class Advice(msgspec.Struct, frozen=True):
     field: str
     """The section of the plant file."""
     text: Reason
-    """What is short, a figure, and what to do."""
+    """The shortage, a figure, and the remedy."""
     load_frac: float = 1.0
     """The load (part of the machines' time) at which it is full; 1 where it is none of that."""
     level: Literal["warning", "error"] = "warning"
@@ -68,7 +70,8 @@ def advice(plant: Plant, load_frac: float | None = None) -> list[Advice]:
 
     Args:
         plant: without faults.
-        load_frac: part of the machines' time that orders will take; what is full below it is an error. None where nobody has said.
+        load_frac: part of the machines' time that orders will take; a resource that is full below it is an error.
+            None where it is unknown.
     """
     flow = Flow(plant)
     found = [
@@ -88,7 +91,7 @@ def advice(plant: Plant, load_frac: float | None = None) -> list[Advice]:
 
 
 def _asked(warning: Advice, load_frac: float) -> Advice:
-    """What is full below the load that orders will take."""
+    """Make an error of a resource that is full below the load of the orders."""
     text = Reason("asked_load", text=warning.text, load_pct=100.0 * load_frac)
     return msgspec.structs.replace(warning, level="error", text=text)
 
@@ -131,7 +134,7 @@ def _dwell_points(plant: Plant) -> Iterator[Advice]:
 
 
 def _uncounted(plant: Plant) -> Iterator[Advice]:
-    """Docks that do not count: what vehicles say to have brought or taken there is believed."""
+    """Docks that do not count: the vehicles' reports are believed there."""
     blind = [spec.id for spec in plant.machines.values() if not spec.counts]
     if blind:
         text = Reason(
@@ -144,7 +147,7 @@ def _uncounted(plant: Plant) -> Iterator[Advice]:
 
 
 def _large(plant: Plant) -> Iterator[Advice]:
-    """Types of the fleet that go round nodes at which they would be too large."""
+    """Types of the fleet that are too large for some nodes, and avoid these."""
     driving = {vehicle.type for vehicle in plant.fleet.values()}
     for kind in plant.vehicle_types.values():
         nodes = too_large_for(plant.file, kind)
@@ -224,7 +227,7 @@ def _text(limit: Limit) -> Reason:
 
 
 def _alone(plant: Plant) -> Iterator[Advice]:
-    """An ability of one vehicle only: nobody can watch it, nobody takes over."""
+    """An ability of one vehicle only: no other vehicle can watch it or take over."""
     items: dict[str, Material | Product] = {**plant.materials, **plant.products}
     for ability in plant.abilities:
         able = plant.able(ability)
@@ -242,7 +245,7 @@ def _alone(plant: Plant) -> Iterator[Advice]:
 
 
 def _traps(plant: Plant) -> Iterator[Advice]:
-    """Nodes that nobody gets away from, or to; and docks that places share."""
+    """Nodes that vehicles cannot leave, or reach; and docks that places share."""
     home = plant.node_of(next(iter(plant.machines)))
     reached, reaching = plant.roads.reached_from(home), plant.roads.reaching(home)
     trapped = [node for node in plant.nodes if node in reached and node not in reaching]

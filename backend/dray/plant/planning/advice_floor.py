@@ -1,4 +1,4 @@
-"""What is wrong with a floor for its vehicles: where two have no room (`dray.plant.planning.room`), and what holds them up."""
+"""Faults of a floor for its vehicles: places where two have no room (`dray.plant.planning.room`), and obstructions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def floor_advice(plant: Plant) -> Iterator[Finding]:
 
 
 def _merged(plant: Plant) -> Iterator[Finding]:
-    """Two-lane roads without a stop point between two crossings: they are crossed, and waited for, as one."""
+    """Two-lane roads without a stop point between two crossings: they count as one crossing."""
     found = [crossing for crossing in plant.crossings.values() if len(crossing.nodes) > 1]
     if found:
         told = listed([joined("and", crossing.nodes) for crossing in found])
@@ -27,7 +27,7 @@ def _merged(plant: Plant) -> Iterator[Finding]:
 
 
 def _docks_in_the_way(plant: Plant) -> Iterator[Finding]:
-    """Docks in the only way to others: while a vehicle stands there nobody passes."""
+    """Docks in the only way to others: while a vehicle stands there no other one passes."""
     docks = dict.fromkeys(plant.node_of(place) for place in plant.places)
     found = []
     for dock in docks:
@@ -42,7 +42,7 @@ def _docks_in_the_way(plant: Plant) -> Iterator[Finding]:
 
 
 def _no_turning(plant: Plant) -> Iterator[Finding]:
-    """Doors before which no lane leads back: whoever stands there when one fails has to wait for people."""
+    """Doors before which no lane leads back: a vehicle that stands there when one fails has to wait for people."""
     roads = plant.roads
     found = {
         (start, end): Reason("at", name=door.name, place=start)

@@ -1,7 +1,7 @@
 """A plant as a picture: an SVG of the floor with lanes, places and vehicles. Pure: a plant in, text out.
 
-One unit is one metre, y up as in the file. Every place has a label where there is room for one and a title with all
-that is known of it, which browsers show under the pointer.
+One unit is one metre, y up as in the file. Every place has a label where there is room for one, and a title with all
+its data, which browsers show under the pointer.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Spot = tuple[float, float, float, float]
 """Left, low, right and high (m)."""
 
 WIDTH_PX = 1200
-"""Of the picture at its first look; it can be made larger without loss."""
+"""Width of the picture at first; it can be enlarged without loss."""
 
 HEAD_M, FOOT_M = 3.0, 3.2
 """Room for the title and for the legend, in letters of one metre."""
@@ -39,7 +39,7 @@ KINDS = {
 """Label, fill and line of every kind of place; lines are dark enough to be read on their fill and on white."""
 
 UNASSIGNED = ("Nobody has said", "#ffffff", "#7a1f1f")
-"""The same for stations of which nobody has said what they are; in the legend only where there are any."""
+"""Label, fill and line of stations without a purpose; in the legend only where there are any."""
 
 VEHICLE = "#c2410c"
 
@@ -63,7 +63,7 @@ class _Picture:
         self._plant = plant
         self._letter_m = max(plant.width_m, plant.height_m) / LETTERS_PER_WIDTH
         self._taken = list(self._things())
-        """Where things and labels are, as (left, low, right, high): no label is put over them."""
+        """Areas of things and labels, as (left, low, right, high): no label is put over them."""
 
     def lines(self) -> Iterator[str]:
         """The document, line by line."""
@@ -148,7 +148,7 @@ class _Picture:
             )
 
     def _stops(self) -> Iterator[str]:
-        """Where vehicles stop on roads of two lanes."""
+        """The stop points of two-lane roads."""
         waits = {
             stop
             for each in self._plant.crossings.values()
@@ -264,7 +264,7 @@ class _Picture:
     # --- beside the floor ---
 
     def _legend(self, y_m: float) -> Iterator[str]:
-        """What the colours mean, and a scale."""
+        """The meanings of the colours, and a scale."""
         letter_m = self._letter_m
         x_m = letter_m
         kinds = [*KINDS.values(), *([UNASSIGNED] if self._plant.file.unassigned else [])]
@@ -314,7 +314,7 @@ def _overlap(a: Spot, b: Spot) -> bool:
 
 
 def _round_down(length_m: float) -> float:
-    """To 1, 2 or 5 times a power of ten."""
+    """Round down to 1, 2 or 5 times a power of ten."""
     power = 1.0
     while power * 10 <= length_m:
         power *= 10

@@ -1,13 +1,13 @@
-"""How much a plant can move: arithmetic over cycle times, containers, ways and batteries, before anything runs.
+"""The capacity of a plant: arithmetic over cycle times, containers, ways and batteries, before anything runs.
 
-Demand is taken as the simulated one is: orders of all products equally often, of two containers each. At *load*
-1 they take all of the machines' time. Everything that carries or holds the material for that is a *resource*, and
-it is full at some load of its own:
+Demand is taken as the simulated one is: orders of all products equally often, of two containers each. At *load* 1
+orders take all of the machines' time. Each place, vehicle and charger that carries or holds the material for that is
+a *resource*, and is full at some load:
 
-    limit = what it can give / what load 1 asks of it
+    limit = capacity / demand at load 1
 
-The least limit of all resources is the load that the plant can bear. Queues are not in it: they grow before a
-resource is full, so a plant should be run well below its limit.
+The least limit of all resources is the load that the plant can bear. Queues are ignored: they grow before a resource
+is full, so a plant should be run well below its limit.
 """
 
 from __future__ import annotations
@@ -23,27 +23,28 @@ from dray.plant.model import VehicleType
 from dray.plant.plant import Plant
 
 LOTS_PER_ORDER = 2.0
-"""Containers of an order, in the mean."""
+"""Mean number of containers of an order."""
 
 PART_LOADS = 1.25
 """Containers of goods for one that would be full: the last one of an order seldom is."""
 
 NEGOTIATION_S = 8.0
-"""What a transport takes beside driving and handling: bidding, award, the questions at both docks."""
+"""Time of a transport beside driving and handling: bidding, award, the questions at both docks."""
 
 REFILL_S = 120.0
-"""From a low stock of a storage to a full one: a tugger train that is about. The paper leaves this way to
-somebody else (4.1), and so does the plant file."""
+"""Time from a low stock of a storage to a full one: a tugger train that is about. The paper does not model this
+transport (4.1), and neither does the plant file."""
 
 CHARGER_SHARE = 0.7
-"""Of its time a charger gives full power at most: the rest is changing over, and the slow end of a charge."""
+"""Largest fraction of its time in which a charger gives full power: the rest is changing over, and the slow end of a
+charge."""
 
 USABLE_FRAC = 0.8
-"""Of a battery between the level at which a charge ends and the reserve that no promise may touch; less where the queue at the chargers
-takes more (`dray.plant.charger_queue`)."""
+"""Fraction of a battery between the level at which a charge ends and the reserve that no promise may touch; less
+where the queue at the chargers takes more (`dray.plant.charger_queue`)."""
 
 SHARES = 40
-"""Parts in which the work of a product is dealt out to its machines: fine enough for a percent or two."""
+"""Parts in which the work of a product is distributed among its machines: fine enough for a percent or two."""
 
 MAX_STARTS = 12
 """Places from which the mean way to a source is taken; in a large plant every further one changes little."""
@@ -60,7 +61,8 @@ class Stream:
         item: material or product.
         source, destination: places.
         per_s: containers a second at load 1.
-        took_s: seconds of a vehicle for one, the empty way to it included; the mean of the vehicles that can carry it.
+        took_s: a vehicle's time for one (s), the empty way to it included; the mean of the vehicles that can carry
+            it.
         lead_s: from the announcement to the handover with a free vehicle.
         energy_wh: Wh of a vehicle for one.
     """
@@ -73,9 +75,9 @@ class Stream:
     lead_s: float
     energy_wh: float
     dearest_frac: float
-    """The most that it takes of the battery of any vehicle that may carry it, compared with what can be used."""
+    """Largest use of a vehicle's battery by it, relative to the usable part."""
     usable_frac: float
-    """What can be used of the battery of that vehicle."""
+    """Usable part of that vehicle's battery."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +86,10 @@ class Limit:
 
     Attributes:
         kind: machine, buffer, dock, material, vehicles or charger.
-        name: which, as a person calls it.
+        name: of the resource, for people.
         load_frac: it is full at this load (part of all machines' time); 0 when it never suffices.
-        asks: what load 1 asks of it, against what it can give: 1 is just enough.
-        remedy: what to do.
+        asks: demand at load 1, relative to the capacity: 1 is just enough.
+        remedy: of a shortage.
     """
 
     kind: str
@@ -101,7 +103,7 @@ class Limit:
 
 
 class Flow:
-    """What load 1 asks of a plant.
+    """The demand of load 1 on a plant.
 
     Args:
         plant: without faults.
@@ -148,7 +150,7 @@ class Flow:
                 yield Limit("machine", machine, 1.0 / busy, remedy)
 
     def _buffer_limits(self) -> Iterator[Limit]:
-        """What is in a buffer or on its way to it has to last as long as a transport takes."""
+        """The pieces in a buffer and on their way to it have to last as long as a transport takes."""
         plant = self.plant
         per_s = self._pieces_per_s()
         for stream in self.streams:
@@ -161,7 +163,7 @@ class Flow:
                     if line.material == stream.item
                 )
                 limit = max(material.buffer - used, 1) / (stream.lead_s * per_s[machine, stream.item])
-                # Short of material a machine waits; it need not be without it for longer than a load leaves it idle.
+                # Without material a machine waits; up to its idle time at this load that does no harm.
                 remedy = Reason("remedy_buffer", item=stream.item, buffer=material.buffer)
                 yield Limit("buffer", Reason("at", name=stream.item, place=machine), limit, remedy)
             elif stream.source in plant.machines:
@@ -172,7 +174,7 @@ class Flow:
                 yield Limit("buffer", Reason("from", name=stream.item, place=machine), limit, remedy)
 
     def _dock_limits(self) -> Iterator[Limit]:
-        """One vehicle at a time stands at a dock, as long as it loads or unloads."""
+        """One vehicle at a time stands at a dock, for its loading or unloading."""
         used: dict[str, float] = {}
         for stream in self.streams:
             load_s, unload_s = self._handling_s(stream.item)
@@ -182,7 +184,7 @@ class Flow:
             yield Limit("dock", place, 1.0 / part, Reason("remedy_dock"))
 
     def _material_limits(self) -> Iterator[Limit]:
-        """A storage that fills itself gives what it holds, once in the time of a refill; what vehicles bring takes these."""
+        """A storage that fills itself gives its capacity once per refill; refills by vehicles count as transports."""
         plant = self.plant
         needed: dict[str, float] = {}
         for stream in self.streams:
@@ -201,7 +203,7 @@ class Flow:
             yield Limit("material", item, sum(kept) / REFILL_S / per_s, remedy)
 
     def _vehicle_limits(self) -> Iterator[Limit]:
-        """Of every set of abilities: the vehicles that have one of them carry all that needs one of them."""
+        """Limits of every set of abilities: the vehicles that have one of them carry all items that need one of them."""
         plant = self.plant
         needed_s: dict[str, float] = {}
         for stream in self.streams:
@@ -217,12 +219,12 @@ class Flow:
             more = max(1, round(busy / max(given, 1e-9) * count + 0.5) - count) if given > 0.0 else count
             remedy = Reason("remedy_vehicles", count=more)
             if at_work < 1.0:
-                # One vehicle more would be one more of the reserve.
+                # One more vehicle would be one more of the reserve.
                 remedy = counted("add_parking", "add_parkings", plant.spare_places.reserve_size)
             yield Limit("vehicles", name, given / busy, remedy)
 
     def _charger_limits(self) -> Iterator[Limit]:
-        """All that the fleet uses comes through the chargers."""
+        """The fleet's consumption comes through the chargers."""
         plant = self.plant
         fleet = [(self._count[name], kind) for name, kind in self._kinds.items()]
         given_w = (
@@ -244,7 +246,7 @@ class Flow:
         return 1.0 - spare.reserve_size / len(self.plant.fleet) if spare.holds_back_from(able) else 1.0
 
     def _working_frac(self, kind: VehicleType) -> float:
-        """Part of its time in which a vehicle is not charging what it uses then."""
+        """Fraction of its time in which a vehicle does not recharge its consumption."""
         drain_w = (
             kind.idle_w + kind.max_speed_mps * 0.5 * (kind.drive_wh_per_m + kind.loaded_wh_per_m) * 1800.0
         )
@@ -292,7 +294,7 @@ class Flow:
                 yield self._stream(
                     item,
                     (machine,),
-                    # Parts go to a storage, at most; some go straight to whoever needs them.
+                    # Parts go to a storage, at most; some go directly to machines that need them.
                     plant.storages_of(item) if item in plant.parts else plant.delivery_warehouses,
                     pieces_per_s / plant.products[item].lot * PART_LOADS,
                 )
@@ -304,7 +306,7 @@ class Flow:
         return [each.id for each in self.plant.storages.values() if each.refills(item)]
 
     def _stream(self, item: str, sources: Sequence[str], destinations: Sequence[str], per_s: float) -> Stream:
-        """One stream over the shortest way that there is, averaged over the vehicles that can carry it."""
+        """One stream over the shortest way, averaged over the vehicles that can carry it."""
         plant = self.plant
         able = self._able(plant.ability_of(item))
         took_s = lead_s = energy_wh = dearest_frac = 0.0
@@ -347,7 +349,8 @@ class Flow:
 
 def _deal_out(plant: Plant) -> dict[str, dict[str, float]]:
     """Per machine and product, the part of its time at load 1, as evenly as the machines' abilities allow."""
-    # An order is as likely of one product as of another, so pieces are as the lots are; and parts as these products need them.
+    # All products are equally likely in an order, so pieces are as the lots are; and parts as these products need
+    # them.
     pieces: defaultdict[str, float] = defaultdict(float)
     for product in plant.ordered:
         _explode(plant, product, plant.products[product].lot * LOTS_PER_ORDER, pieces)
@@ -360,7 +363,7 @@ def _deal_out(plant: Plant) -> dict[str, dict[str, float]]:
     scale = len(plant.machines) / sum(work.values())
     busy: dict[str, dict[str, float]] = {machine: {} for machine in plant.machines}
     total = dict.fromkeys(plant.machines, 0.0)
-    # Whose product few can make is served first; the others find what is left.
+    # Products with few machines are served first; the others get the rest.
     for product in sorted(work, key=lambda each: len(plant.machines_for(each))):
         machines = plant.machines_for(product)
         mean_s = sum(plant.cycle_s(machine, product) for machine in machines) / len(machines)
@@ -390,6 +393,6 @@ def _combinations(abilities: tuple[str, ...]) -> Iterable[tuple[str, ...]]:
 
 
 def _spread(places: Sequence[str], count: int) -> tuple[str, ...]:
-    """At most so many of them, evenly."""
+    """At most `count` of the places, evenly spread."""
     step = max(1, -(-len(places) // count))
     return tuple(places[::step])

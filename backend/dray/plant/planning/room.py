@@ -1,14 +1,16 @@
-"""Whether two vehicles have room at all that right of way lets in at once: at two places, or at a place and on a lane past it.
+"""Whether two vehicles have room wherever right of way lets both in: at two places, or at a place and on a lane past it.
 
-A vehicle holds the place at which it stands, and drives a lane with the places that the lane needs (`Plant.places_on`). It may turn on
-the spot when it sets off, with what it needs for that lane. So of two vehicles
+A vehicle holds the place at which it stands, and on a lane the places that the lane needs (`Plant.places_on`). When
+it sets off it may turn on the spot, with the places of that lane. So two vehicles may be in these positions:
 
-- each stands at a place of its own, and one of them, or both, turn: unless that needs the other's place (`near`);
-- one stands or turns at a place while the other drives a lane that does not end there, or turns where nobody stands (`narrow`);
+- each stands at its place, and one of them, or both, turn: unless the turn needs the other's place (`near`);
+- one stands or turns at a place while the other drives a lane that does not end there, or turns at a node without a
+  place (`narrow`);
 - they are on two lanes that have no place in common (`touch`).
 
-Each is asked with the rectangles of the types that may come there, in every direction in which one comes, sets off or begins the day, and
-with `CLEARANCE_M` between them. What is found is an error: vehicles would be in one spot although everybody keeps the rules.
+Each case is checked with the rectangles of the possible types, and with `CLEARANCE_M` between them. All directions
+count in which a vehicle comes, sets off or begins the day. A finding is an error: vehicles would be in one spot
+although all keep the rules.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ from dray.plant.roads import DirectedLane
 T = TypeVar("T")
 
 Subject = tuple[str, ...]
-"""What a finding is about: nodes, by their ids."""
+"""Nodes of a finding, by their ids."""
 
 Finding = tuple[str, str, Reason, tuple[Subject, ...]]
 """Kind, section of the file, text, and all that it is about, in the order of the text."""
@@ -51,7 +53,7 @@ START_RAD = 0.0
 
 
 class Turn(NamedTuple):
-    """A turn on the spot, from one direction to another, with what is held for it."""
+    """A turn on the spot, from one direction to another, with the places that are held for it."""
 
     before_rad: float
     after_rad: float
@@ -59,7 +61,7 @@ class Turn(NamedTuple):
 
 
 def room_faults(plant: Plant) -> Iterator[Finding]:
-    """Where two vehicles have no room, as (kind, section, text, subjects)."""
+    """Pairs of vehicles without room, as (kind, section, text, subjects)."""
     room = Room(plant)
     yield from room.places()
     yield from room.beside_lanes()
@@ -67,7 +69,7 @@ def room_faults(plant: Plant) -> Iterator[Finding]:
 
 
 class Room:
-    """What vehicles cover that stand, turn and drive, sorted by where that is.
+    """The areas of vehicles that stand, turn and drive, sorted by position.
 
     Args:
         plant: without faults.
@@ -90,7 +92,7 @@ class Room:
             coming = frozenset(self._kinds(lane) for lane in (*entering, *leaving))
             come = frozenset[str]().union(*coming, starts.get(node, ()))
             if not come:
-                continue  # Nobody comes there.
+                continue  # No vehicle comes there.
             self._size_at[node] = self._size(come)
             begins = {START_RAD} if node in starts else set()
             before = sorted({round(lane.heading_rad, 9) for lane in entering} | begins)
@@ -106,7 +108,7 @@ class Room:
     # --- what is found ------------------------------------------------------------------------------
 
     def places(self) -> Iterator[Finding]:
-        """Pairs of places where vehicles touch one another that stand or turn there."""
+        """Pairs of places where vehicles touch that stand or turn there."""
         found: dict[Subject, Reason] = {}
         cells: dict[tuple[int, int], list[str]] = {}
         for node in self._stops:
@@ -129,7 +131,7 @@ class Room:
             yield "near", "nodes", text, tuple(found)
 
     def beside_lanes(self) -> Iterator[Finding]:
-        """Places where a vehicle is in the way of one that drives past."""
+        """Places where a vehicle is in the way of a passing one."""
         cells: dict[tuple[int, int], list[str]] = {}
         for node in self._stops:
             here = self._plant.nodes[node]
@@ -197,7 +199,7 @@ class Room:
     # --- how far vehicles are apart -------------------------------------------------------------------
 
     def apart_m(self, one: str, other: str) -> float:
-        """Between vehicles at two places, at the least; below 0 how deep they overlap."""
+        """Smallest gap between vehicles at two places; below 0 the depth of their overlap."""
         plant = self._plant
         here, there = plant.nodes[one], plant.nodes[other]
         first, second = self._size_at[one], self._size_at[other]
@@ -224,7 +226,7 @@ class Room:
         )
 
     def beside_m(self, node: str, lane: DirectedLane) -> float:
-        """Between a vehicle at a place and one that drives a lane which leads past it, or turns where it ends."""
+        """Gap between a vehicle at a place and one that drives a lane past it, or turns where it ends."""
         plant = self._plant
         here, own = plant.nodes[node], self._size_at[node]
         start, end = plant.nodes[lane.start], plant.nodes[lane.end]
@@ -245,7 +247,7 @@ class Room:
         return min(gaps)
 
     def _passing_turns(self, lane: DirectedLane, beside: str) -> list[Turn]:
-        """What a vehicle turns that has driven a lane to a node where nobody stands, and goes on past a place."""
+        """Turns of a vehicle that has driven a lane to a node without a place, and goes on past a place."""
         roads = self._plant.roads
         return [
             Turn(lane.heading_rad, onward.heading_rad, frozenset())
@@ -300,7 +302,7 @@ class Room:
         )
 
     def _strip(self, lane: DirectedLane, width_m: float, from_m: float, to_m: float) -> Rectangle:
-        """What is covered of a part of a lane, without what sticks out beyond its ends."""
+        """The area of a part of a lane, cut off at its ends."""
         start, end = self._plant.nodes[lane.start], self._plant.nodes[lane.end]
         middle = (from_m + to_m) / 2.0 / lane.length_m
         return Rectangle(
@@ -340,14 +342,14 @@ class Room:
             yield from cells.get((x, y), ())
 
     def _along(self, cells: dict[tuple[int, int], list[T]], lane: DirectedLane) -> Iterable[T]:
-        """What lies near a lane; nothing that could touch it is missing."""
+        """All objects near a lane, at least those that could touch it."""
         near: dict[T, None] = {}
         for x_m, y_m in self._points_on(lane):
             near.update(dict.fromkeys(self._near(cells, x_m, y_m)))
         return near
 
     def _cells_of(self, lane: DirectedLane) -> Iterable[tuple[int, int]]:
-        """Where a lane lies; what looks for it looks in the cells around, too."""
+        """Cells of a lane; a search also looks in the cells around."""
         return dict.fromkeys(self._cell(x_m, y_m) for x_m, y_m in self._points_on(lane))
 
     def _points_on(self, lane: DirectedLane) -> Iterator[tuple[float, float]]:
@@ -365,7 +367,10 @@ def _road(ends: frozenset[str]) -> Reason:
 
 
 def _past(start: Node, end: Node, length_m: float, size: Size) -> Rectangle | None:
-    """What a vehicle covers on a lane after it has given back the place at its start; None where it is not so far."""
+    """The area of a vehicle on a lane after it has given back the place at its start.
+
+    Returns None where the lane is too short.
+    """
     spacing_m = size.spacing_m
     if spacing_m >= length_m:
         return None
@@ -377,5 +382,5 @@ def _past(start: Node, end: Node, length_m: float, size: Size) -> Rectangle | No
 
 
 def _from_point_m(spot: Node, of: Rectangle) -> float:
-    """How far a rectangle is from a point, or less; below 0 for a point in it."""
+    """Distance of a rectangle from a point, or less; below 0 for a point in it."""
     return gap_m(Rectangle(spot.x_m, spot.y_m, of.heading_rad, 0.0, 0.0), of)

@@ -6,7 +6,7 @@
                 |     |     |     |     |
     storages, chargers and parking places
 
-Whoever goes on from here replaces it piece by piece; what is asked for is there, and it runs.
+The plant fulfils the wishes and runs; its author replaces it piece by piece.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from dray.plant.planning.advice import advice
 from dray.plant.plant import Plant
 
 PITCH_M = 6.0
-"""From place to place along the aisle: a machine of 4 m and room to walk."""
+"""Distance between places along the aisle: a machine of 4 m and room to walk."""
 
 AISLE_M = 7.0
 """The aisle's distance from the wall below."""
@@ -54,10 +54,10 @@ MATERIAL_LOT, PRODUCT_LOT = 20, 10
 
 
 class Wishes(msgspec.Struct, frozen=True):
-    """What is asked for.
+    """The figures of a sketch.
 
     Attributes:
-        plant, name: what it is called; `plant` is an id.
+        plant, name: its id and its name; `plant` is an id.
         machines, vehicles, products: from 1 to `MOST`.
         cycle_s: for one piece.
         chargers: 0 for as many as the vehicles need.

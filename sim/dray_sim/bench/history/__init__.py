@@ -1,13 +1,16 @@
-"""Benchmark `history`: how long a person waits who looks for something in all there ever was.
+"""Benchmark `history`: how long a person waits for a search in a factory's whole history.
 
-100,000 orders, as many tasks and 3,000,000 events (`quick`: a tenth of each) are written into a new database, with the alerts, the audit log, the
-minutes and the spells of those ten weeks, and asked for as the panels ask: a name that one order in ten thousand has, a page deep in the list, whatever was
-late, the page of an order, also of one whose events are forgotten, a shift's report. How long it takes to build is told apart. The baseline, in the
-same run and on the same connection, is to count the rows of that table, which reads all of them once and gives nothing to a person. The baseline of a
-search for an order is the bare query of an index: the id of the order that has this very reference, in SQL. All tables have their statistics (ANALYZE). Moments of what panels showed are measured by `replay`.
+It writes 100,000 orders, as many tasks and 3,000,000 events (`quick`: a tenth of each) into a new database. The
+alerts, the audit log, the minutes and the spells of those ten weeks are added. Then it asks as the panels ask. It
+looks for a name that one order in ten thousand has, a page deep in the list, and all late orders. It also reads the
+page of an order, with its events or without forgotten ones, and a shift's report. The time to build the database is
+reported separately. The baseline counts the rows of the same table in the same run and on the same connection. It
+reads every row once and returns none. A search for an order has another baseline: a bare SQL query of an index. It
+asks for the id of the order with exactly this reference. All tables have their statistics (ANALYZE). `replay`
+measures the moments that panels showed.
 
-Then the same is looked at over REST, orders are placed, and a hundredth of the log is forgotten meanwhile (`use`). How long a transaction of that takes, while
-which nobody else writes, is told apart.
+Afterwards the same pages are read over REST and orders are placed, while a hundredth of the log is forgotten (`use`).
+The duration of one such transaction, in which nobody else can write, is reported separately.
 """
 
 from __future__ import annotations
@@ -45,26 +48,26 @@ from dray_sim.bench.row import Row
 ORDERS = 100_000
 
 AIM_MS = 200.0
-"""A list that comes later than this is waited for."""
+"""Aim for a list (ms): for a later one people wait noticeably."""
 
 REPORT_MS = 1_000.0
-"""A page with all figures of a shift, which nobody turns over."""
+"""A page with all figures of a shift; nobody turns its pages."""
 
 START_MS = 60_000.0
-"""A historian that needs longer for its start is waited for: agents keep their last 10,000 facts for it."""
+"""Aim for a historian's start (ms): agents keep only their last 10,000 facts for it."""
 
 PAGE = 51
-"""As a panel asks: fifty, and whether there are more."""
+"""Rows that a panel asks for: fifty, and one that shows whether there are more."""
 
 CSV_ROWS = 200
-"""Of the first part of a CSV file: with it the answer begins."""
+"""Rows in the first part of a CSV file: the answer begins with them."""
 
 SHIFT_S = 8 * 3600.0
 
 ROUNDS = 7
 
 BARE_ROUNDS = 101
-"""Of a query that takes a part of a millisecond."""
+"""Rounds of a query that takes a fraction of a millisecond."""
 
 FORGOTTEN = 20
 """Transactions that forget."""
@@ -118,7 +121,7 @@ async def _built(name: str, store: Store, took_s: float) -> Row:
 
 
 def _questions(many: int) -> Iterator[tuple[str, Table, Ask]]:
-    """What is asked for, and the table that is read for it."""
+    """The questions, each with the table that is read for it."""
 
     def orders_page(wanted: OrderFilter, sorting: Sorting, after: Any = None, limit: int = PAGE) -> Ask:
         return _read(lambda work: work.orders.page(wanted, after, limit, sorting))
@@ -179,7 +182,7 @@ def _order_page(order: str) -> Ask:
 
 
 async def _report(store: Store) -> Sequence[object]:
-    """Of a shift ten days ago, against the one a day before it."""
+    """The report of a shift ten days ago, compared with the shift a day before it."""
     projection = Projection(default_plant().file, TimeScale(0.0, NOW_S))
     since_s = NOW_S - 10 * DAY_S
     report = await ShiftReporter(store, projection, None, 1.0).report(
@@ -219,7 +222,7 @@ def _search_of(many: int) -> str:
 
 
 async def _bare_ms(store: Store) -> float:
-    """How long the bare query of an index takes, as the driver answers it."""
+    """Median time of the bare query of an index, measured at the driver."""
     one = text("SELECT id FROM orders WHERE reference = :reference")
     took_ms: list[float] = []
     async with store.database.read() as connection:

@@ -1,8 +1,8 @@
-"""The gateway over all there ever was, in a process of its own, with what forgets of it: as `dray up` has both.
+"""The gateway and its retention task over the whole history, in a process of its own, as `dray up` runs both.
 
 python -m dray_sim.bench.history URL PORT BEFORE_S
 
-A line on its input lets it forget the events from before that moment; a line of JSON on its output says that it is done.
+A line on its input lets it forget the events before that moment; it writes a line of JSON when it is done.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ async def _serve(url: str, port: int, before_s: float) -> None:
 
 
 async def _forget(store: Store, before_s: float) -> None:
-    # A thread of its own waits for the word, and dies with the process.
+    # A separate thread waits for the line, and dies with the process.
     await asyncio.to_thread(sys.stdin.readline)
     timed = TimedStore(store)
     begun_s = time.perf_counter()

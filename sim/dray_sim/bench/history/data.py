@@ -1,7 +1,7 @@
 """The data of the benchmark `history`: ten weeks of a factory, with nothing by chance but which order is which.
 
-Orders and tasks are made as the gateway and the historian make them. Of everything else there is so much that the database itself makes the
-rows, from a list of what happens to every order.
+Orders and tasks are made as the gateway and the historian make them. The database itself makes all other rows, for
+there are so many; it makes them from a list of what happens to every order.
 """
 
 from __future__ import annotations
@@ -50,11 +50,11 @@ SEED = 18
 """The same in every run."""
 
 TASK, GOAL, ORDER = "TASK", "GOAL", "ORDER"
-"""Stand for the names in what happens to every order."""
+"""Placeholders for the names in what happens to every order."""
 
 
 def order_of(number: int) -> Order:
-    """The newest is 0. One in ten thousand has D5 in its name."""
+    """The newest is 0. One order in ten thousand has D5 in its name."""
     at_s = NOW_S - EVERY_S * number
     name = f"PO-D5-{number}" if number % 10_000 == 5_000 else f"PO-{700_000 + number}"
     ended = number > 40
@@ -114,7 +114,7 @@ def _link(order: Order) -> dict[str, object]:
 
 
 def _happenings() -> Iterator[tuple[AnyFact, bool, bool, bool]]:
-    """What happens to every order, and whether it names the task, the goal and the order."""
+    """The facts of every order, each with whether it names the task, the goal and the order."""
     work = Transport("P1", 4, ("M1",), "OUT", "tote", goal=GOAL)
     yield GoalContracted(GOAL, ORDER, 0, "P1", 4, "M1", 900.0), False, True, True
     for made in (1, 2, 3, 4):
@@ -166,7 +166,7 @@ SELECT 'ATV' || (n % 50), CASE WHEN n % 3 = 0 THEN 'waits' ELSE 'carries' END, {
 FROM numbers
 """,
 )
-"""Alerts, what people did, and what vehicles did."""
+"""Alerts, audit entries of people, and audit entries of vehicles."""
 
 
 _TAKEOVERS = """
@@ -206,7 +206,7 @@ async def filled(url: str, many: int) -> AsyncIterator[Store]:
 
 
 async def _add_all(url: str, many: int) -> None:
-    """What has happened to all orders. Its indexes are made at the end, and nothing that takes minutes is given up."""
+    """Write the events of all orders. The indexes are made at the end, and no time limit applies."""
     engine = create_async_engine(url)
     try:
         async with engine.begin() as connection:
@@ -220,14 +220,14 @@ async def _add_all(url: str, many: int) -> None:
                 await connection.run_sync(index.create)
         async with engine.begin() as connection:
             await connection.execute(text(_TAKEOVERS))
-            # What a database does by itself, in time.
+            # A database does this by itself, in time.
             await connection.execute(text("ANALYZE"))
     finally:
         await engine.dispose()
 
 
 async def _add(connection: AsyncConnection, numbers: range, many: int) -> None:
-    """What has happened to some orders; they are counted from the oldest."""
+    """Write the events of some orders, which are counted from the oldest."""
     await connection.execute(text("DROP TABLE IF EXISTS steps"))
     await connection.execute(text(_STEPS))
     of_step = "INSERT INTO steps VALUES (:step, :kind, :has_task, :has_goal, :has_order, :fact, :taken_over)"
@@ -278,7 +278,7 @@ def _step(
 
 
 def _minute(number: int) -> dict[str, object]:
-    """All that it has added is one of each."""
+    """One sample, with 1 in every field except its times."""
     return dict.fromkeys(KpiSample.__struct_fields__, 1) | {
         "at_s": NOW_S - EVERY_S * number,
         "span_s": EVERY_S,

@@ -1,4 +1,4 @@
-"""Forgetting as benchmarks watch it: what is too old, and how long each transaction keeps others from writing."""
+"""Forgetting as benchmarks watch it: the retention limits, and how long each transaction keeps others from writing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dray_sim.bench.history.data import NOW_S
 
 
 def kept_after(before_s: float) -> KeptFor:
-    """Of all there is, only events from before this moment (wall clock) are too old."""
+    """Retention limits under which only events before this moment (wall clock) are too old."""
     of_events: dict[str, Any] = {"events_s": NOW_S - before_s, "events_most": 1 << 62}
     return KeptFor(**dict.fromkeys(KeptFor.__struct_fields__, NOW_S + DAY_S) | of_events)
 

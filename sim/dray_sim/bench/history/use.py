@@ -1,8 +1,9 @@
-"""How long people wait for pages over REST, and whether anybody waits because history is forgotten meanwhile.
+"""How long people wait for pages over REST, and whether forgetting history makes anybody wait.
 
-The gateway runs in a process of its own on the database that is there. First pages are asked for one after the other. Then orders are placed at the usual
-rate while somebody looks at a page each second, and after some time the gateway begins to forget: the slowest request before that is the baseline.
-A request's time runs from the moment at which it was due, so that one that waits for the one before it is not left out.
+The gateway runs in a process of its own on the existing database. First pages are asked for one after the other. Then
+orders are placed at the usual rate while somebody opens a page each second. After some time the gateway begins to
+forget; the slowest request before that is the baseline. A request's time runs from the moment at which it was due, so
+it includes the wait for an earlier request.
 """
 
 from __future__ import annotations
@@ -32,13 +33,13 @@ from dray_sim.bench.orders.servers import PRODUCT, wait_for
 from dray_sim.bench.row import Row
 
 AIM_MS = 200.0
-"""A page that comes later than this is waited for."""
+"""Aim for a page (ms): for a later one people wait noticeably."""
 
 MOST_MS = 300.0
-"""No request may take longer because of what is forgotten."""
+"""Longest time of a request while history is forgotten."""
 
 SEARCHES, PAGES = 20, 100
-"""Asked for, for a p95."""
+"""Number of pages that are asked for, enough for a p95."""
 
 PLACED_EVERY_S = 0.2
 """Between two orders: five a second are 18,000 an hour, more than 50 vehicles bring."""
@@ -50,7 +51,7 @@ BEFORE = 300
 """Orders that are placed before anything is forgotten: for a minute."""
 
 FORGOTTEN_PART = 100
-"""A part of so many of the events is forgotten: of ten weeks 17 hours."""
+"""Forgotten fraction of the events, 1 in this number: of ten weeks 17 hours."""
 
 STOPS_S = 60.0
 
@@ -101,7 +102,7 @@ async def used(
 
 
 def _looks(many: int) -> dict[str, list[tuple[str, ...]]]:
-    """What people look at; each is one page, of one request or two."""
+    """Pages that people open; each takes one request or two."""
     chance = Random(SEED)
     some = [chance.randrange(many) for _ in range(PAGES)]
     return {
@@ -119,10 +120,10 @@ class _Line:
         self._reader, self._writer, self._token = reader, writer, token
 
     async def ask(self, path: str, body: object = None) -> bytes:
-        """Ask for a path, or post a body to it; returns what was answered.
+        """Get a path, or post a body to it; returns the answer.
 
         Raises:
-            RuntimeError: something else than 200 or 201 was answered.
+            RuntimeError: the status is neither 200 nor 201.
         """
         sent = b"" if body is None else json.dumps(body).encode()
         head = [
@@ -153,7 +154,7 @@ async def _line(port: int, token: str) -> AsyncIterator[_Line]:
 
 async def _pages(name: str, line: _Line, pages: Sequence[tuple[str, ...]]) -> Row:
     took_ms: list[float] = []
-    # The first one reads what a gateway reads once.
+    # The first page is asked for twice: a gateway reads some tables only once.
     for place, paths in enumerate([pages[0], *pages]):
         begun_s = time.perf_counter()
         for path in paths:
@@ -191,7 +192,7 @@ async def _forgotten(
             due_s, number = time.perf_counter(), 0
             while True:
                 due_s, number = await _until(due_s + PLACED_EVERY_S * LOOK_EVERY), number + 1
-                # Each request by itself: none may be held up.
+                # Each request is timed by itself: none may be held up.
                 for path in pages[number % len(pages)]:
                     begun_s = time.perf_counter()
                     await looking.ask(path)
@@ -263,7 +264,7 @@ async def _key(store: Store) -> str:
 
 @contextmanager
 def _serving(url: str, before_s: float) -> Iterator[tuple[subprocess.Popen[str], int]]:
-    """A gateway that forgets what is from before a moment when it is told to."""
+    """A gateway that forgets all events before a moment when a line comes on its input."""
     port = int(free_addresses(1)[0].rpartition(":")[2])
     command = [sys.executable, "-m", __package__, url, str(port), str(before_s)]
     process = subprocess.Popen(  # noqa: S603 - our own

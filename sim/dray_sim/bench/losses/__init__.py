@@ -1,10 +1,10 @@
-"""Benchmark `losses`: what is lost, and what it costs, when processes of a factory are killed under load.
+"""Benchmark `losses`: what is lost, and at what cost, when processes of a factory are killed under load.
 
-A whole fleet runs on this computer, orders come in over REST, and one process after the other is killed with
-signal 9: every kind in turn, then whoever chance names. Its supervisor starts each again, as a service manager
-does; a few vehicles and machines stay away for long. The database is a PostgreSQL of the benchmark's own, of
-which all processes are killed at once. In the end all orders must be delivered, and the judgement is over what
-histories, database and floor hold. The baseline is the same fleet before the first kill.
+A whole fleet runs on this computer and orders come in over REST. Signal 9 kills one process after the other: every
+kind in turn, then processes drawn by chance. Its supervisor starts each again, as a service manager does; a few
+vehicles and machines stay away for long. The database is a PostgreSQL of the benchmark's own, of which all processes
+are killed at once. In the end all orders must be delivered; then the judgement examines the histories, the database
+and the floor. The baseline is the same fleet before the first kill.
 
     campaign     what is done, on a fleet, with a customer and a watch
     victims      who is next
@@ -41,11 +41,11 @@ _log = logging.getLogger(__name__)
 
 
 CALLS, RECURRING = 500, 20
-"""Of the benchmark `calls`."""
+"""Calls and recurring transports of the benchmark `calls`."""
 
 
 def measure(quick: bool, traffic: bool | None = None) -> list[Row]:
-    """Kill, and see what is lost.
+    """Kill processes, and report what is lost.
 
     Args:
         quick: a tenth of the kills.
@@ -68,7 +68,7 @@ def measure_calls(quick: bool, traffic: bool | None = None) -> list[Row]:
         traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
 
     Raises:
-        UnavailableError: the fleet does not start, or does not recover from what is killed.
+        UnavailableError: the fleet does not start, or does not recover from a kill.
     """
     share = QUICK if quick else 1
     calls, recurring = CALLS // share, RECURRING // share
@@ -77,7 +77,7 @@ def measure_calls(quick: bool, traffic: bool | None = None) -> list[Row]:
 
 
 def campaign_of(quick: bool, traffic: bool | None) -> Campaign:
-    """What is done; a quick one has a tenth of the kills."""
+    """The campaign; a quick one has a tenth of the kills."""
     share = QUICK if quick else 1
     return Campaign(
         plant=default_plant(),
@@ -92,7 +92,7 @@ def campaign_of(quick: bool, traffic: bool | None) -> Campaign:
         kills=200 // share,
         pause_s=2.5,
         down=3,
-        # A quarter of an hour of the plant: goods on board of a silent vehicle are made anew after ten minutes.
+        # A quarter of an hour of the plant: loads on a silent vehicle are replaced after ten minutes.
         lasting_s=90.0,
         dark_s=5.0,
         drain_s=600.0,
@@ -115,7 +115,7 @@ def _played(campaign: Campaign, figures: Callable[[Outcome], list[Row]]) -> list
 
 
 def server_in(stack: contextlib.ExitStack) -> PostgresServer | None:
-    """One to be killed, as long as the stack lasts; None, said loudly, when there can be none here."""
+    """A server to be killed, as long as the stack lasts; None, with a warning, when PostgreSQL is not installed."""
     programs = installed()
     if programs is None:
         _log.warning("!!! %s: the database is a file, and IS NOT KILLED", MISSING)

@@ -1,4 +1,4 @@
-"""People and programs who have something brought while processes are killed, and what has become of it."""
+"""Transports that people and programs call while processes are killed, and how each ended."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from dray_sim.bench.rest_work.house import Client
 from dray_sim.bench.row import Row, tail_row
 
 TRIES = 180
-"""Seconds for one call: a gateway that was killed is started again in some, on a busy computer in some dozens."""
+"""Attempts for one call, a second apart: a killed gateway restarts in some seconds, on a busy computer in some
+dozens."""
 
 ENDED = frozenset({"delivered", "cancelled"})
 
@@ -30,11 +31,11 @@ LOOK_S = 2.0
 
 @dataclass(slots=True)
 class Called:
-    """What was called for, and what has become of it.
+    """The calls of a campaign and their results.
 
     Attributes:
         calls, recurring: how many were to be called, and how many were to come by a calendar.
-        callers: what was answered.
+        callers: the answers.
         schedules: the recurring ones.
         found: all transports, as REST tells of them in the end.
         runs: the recurring ones that have come, likewise.
@@ -55,7 +56,7 @@ class Calling:
 
     Args:
         fleet: whose gateway is asked.
-        plant: what there is to be brought.
+        plant: source of the items to be brought.
         calls: how many.
         recurring: how many come by a calendar, once each.
         every_s: real seconds from one call to the next.
@@ -122,10 +123,10 @@ def rows_of(called: Called, events: Iterable[Event], asked_s: Mapping[str, float
     """The figures.
 
     Args:
-        called: what was called for.
+        called: the calls and their results.
         events: all that agents have told.
         asked_s: by transport, when the gateway has taken it (plant clock).
-        kills: how many of what were killed, in words.
+        kills: the number of kills by kind, in words.
     """
     watch = Watch()
     for event in events:

@@ -1,4 +1,4 @@
-"""A campaign: a factory of processes under load is left alone, then killed one by one, then asked what is left."""
+"""A campaign: a factory of processes runs undisturbed, then under kills; then its remains are collected."""
 
 from __future__ import annotations
 
@@ -43,21 +43,21 @@ from dray_sim.people import demand
 from dray_sim.remote import count_pieces
 
 JOIN_S = 240.0
-"""For two dozen processes with their imports, on a computer that is busy elsewhere."""
+"""Longest time for two dozen processes to import and join, on a busy computer."""
 
 RETURN_S = 240.0
-"""Longest that nobody can be killed, because those that were are not back: as long as all need to join."""
+"""Longest time without a kill because earlier victims are not back: as long as all need to join."""
 
 ROWS = 100_000
 """Transports that are read at the end: all."""
 
 LOOK_S = 1.0
-"""How often it is looked whether all orders have been delivered."""
+"""Interval between two looks whether all orders have been delivered."""
 
 
 @dataclass(frozen=True, slots=True)
 class Campaign:
-    """What is done.
+    """The plan of a campaign.
 
     Attributes:
         plant: the factory.
@@ -66,7 +66,7 @@ class Campaign:
         load: part of the machines' time that the demand takes.
         head_start_s: the demand begins as if it had run for so long (plant clock): busy from the first minute.
         warm_s: real seconds before anything is measured: buffers fill, and vehicles find their rhythm.
-        quiet_s: real seconds in which nobody is killed: the baseline.
+        quiet_s: real seconds without a kill: the baseline.
         each: kills of every kind in turn.
         lasting: of these, a vehicle and a machine that stay away.
         kills: of all these and of random ones together.
@@ -75,7 +75,7 @@ class Campaign:
         lasting_s: real seconds for which somebody stays away.
         dark_s: real seconds before a killed database is started again.
         drain_s: real seconds without one more piece delivered, after which the last orders are taken for lost.
-        seed: of the demand, and of who is killed.
+        seed: of the demand, and of the choice of victims.
         traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
     """
 
@@ -97,25 +97,25 @@ class Campaign:
     seed: int
     traffic: bool | None = None
     calls: int = 0
-    """Plain transports that are called for meanwhile, and..."""
+    """Number of plain transports that are called meanwhile."""
     recurring: int = 0
-    """...those that come by a calendar, once each."""
+    """Number of recurring transports, each called once."""
     call_every_s: float = 2.4
     """Real seconds from one call to the next."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What has come of it.
+    """The results of a campaign.
 
     Attributes:
-        campaign: what was done.
+        campaign: the plan.
         kills: of processes, in order.
         outages: of the database, in order.
-        quiet_s, killing_s: when nobody was killed, and when everybody was: from and to (plant clock).
+        quiet_s, killing_s: the span without kills, and that of the kills: from and to (plant clock).
         answered_s: until the slowest order was answered, in real seconds.
-        after: what is left.
-        called: what was called for meanwhile; None for nothing.
+        after: the state at the end.
+        called: the calls meanwhile; None for none.
         asked_s: by transport that was called for, when (plant clock).
     """
 
@@ -134,7 +134,7 @@ async def play(campaign: Campaign, folder: Path, server: PostgresServer | None =
     """Play it.
 
     Args:
-        campaign: what is done.
+        campaign: the plan.
         folder: an empty one.
         server: for the database, and killed like all else; without one it is on SQLite, in a file that nobody can kill.
 
@@ -219,16 +219,16 @@ class _Field:
             pieces = single_pieces(campaign.plant)
             self._breaker = Breaker(server, fleet, watch, store, self.customer, pieces, campaign.dark_s)
         self._killed: list[tuple[Victim, float]] = []
-        """Each with its moment (wall clock)."""
+        """Each victim with the moment of its kill (wall clock)."""
 
     async def play(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Play it; when nobody was killed, and when everybody was (plant clock)."""
+        """Play it; returns the quiet span and the span of the kills (plant clock)."""
         campaign = self._campaign
         orders = demand.orders(
             campaign.plant, Random(f"{campaign.seed} demand"), load=campaign.load, until_s=float("inf")
         )
         begun_s = self._now_s() - campaign.head_start_s
-        # No group of tasks: it would wrap what is wrong with the fleet, which is said as it is.
+        # No task group: it would wrap the fleet's exception, which is reported as it is.
         placing = asyncio.create_task(self.customer.place(orders, begun_s))
         calling: asyncio.Task[None] | None = None
         try:
@@ -244,7 +244,7 @@ class _Field:
             ended_s = self._now_s()
             if self.calling is not None and calling is not None:
                 await calling
-                # Orders go on: what is called back to a storage needs room there.
+                # Orders go on: a load that is called back to a storage needs room there.
                 await self.calling.see_out(campaign.drain_s)
             self.customer.stop()
             await placing
@@ -257,7 +257,7 @@ class _Field:
 
     @property
     def kills(self) -> list[Kill]:
-        """All of them, in order, with what is known of the next lives."""
+        """All kills, in order, each with the next life where it is known."""
         to_plant_s = self._fleet.time.to_plant_s
         return [Kill(victim, to_plant_s(at_s), self._away_s(victim, at_s)) for victim, at_s in self._killed]
 
@@ -279,7 +279,7 @@ class _Field:
     def _turns(self) -> dict[Kind, int]:
         campaign = self._campaign
         turns = dict.fromkeys(Kind, campaign.each) | dict.fromkeys(LASTING, campaign.lasting)
-        del turns[Kind.CREW_VEHICLE]  # It goes when its machine does.
+        del turns[Kind.CREW_VEHICLE]  # A crew vehicle goes when its machine does.
         if self._breaker is None:
             del turns[Kind.DATABASE]
         return turns
@@ -297,7 +297,10 @@ class _Field:
         return bool(killed)
 
     def _living(self) -> Iterator[Victim]:
-        """Those whose last life is on the bus; who has work may also be one that stays away, one of a kind at a time."""
+        """Victims whose last life is on the bus.
+
+        One with work is also listed as one that stays away, one of a kind at a time.
+        """
         heard = self._watch.heard
         crews = (crew(each, heard.atvs.values()) for each in heard.machines.values())
         said = (
@@ -319,7 +322,7 @@ class _Field:
             yield DATABASE
 
     def _away(self) -> list[Victim]:
-        """Those whose last life is not on the bus yet."""
+        """Victims whose last life is not on the bus yet."""
         last = {victim.name: (victim, at_s) for victim, at_s in self._killed}
         return [victim for victim, at_s in last.values() if self._away_s(victim, at_s) is None]
 
@@ -328,7 +331,7 @@ class _Field:
         return None if joined_s is None else joined_s - at_s
 
     async def _drain(self) -> None:
-        """Wait for the last orders and the last lives; what does not move any more is judged as lost."""
+        """Wait for the last orders and the last lives, and give up when no piece arrives for too long."""
         arrived, since_s = -1, time.monotonic()
         while time.monotonic() < since_s + self._campaign.drain_s:
             orders = await _all_orders(self._store)

@@ -1,4 +1,4 @@
-"""What a kill has cost: how long the process was away, and what became of its work. Pure."""
+"""The cost of a kill: how long the process was away, and how its work went on. Pure."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Kill:
     """One process was killed.
 
     Attributes:
-        victim: who, and what it did.
+        victim: the process, and what it was doing.
         at_s: when (plant clock).
         away_s: until its next life was on the bus, in real seconds; None when that was not seen.
     """
@@ -35,10 +35,10 @@ class Kill:
 
 @dataclass(frozen=True, slots=True)
 class Fate:
-    """What became of one work of a victim.
+    """How one work of a victim went on.
 
     Attributes:
-        what: in a few words.
+        what: the outcome, in a few words.
         at_s: when it went on, or was over (plant clock).
     """
 
@@ -47,11 +47,11 @@ class Fate:
 
 
 def fates(kill: Kill, works: Works) -> list[Fate]:
-    """What became of each work of a victim.
+    """How each work of a victim went on.
 
     Args:
-        kill: the victim may have ended a work just before it, and only not said so yet: that has no fate.
-        works: all there are.
+        kill: a work that the victim had ended just before, and not yet reported, has no fate.
+        works: all works of the campaign.
     """
     look = _LOOKS.get(kill.victim.kind)
     if look is None:

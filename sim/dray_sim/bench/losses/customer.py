@@ -25,7 +25,7 @@ ANSWER_S = 10.0
 """Longest wait for an answer: a gateway that is killed in the middle of one closes the connection at once."""
 
 PATIENCE_S = 120.0
-"""For one order: a gateway is started again in some seconds."""
+"""Longest time for one order: a killed gateway restarts in some seconds."""
 
 _LATER = frozenset({HTTPStatus.CONFLICT, HTTPStatus.TOO_MANY_REQUESTS, HTTPStatus.SERVICE_UNAVAILABLE})
 """Answers after which the customer tries again later."""
@@ -36,11 +36,11 @@ NO_ANSWER = "no answer"
 
 @dataclass(frozen=True, slots=True)
 class Placing:
-    """What it took to place an order.
+    """The course of placing one order.
 
     Attributes:
         waited_s: until it was answered, or given up (wall clock).
-        before: what came instead of an answer, and how often: a status, or nothing.
+        before: failures before the answer, by kind: a status, or no answer.
     """
 
     waited_s: float
@@ -48,7 +48,7 @@ class Placing:
 
 
 class _Answer(msgspec.Struct):
-    """What is read of the answer to an order."""
+    """The fields of the answer to an order that are read."""
 
     id: str
 
@@ -58,7 +58,7 @@ class Customer:
 
     Args:
         url: the gateway's.
-        token: who orders.
+        token: of the customer.
         time: the plant's clock and the wall's.
 
     Attributes:
@@ -127,7 +127,7 @@ class Customer:
         return Placing(time.time() - began_s, before)
 
     def _send(self, reference: str, body: bytes) -> str:
-        """What came instead of an answer, so that the order should be sent again; empty when it was answered."""
+        """The failure because of which the order should be sent again; empty when it was answered."""
         headers = {
             "Authorization": f"Bearer {self._token}",
             "Content-Type": "application/json",
@@ -143,6 +143,6 @@ class Customer:
                     return str(error.code)
                 self.refused[reference] = error.read().decode(errors="replace")
         except (URLError, OSError, http.client.HTTPException):
-            # Nobody is there, or not any more.
+            # The gateway is away, or went away before it answered.
             return NO_ANSWER
         return ""

@@ -1,4 +1,4 @@
-"""The figures of a campaign: what was found that must not be, and what each loss has cost."""
+"""The figures of a campaign: violations that were found, and the cost of each loss."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ QUIET = "nobody is killed"
 REST = "the rest before a start"
 
 P95 = 18
-"""Its place among the cuts of twenty equal parts."""
+"""Index of the 95th percentile among the cuts of twenty equal parts."""
 
 HOUR_S = 3600.0
 
@@ -51,7 +51,7 @@ def rows(outcome: Outcome) -> list[Row]:
 
 
 def rows_with_calls(outcome: Outcome) -> list[Row]:
-    """What must not be, and what has become of the calls."""
+    """Violations that were found, and the results of the calls."""
     found = [*map(_finding, judge(outcome.after))]
     if outcome.called is None:
         return found
@@ -70,7 +70,7 @@ def _finding(finding: Finding) -> Row:
 
 
 def _flow(outcome: Outcome, killing: int, quiet: int) -> Row:
-    """Transports that were delivered while everybody was killed, and while nobody was."""
+    """Rate of delivered transports during the kills, beside that of the quiet span."""
     figure, baseline = (
         count * HOUR_S / (until_s - since_s)
         for count, (since_s, until_s) in ((killing, outcome.killing_s), (quiet, outcome.quiet_s))
@@ -94,7 +94,7 @@ def _punctuality(outcome: Outcome) -> Row:
 
 
 def _kind(kind: Kind, outcome: Outcome, works: Works, quiet_s: float) -> Iterable[Row]:
-    """What it costs to lose one of this kind."""
+    """The cost of losing one process of this kind."""
     of_kind = [kill for kill in outcome.kills if kill.victim.kind is kind]
     away_s = [kill.away_s for kill in of_kind if kill.away_s is not None]
     if not away_s:
@@ -114,7 +114,7 @@ def _kind(kind: Kind, outcome: Outcome, works: Works, quiet_s: float) -> Iterabl
 
 
 def outages_of(outages: Sequence[Outage], dark_s: float) -> Iterable[Row]:
-    """What it costs to lose the database."""
+    """The cost of losing the database."""
     away = "losses: database, away"
     if not outages:
         yield Row(away, 0.0, "s", dark_s, REST, note=f"NOT KILLED: {MISSING}")
@@ -147,7 +147,7 @@ def outages_of(outages: Sequence[Outage], dark_s: float) -> Iterable[Row]:
 
 
 def _told(kills: Sequence[Kill], works: Works) -> str:
-    """What became of their work, and after how many seconds of the plant."""
+    """How the victims' work went on, and after how many seconds of the plant."""
     after_s: dict[str, list[float]] = {}
     for kill in kills:
         for fate in fates(kill, works):

@@ -24,16 +24,16 @@ from dray.plant import Plant, plant_yaml
 from dray.settings import PREFIX
 
 START_S = 600.0
-"""For dozens of processes with their imports, on a computer that is busy elsewhere."""
+"""Longest time for dozens of processes to start and import, on a busy computer."""
 
 STOP_S = 60.0
-"""To end gracefully, on the same; then it is killed."""
+"""Longest time for a fleet to end gracefully, on a busy computer; then it is killed."""
 
 STARTED = " processes; "
-"""In the line that tells that all of them were started."""
+"""Part of the line that reports that all processes were started."""
 
 LINES_SHOWN = 10
-"""Of what a fleet or one of its processes has said last, when something is wrong with it."""
+"""Last lines of a fleet's output or of a process's log that a complaint quotes."""
 
 
 class Fleet:
@@ -60,7 +60,7 @@ class Fleet:
 
     @property
     def registry(self) -> ProcessRegistry:
-        """Who runs."""
+        """The running processes."""
         return read_registry(self._folder)
 
     def kill(self, name: str) -> bool:
@@ -68,11 +68,11 @@ class Fleet:
         return self.registry.member(name).signal(signal.SIGKILL)
 
     async def take_away(self, name: str, away_s: float) -> bool:
-        """Likewise, and it stays away for so many real seconds."""
+        """Kill a process and keep it away for so many real seconds; False when it had ended by itself."""
         return await control.kill(self._folder, name, away_s)
 
     def last_words(self, name: str) -> str:
-        """What a process has said last, for whoever looks for what is wrong with it."""
+        """The end of a process's log, for finding faults."""
         try:
             lines = (self._folder / LOGS / f"{name}.log").read_text(errors="replace").splitlines()
         except OSError as error:
@@ -114,7 +114,7 @@ async def running(
         database_url: empty for SQLite in the folder.
         demand: whether it places orders itself.
         traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
-        traffic_log: where agents write down what they say of right of way; None for nowhere.
+        traffic_log: where agents log their messages of right of way; None for nowhere.
         stop_port: where its gateway takes stops; None for the port behind its own, or any other.
 
     Raises:
@@ -160,13 +160,13 @@ async def _end(process: asyncio.subprocess.Process, folder: Path) -> None:
     except TimeoutError:
         process.kill()
         await process.wait()
-    # One that has ended gracefully has left no fleet.
+    # A fleet that has ended gracefully is no longer running.
     with suppress(UnavailableError):
         await end_fleet(folder)
 
 
 class _Words:
-    """What a fleet says; nobody else reads it, and a full pipe would hold it up."""
+    """Reads a fleet's output; a full pipe would hold the fleet up."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self._out = process.stdout
@@ -174,7 +174,7 @@ class _Words:
         self._started, self._ended = asyncio.Event(), False
 
     async def listen(self) -> None:
-        """Until it says no more."""
+        """Read until the output ends."""
         while self._out is not None and (line := await self._out.readline()):
             self._last.append(line.decode(errors="replace"))
             if STARTED in self._last[-1]:

@@ -1,7 +1,7 @@
 """The history of a fleet: all facts of all agents, each once, from wherever they are kept.
 
-The database has what the historian has heard or asked for, the journals what agents have told last. Facts
-are journalled before they are told, so both together have what a kill has kept anybody from hearing.
+The database has the facts that the historian heard or asked for; the journals have the newest facts of the agents. An
+agent journals a fact before it publishes it, so both together also have facts that a kill kept from the bus.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ class History:
         self._events: dict[tuple[str, int, int], Event] = {}
 
     def add(self, events: Iterable[Event]) -> None:
-        """Take these in; what is there already stays."""
+        """Add events; an event that is there already stays."""
         for event in events:
             self._events.setdefault((event.agent, event.incarnation, event.number), event)
 
     def lacking(self, events: Iterable[Event]) -> list[str]:
-        """Which of these are not there, in words as those of `holes`."""
+        """Those of these events that are missing, in the words of `holes`."""
         lacking: dict[tuple[str, int], list[int]] = {}
         for event in events:
             if (event.agent, event.incarnation, event.number) not in self._events:
@@ -45,13 +45,13 @@ class History:
 
     @property
     def events(self) -> list[Event]:
-        """In the order of time; those of one agent in the order in which it has numbered them."""
+        """All events by time; those of one agent by their number."""
         numbered = [self._events[place] for place in sorted(self._events)]
         return sorted(numbered, key=lambda event: event.at_s)
 
     @property
     def holes(self) -> list[str]:
-        """Where numbers are missing before one that is there: "ATV1, life 2: 7 to 9, 12"."""
+        """Gaps in the numbers of an agent's events, for example "ATV1, life 2: 7 to 9, 12"."""
         numbers: dict[tuple[str, int], set[int]] = {}
         for agent, life, number in self._events:
             numbers.setdefault((agent, life), set()).add(number)
@@ -60,7 +60,7 @@ class History:
 
 
 def _in_words(numbers: Mapping[tuple[str, int], Iterable[int]]) -> list[str]:
-    """By agent and life; those of which there are none are left out."""
+    """Texts by agent and life; a life with no numbers is left out."""
     return [
         f"{agent}, life {life}: {', '.join(_runs(lacking))}"
         for (agent, life), each in sorted(numbers.items())

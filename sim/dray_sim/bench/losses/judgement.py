@@ -1,7 +1,7 @@
-"""The judgement over a factory whose processes were killed: what must not be, and whether it was seen.
+"""The judgement over a factory whose processes were killed: which violations there were.
 
-The checks are the simulator's invariants (`dray_sim.checks.invariants`), told afterwards what was said, and counts
-of what the floor and the database hold in the end. Pure.
+The checks are the simulator's invariants (`dray_sim.checks.invariants`), which replay the messages afterwards. Counts
+of the final state of floor and database are added. Pure.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from dray_sim.checks.invariants import HandedOverOnce, MaterialConserved, OnePri
 from dray_sim.network.listeners import Listener
 
 ENDED = "processes ended by themselves"
-"""The finding that a busy computer may have caused, and no agent: a process gives up what does not answer."""
+"""The only finding that a busy computer may cause instead of an agent: a process ends when its peer does not answer
+in time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class Aftermath:
 
     Attributes:
         history: of all agents.
-        unwritten: what they have told before the last kill and the database still lacks, in words.
+        unwritten: facts that agents reported before the last kill and that the database lacks, in words.
         heartbeats: the last one of every machine.
         accepted: the ids of orders that were answered with 201, by the customer's reference.
         refused: why other orders were not.
@@ -66,9 +67,9 @@ class Finding:
     """Something that must not be.
 
     Attributes:
-        what: in the plural, as "tasks lost".
+        what: the violation in the plural, as "tasks lost".
         of: how many could have been.
-        of_what: what these are.
+        of_what: the unit of `of`.
         seen: every case of it, in words.
     """
 
@@ -86,7 +87,7 @@ class _Utterance:
 
 
 def judge(after: Aftermath) -> list[Finding]:
-    """Look for everything that must not be."""
+    """Find all violations."""
     events = after.history.events
     said = sorted(_said(events, after.heartbeats), key=lambda utterance: utterance.at_s)
     released = [_Utterance(0.0, "gateway", _release(order)) for order in after.orders]
@@ -132,7 +133,7 @@ def _release(order: Order) -> OrderReleased:
 
 
 def _broken(check: Listener, said: Iterable[_Utterance]) -> tuple[str, ...]:
-    """What an invariant finds; after the first it may see what follows from that, too."""
+    """Violations of one invariant; after the first, others may be its consequences."""
     found = []
     for utterance in said:
         try:
@@ -145,9 +146,10 @@ def _broken(check: Listener, said: Iterable[_Utterance]) -> tuple[str, ...]:
 def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
     """Transports of which a carrier was released that its coordinator had contracted and not replaced since.
 
-    Whoever was silent when it was asked, even if it was asked again later, or took over from somebody who lives, is released for a
-    reason; and so is who comes back when its task has ended: it was withdrawn, for its goal was given to another machine or it was waited for in
-    vain, or its load was counted before it was killed, and its coordinator has lived anew since.
+    A release is left out in these cases. The carrier was silent when it was asked, even if it was asked again later.
+    Or it took over from a living vehicle. The same holds for a carrier that comes back after its task has ended.
+    Such a task was withdrawn, because its goal was given to another machine or waited in vain. Or its load was
+    counted before the kill, and its coordinator has restarted since.
     """
     accepted_s: dict[tuple[str, int, str], float] = {}
     let_go: set[tuple[str, str]] = set()
@@ -177,7 +179,7 @@ def _for_nothing(events: Sequence[Event]) -> Iterable[str]:
 
 
 def _not_as_ordered(after: Aftermath) -> Iterable[str]:
-    """The floor's own count at the delivery warehouses, which knows neither goals nor orders."""
+    """Differences between the orders and the floor's own count at the delivery warehouses."""
     ordered: Counter[str] = Counter()
     for order in after.orders:
         for item in order.items:

@@ -22,10 +22,10 @@ from dray_sim.bench.postgres import PostgresServer
 from dray_sim.people.demand import DUE_AFTER_S, Order
 
 CATCH_UP_S = 240.0
-"""Longest wait for the historian: it tries again every 30 s, and asks every 60 s for what it has not heard."""
+"""Longest wait for the historian: it tries again every 30 s, and asks every 60 s for events that it missed."""
 
 LOOK_S = 0.2
-"""How often it is looked whether it has caught up."""
+"""Interval between two looks whether the historian has caught up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Outage:
     Attributes:
         away_s: from the kill until it answered again.
         refused_s: from the kill until the order was accepted that was sent at once after it.
-        before: what came instead until then, and how often.
+        before: failures of that order until then, by kind.
         behind_s: from its first answer until all was written that agents had told by then.
     """
 
@@ -54,8 +54,8 @@ class Breaker:
         fleet: whose.
         watch: on the fleet.
         store: the same database, as we see it.
-        customer: who orders.
-        orders: what.
+        customer: places the orders.
+        orders: the orders to place.
         down_s: real seconds before the server is started again.
     """
 
@@ -68,14 +68,14 @@ class Breaker:
     down_s: float
 
     async def kill(self) -> Outage:
-        """Kill it, start it again, and wait until nobody lacks anything any more.
+        """Kill it, start it again, and wait until every event is written.
 
         Raises:
             UnavailableError: it does not start, or the historian does not catch up.
         """
-        # What was lacking before is not the outage's.
+        # Events that were missing before do not count as caused by the outage.
         await caught_up(self.fleet, self.watch, self.store)
-        # What is accepted in the moment before must be there after it.
+        # An order that is accepted in the moment before must be there afterwards.
         await self.customer.order(next(self.orders))
         began_s = time.monotonic()
         await self.server.kill()

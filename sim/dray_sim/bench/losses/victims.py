@@ -1,4 +1,4 @@
-"""Victims: which process is killed next, and what it was doing at that moment."""
+"""Victims: which process is killed next, and what it is doing at that moment."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from dray.messages.keys import STRATEGIST
 
 
 class Kind(StrEnum):
-    """What a process was when it was killed.
+    """The activity of a process when it was killed.
 
-    The database's turn is before those who cannot start without it: it is not killed while they are away.
+    The database's turn is before that of processes that cannot start without it: it is not killed while they are
+    away.
     """
 
     IDLE = "vehicle without a task"
@@ -38,10 +39,10 @@ STAYS_AWAY: Mapping[Kind, Kind] = {
     Kind.LOADED: Kind.VEHICLE_AWAY,
     Kind.MACHINE: Kind.MACHINE_AWAY,
 }
-"""What a victim with work is when it is not started again for a long time."""
+"""The kind of a victim with work when it is not restarted for a long time."""
 
 LASTING = frozenset(STAYS_AWAY.values())
-"""It is their turn so many times, and chance never names them: each is away for long."""
+"""Each of these kinds has a fixed number of turns, and chance never draws it: its victims are away for long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +51,9 @@ class Victim:
 
     Attributes:
         name: its agent's.
-        kind: what it does at this moment, by its own word.
+        kind: its activity at this moment, as its heartbeat says.
         work: the task that it carries, the tasks that it watches, or the goals that it makes.
-        crew: who is killed at the same moment: both sides of a contract lose what they hold of it in their heads.
+        crew: processes that are killed at the same moment: both sides of a contract lose their memory of it.
     """
 
     name: str
@@ -90,7 +91,7 @@ def machine(heartbeat: MachineHeartbeat) -> Victim:
 
 
 def crew(heartbeat: MachineHeartbeat, vehicles: Iterable[AtvHeartbeat]) -> Victim | None:
-    """A machine with all that carry for it, by their last words; None when nobody does."""
+    """A machine with all vehicles that carry for it, by their last heartbeats; None when none does."""
     members = tuple(
         Victim(each.atv, Kind.CREW_VEHICLE, (each.task.task,))
         for each in vehicles
@@ -102,7 +103,7 @@ def crew(heartbeat: MachineHeartbeat, vehicles: Iterable[AtvHeartbeat]) -> Victi
 
 
 class Rota:
-    """Whose turn it is: every kind so many times in turn, then whoever chance names.
+    """The order of the kills: every kind so many times in turn, then kinds drawn by chance.
 
     Args:
         random: the only source of chance.
@@ -115,13 +116,13 @@ class Rota:
         self._turns = [kind for turn in rounds for kind in Kind if turn < turns.get(kind, 0)]
 
     def choose(self, living: Iterable[Victim]) -> Victim | None:
-        """The next one; None when nobody lives."""
+        """The next victim; None when no process is alive."""
         chosen = self._of_the_next_kind(there := sorted(living, key=lambda victim: victim.name))
         others = [victim for victim in there if victim.kind not in LASTING]
         return chosen or (self._random.choice(others) if others else None)
 
     def _of_the_next_kind(self, there: Sequence[Victim]) -> Victim | None:
-        """Of the first kind that waits for its turn and that somebody is of now."""
+        """A victim of the first kind in the queue that has a living process."""
         for place, kind in enumerate(self._turns):
             of_kind = [victim for victim in there if victim.kind is kind]
             if of_kind:

@@ -1,4 +1,4 @@
-"""A peer on a fleet's bus that notes who lives since when, and what each has said last."""
+"""A peer on a fleet's bus that notes which lives there are, and each agent's last message."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ async def gathered(fleet: Fleet, bus: ZenohBus, within_s: float) -> Watch:
 class Watch:
     """Listens, and takes no part.
 
-    What it hears is good for choosing whom to kill and for telling when a life has begun. What must be exact
-    is taken from histories: a word that is said while links break does not reach everybody.
+    Its data is good enough to choose victims and to tell when a life has begun. Exact figures come from the
+    histories: a message that is sent while links break does not reach everybody.
 
     Args:
         bus: joined by this call.
@@ -84,7 +84,7 @@ class Watch:
             self.told[message.agent] = max(newest, self.told.get(message.agent, newest))
 
     def _see(self, token: zenoh.Sample) -> None:
-        """On a thread of Zenoh's."""
+        """Runs on a thread of Zenoh's."""
         if token.kind != zenoh.SampleKind.PUT:
             return
         there = self._bus.tokens.read(str(token.key_expr))

@@ -11,19 +11,19 @@ from dray.messages.fact import TaskClosed, TaskOpened
 
 @dataclass(slots=True)
 class Span:
-    """One transport from its first announcement to its handover (plant clock)."""
+    """The span of one transport from its first announcement to its handover (plant clock)."""
 
     opened_s: float
     delivered_s: float | None = None
 
     @property
     def took_s(self) -> float | None:
-        """None for one that was not delivered."""
+        """Duration (s); None when it was not delivered."""
         return None if self.delivered_s is None else self.delivered_s - self.opened_s
 
 
 class Works:
-    """What became of everything.
+    """The course of every transport and goal.
 
     Args:
         events: all facts, in the order of time.
@@ -48,11 +48,11 @@ class Works:
                 self.transports[fact.task].delivered_s = event.at_s
 
     def after(self, work: str, at_s: float) -> Sequence[Event]:
-        """What was told about a task or a goal after this moment (plant clock)."""
+        """Events of a task or a goal after this moment (plant clock)."""
         return [event for event in self._about.get(work, ()) if event.at_s > at_s]
 
     def durations_s(self, since_s: float, until_s: float) -> list[float]:
-        """How long each transport took that was delivered in this time (plant clock)."""
+        """Duration of each transport that was delivered in this span (plant clock)."""
         return [
             span.delivered_s - span.opened_s
             for span in self.transports.values()

@@ -1,1 +1,1 @@
-"""What the bus costs: the simulated one, Zenoh on this computer, links and computers."""
+"""The cost of the bus: the simulated one, Zenoh on this computer, links and computers."""

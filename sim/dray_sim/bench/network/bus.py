@@ -1,8 +1,8 @@
-"""Benchmark `bus`: what it costs that agents talk, in process and on virtual time.
+"""Benchmark `bus`: the cost of messages between agents, in process and on virtual time.
 
-The work is that of a plant: vehicles publish heartbeats, machines listen to all of them. The baseline
-is what no simulation can do without: a heap of timed calls, and the call. Above it come the network
-(who listens, delay, order), the codec, the trace and the workers with their tasks.
+The work is that of a plant: vehicles publish heartbeats, machines listen to all of them. The baseline is the least
+that a simulation needs: a heap of timed calls, and the calls. The further figures add the network (receivers, delay,
+order), the codec, the trace, and the workers with their tasks.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def _row(name: str, work: Callable[[], int], calls: int, target: float | None = 
 
 
 def _bare_calls(calls: int) -> int:
-    """As many pending calls as the network has on average, each making the next one."""
+    """Keep as many pending calls as the network has on average; each call makes the next one."""
     heap: list[tuple[float, int, object, tuple[str, Message]]] = []
     numbers, random = count(), Random(1)
     heard = 0
@@ -108,7 +108,7 @@ def _deliveries(span_s: float, *, trace: Trace | None = None, codec: bool = Fals
         network = SimNetwork(plant_clock, Random(1), codec=codec, trace=trace)
 
         def on_message(_sender: str, _message: Message) -> None:
-            """What an agent does with it is not measured here."""
+            """The agent's own work is not measured here."""
 
         for number in range(MACHINES):
             network.join(f"M{number}", on_message).subscribe(KEYS.all_heartbeats)

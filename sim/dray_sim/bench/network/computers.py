@@ -61,11 +61,11 @@ class Computers:
         return _iproute2(), "netns", "exec", _namespace(name), *command
 
     def wlan_address(self, name: str) -> str:
-        """Where the others reach it."""
+        """Its address on the WLAN."""
         return WLAN.format(self.names.index(name) + 1)
 
     def radio_address(self, name: str, neighbour: str) -> str:
-        """Where a neighbour reaches it by radio."""
+        """Its address on the radio link to a neighbour."""
         pair = tuple(sorted((name, neighbour)))
         return RADIO.format(self._pairs.index(pair), pair.index(name) + 1)
 

@@ -1,8 +1,7 @@
 """The paper's laboratory on computers of its own: machine 8, three vehicles, strategist and floor, in real time.
 
-Each is a process with certificates. All call the wired ones over the WLAN; vehicles call one another by
-radio alone, for between two computers there is one link, and it must not be the one that breaks. A probe
-hears everything.
+Each is a process with certificates. All connect to the wired processes over the WLAN. Vehicles connect to one another
+by radio alone: two computers share one link, and it must not be the one that breaks. A probe hears everything.
 """
 
 from __future__ import annotations
@@ -35,8 +34,8 @@ T = TypeVar("T")
 FLOOR = "floor"
 
 PIECES, MATERIAL, PER_PIECE = 2, "housing", 12
-"""An order that takes one load of one material, for which machine 8 asks at once: no buffer begins with as
-much as a piece takes."""
+"""An order of two pieces, for which machine 8 asks for one load of one material at once. Its buffer begins with less
+than a piece takes."""
 
 STATIONS = laboratory().storages_of(MATERIAL)
 """The storages that keep it; the others have nothing to do."""
@@ -48,7 +47,7 @@ WIRED = {
     MACHINE: Kind.MACHINE,
     **dict.fromkeys(STATIONS, Kind.STATION),
 }
-"""They stay where they are, and everybody calls them."""
+"""Processes that stay at one place; all others connect to them."""
 
 VEHICLES = tuple(vehicle.id for vehicle in laboratory().file.fleet)
 
@@ -64,12 +63,12 @@ COMMANDS = {
 PORT = 7447
 
 LEASE_S = 2.0
-"""As by default."""
+"""The default lease."""
 
 KEPT = (AtvHeartbeat, MachineHeartbeat, CarrierChanged, PrimarySuspected, TookOver)
 
 PATIENCE_S = 90.0
-"""For whatever is waited for, on a computer that is busy elsewhere."""
+"""Longest wait for anything, on a busy computer."""
 
 
 class Field:
@@ -80,7 +79,7 @@ class Field:
         folder: empty; for certificates, journals and logs.
 
     Attributes:
-        witness: what the probe has heard, by the unix time at which it came.
+        witness: messages that the probe has heard, by the unix time of their arrival.
     """
 
     def __init__(self, computers: Computers, folder: Path) -> None:
@@ -131,7 +130,7 @@ class Field:
         return task
 
     def switch_off(self, vehicle: str) -> None:
-        """Cut its power: nobody is told, not even by a link that closes."""
+        """Cut its power: no link closes, so no peer is told."""
         self.computers.switch_wlan(vehicle, "down")
         self.computers.switch_radio(vehicle, "down")
         self._processes[vehicle].kill()
@@ -144,7 +143,7 @@ class Field:
         for name, command in COMMANDS.items():
             self._run(name, "dray", *command)
         for name in COMMANDS:
-            # It says that it is ready.
+            # Its first line reports that it is ready.
             self._processes[name].line()
         spec = ProbeSpec(
             plant=self._plant.id,
@@ -183,12 +182,12 @@ class Field:
             "DRAY_BUS_PEERS": ",".join(self._peers(name)),
             "DRAY_BUS_LEASE_S": str(LEASE_S),
             "DRAY_BUS_RADIO": RADIO_NETWORK if name in VEHICLES else "",
-            # The machines are not there that would keep the books of places.
+            # The machines that would keep the books of places are absent.
             "DRAY_TRAFFIC": "false",
         }
 
     def _peers(self, name: str) -> tuple[str, ...]:
-        """Whom a process calls: the wired ones before it, and neighbours before it by radio."""
+        """Addresses that a process connects to: the wired ones before it, and the neighbours before it by radio."""
         before = tuple(COMMANDS)[: tuple(COMMANDS).index(name)] if name in COMMANDS else tuple(WIRED)
         wired = self._called(*(each for each in before if each in WIRED))
         neighbours = [each for each in before if each in VEHICLES]

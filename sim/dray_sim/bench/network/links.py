@@ -1,7 +1,7 @@
 """Benchmark `links`: the experiments of the paper's Figure 6 on real links (paper, 4.3).
 
-They run on computers of their own (`dray_sim.bench.network.field`). The baselines are what links and agents are given:
-a link's lease, after which it is gone round, and the silence after which a vehicle is suspected.
+They run in network namespaces (`dray_sim.bench.network.field`). The baselines are settings: the lease of a link,
+after which messages take another way, and the silence after which a vehicle is suspected.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ T = TypeVar("T")
 REPEATS = 5
 
 AGAIN_S = 1.0
-"""The aim of the first experiment: heard again so long after the lease at the latest."""
+"""Aim of the first experiment: longest time after the lease until the vehicle is heard again."""
 
 AIR_S = 0.5
-"""Two heartbeats may differ by so much in how long they are under way, on a busy computer."""
+"""Largest difference in transit time between two heartbeats, on a busy computer."""
 
 WATCH_S = 6.0
-"""So long after a cut nobody may be suspected: more than the longest silence that is allowed on a good link,
-after the end of the lease."""
+"""After a cut, no vehicle may be suspected for this long: longer than a lease plus the longest silence on a good
+link."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """What was seen when the WLAN of the primary was cut, and repaired.
+    """Observations when the WLAN of the primary was cut and repaired.
 
     Attributes:
         heard_s: from the cut until the first heartbeat came that was said after it.
@@ -58,11 +58,11 @@ class Cut:
 
 @dataclass(frozen=True, slots=True)
 class Takeover:
-    """What was seen when the primary was switched off.
+    """Observations when the primary was switched off.
 
     Attributes:
-        took_s: until the word came of whoever goes on.
-        carrier: who that is.
+        took_s: until the new carrier's announcement came.
+        carrier: the new carrier.
         epoch: of the task by then, in the machine's word.
         takeovers: how many.
     """
@@ -81,7 +81,7 @@ def cut_wlan(field: Field, task: TaskBrief) -> Cut:
     heard = field.seen(AtvHeartbeat, lambda seen: seen.said.atv == primary and seen.said.at_s > cut_s)
     noticed_s = _on(field, primary, Link.MESH, cut_s)
     field.seen(AtvHeartbeat, lambda seen: seen.said.atv == primary and seen.said.at_s > cut_s + WATCH_S)
-    # It was idle before, and beat less often.
+    # Before that the vehicle was idle, and beat less often.
     beats_s = [
         seen.at_s
         for seen in field.witness.all(AtvHeartbeat)
@@ -101,7 +101,7 @@ def cut_wlan(field: Field, task: TaskBrief) -> Cut:
 
 
 def switch_off(field: Field, task: TaskBrief) -> Takeover:
-    """Switch the primary off, and see who goes on."""
+    """Switch the primary off, and observe the takeover."""
     off_s = time.time()
     field.switch_off(task.primary)
     took = field.seen(TookOver, lambda seen: seen.said.task == task.task)
@@ -130,7 +130,7 @@ def _carrier(heartbeat: MachineHeartbeat, task: TaskBrief) -> str:
 
 
 def play(experiment: Callable[[Field, TaskBrief], T]) -> T:
-    """One experiment in a laboratory of its own."""
+    """Run one experiment in a laboratory of its own."""
     with tempfile.TemporaryDirectory() as folder, Field.opened(Path(folder)) as field:
         return experiment(field, field.contract())
 
@@ -171,7 +171,7 @@ def measure(quick: bool) -> list[Row]:
 
 
 def _row(name: str, times_s: list[float], bound: tuple[str, float, float | None], note: str = "") -> Row:
-    """The worst of several times beside what binds it."""
+    """The worst of several times beside its bound."""
     baseline_name, baseline_s, target_s = bound
     note = "; ".join(filter(None, (f"median of {len(times_s)}: {median(times_s):.2f} s", note)))
     return Row(f"links: {name}", max(times_s), "s", baseline_s, baseline_name, target_s, note, less=True)

@@ -1,6 +1,6 @@
-"""A probe: one more computer on a bus, which places an order and tells what it hears.
+"""A probe: one more computer on a bus, which places an order and writes down what it hears.
 
-It runs as a process of its own, wherever the network is that it is to look at:
+It runs as a process of its own, in the network that it observes:
 
     python -m dray_sim.bench.network.probe '{"plant": ...}'       a `ProbeSpec`
 
@@ -27,23 +27,23 @@ from dray_sim.people.demand import Order
 from dray_sim.people.order_client import ORDER_CLIENT, OrderClient
 
 AGAIN_S = 0.1
-"""Who is there is asked so often."""
+"""Interval between two questions who is on the bus."""
 
 PROBE = "probe"
-"""Its name on the bus, and of its certificate, which names the order client too."""
+"""Its name on the bus and in its certificate, which also names the order client."""
 
 AGENTS = (PROBE, ORDER_CLIENT)
 
 
 class ProbeSpec(msgspec.Struct, frozen=True):
-    """What a probe is started with.
+    """The settings of a probe.
 
     Attributes:
         plant: the plant's id.
         certificates: the folder.
         peers: HOST:PORT of those that it calls.
         lease_s: of its links.
-        order: what it orders.
+        order: the order that it places.
     """
 
     plant: str
@@ -59,13 +59,13 @@ def write(spec: ProbeSpec) -> str:
 
 
 def read(line: bytes) -> tuple[float, str, Message]:
-    """A line of a probe: when the message came (unix time), who has said it, and the message."""
+    """Parse a line of a probe: arrival (unix time), sender and message."""
     at_s, _, data = line.rstrip(b"\n").partition(b" ")
     return float(at_s), *decode(data)
 
 
 async def observe(spec: ProbeSpec) -> None:
-    """Order, and tell what is heard, until cancelled."""
+    """Place the order, and write down every message until cancelled."""
     identity = Identity.in_folder(Path(spec.certificates), PROBE)
     bus = ZenohBus(Links(peers=spec.peers, identity=identity, lease_s=spec.lease_s), spec.plant)
     try:
@@ -73,7 +73,7 @@ async def observe(spec: ProbeSpec) -> None:
         for key in (Keys(spec.plant).all_heartbeats, Keys(spec.plant).all_events):
             session.subscribe(key)
         customers = OrderClient(bus, SystemClock(asyncio.get_running_loop()))
-        # Else the first order would be said to nobody, and the next one seconds later.
+        # Otherwise nobody would hear the first order, and the next try would come seconds later.
         present = await bus.roll_call()
         while STRATEGIST not in present:
             await asyncio.sleep(AGAIN_S)

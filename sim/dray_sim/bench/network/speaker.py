@@ -1,4 +1,4 @@
-"""A process that speaks in lines: what it says can be waited for, and what it complains of is kept."""
+"""A process that writes lines: a caller can wait for a line, and its complaints are kept."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dray.errors import UnavailableError
 CHUNK_BYTES = 2**16
 
 SILENCE_S = 90.0
-"""Nothing that is waited for takes so long, on a computer that is busy elsewhere, too."""
+"""Longest wait for a line, on a busy computer."""
 
 
 class Speaker:
@@ -23,7 +23,7 @@ class Speaker:
         name: for complaints.
         command: starts it.
         environment: all of its variables.
-        log: takes what it says to standard error.
+        log: takes its standard error.
     """
 
     def __init__(self, name: str, command: Sequence[str], environment: Mapping[str, str], log: Path) -> None:
@@ -63,7 +63,7 @@ class Speaker:
         os.close(self._listener)
 
     def complaint(self, what: str) -> UnavailableError:
-        """That something is wrong with it, and its own last word."""
+        """An error about this process, with the last line of its log."""
         last = self._log.read_text(encoding="utf-8", errors="replace").strip().rpartition("\n")[2]
         return UnavailableError(
             self._name, f"{what}: {last}" if last else what, "try again on a quieter computer"

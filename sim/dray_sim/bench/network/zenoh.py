@@ -1,12 +1,12 @@
-"""Benchmark `zenoh`: what the adapter costs beside bare Zenoh, between two processes on this computer.
+"""Benchmark `zenoh`: the cost of the adapter beside bare Zenoh, between two processes on this computer.
 
-All do the same: an asyncio program on each side says a heartbeat to the other one, and hears it on its
-loop. Bare Zenoh carries bytes that were written beforehand and that nobody reads. The second baseline
-writes and reads them too, with our codec. The adapter also numbers, judges and counts. With certificates what is
-published is signed and examined, and what is said to one agent alone is encrypted and opened.
+All variants do the same: an asyncio program on each side sends a heartbeat to the other one and receives it on its
+loop. Bare Zenoh carries bytes that were written beforehand and that no one decodes. The second baseline writes and
+reads them too, with our codec. The adapter also numbers, judges and counts. With certificates, published messages are
+signed and verified, and messages to one agent are encrypted and decrypted.
 
-The fair baseline is the second: any program that talks over Zenoh has to turn messages into bytes and bytes
-into messages that it may believe, so what is left is what the adapter itself costs. The aim stands beside both.
+The second baseline is the fair one: any program on Zenoh must encode messages and decode them safely. The rest is the
+cost of the adapter itself. The aim stands beside both.
 """
 
 from __future__ import annotations
@@ -40,22 +40,22 @@ from dray_sim.bench.row import Row, rates
 
 ROUND_TRIPS = 2_000
 MESSAGES = 20_000
-"""Of one run: a second or less each."""
+"""Messages in one run: a second or less each."""
 
 QUICK = 10
 """A quick run does a tenth."""
 
 WINDOW = 500
-"""Messages under way at most: half a megabyte with seals, less than what a link takes before it drops any."""
+"""Most messages under way: half a megabyte with seals, less than a link takes before it drops any."""
 
 RECEIPT_EVERY = 100
-"""The sink says so often how far it is."""
+"""Number of messages between two progress reports of the sink."""
 
 MOST_OVER_FRAC = 0.2
 """The aim: a message costs at most a fifth more than with bare Zenoh."""
 
 PATIENCE_S = 60.0
-"""For the other process to start, and for a second's work, on a machine that is busy elsewhere."""
+"""Longest time for the other process to start and to do a second's work, on a busy machine."""
 
 PLANT = "bench"
 HERE, RECEIPT, ECHO, SINK = "here", "receipt", "echo", "sink"
@@ -68,7 +68,7 @@ class Line(ABC):
 
     @abstractmethod
     def listen(self, name: str, on_sample: OnSample) -> None:
-        """Call `on_sample` on the loop for whatever comes for `name`."""
+        """Call `on_sample` on the loop for every sample that comes for `name`."""
 
     @abstractmethod
     def say(self, to: str) -> None:
@@ -76,7 +76,7 @@ class Line(ABC):
 
 
 class Bare(Line):
-    """Zenoh alone, with what every asyncio program must do: cross from its threads to the loop."""
+    """Zenoh alone, with the step that every asyncio program needs: cross from its threads to the loop."""
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session, self._loop = session, asyncio.get_running_loop()
@@ -93,7 +93,7 @@ class Bare(Line):
 
 
 class Read(Bare):
-    """The same, and the messages are written and read."""
+    """The same, with encoding and decoding of the messages."""
 
     def listen(self, name: str, on_sample: OnSample) -> None:
         def cross(sample: zenoh.Sample) -> None:
@@ -123,7 +123,7 @@ class Adapted(Line):
 
 
 class Published(Adapted):
-    """The adapter, and everybody may listen."""
+    """The adapter, with published messages."""
 
     def listen(self, name: str, on_sample: OnSample) -> None:
         super().listen(f"{name}-all", on_sample)
@@ -177,7 +177,7 @@ class Caller:
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """How one of the two processes is linked with the other."""
+    """The links of one of the two processes."""
 
     plain: Links
     sealed: Links
@@ -185,7 +185,7 @@ class End:
     async def open(self) -> list[Line]:
         """Bare Zenoh, the same with reading, the adapter, and that with certificates for all and for one reader.
 
-        On the running loop. They are closed with the process: a benchmark's is over soon.
+        Call it on the running loop. They are closed with the process: a benchmark's is over soon.
         """
         plain, sealed = ZenohBus(self.plain, PLANT), ZenohBus(self.sealed, PLANT)
         return [Bare(plain.inner), Read(plain.inner), Adapted(plain), Published(sealed), Adapted(sealed)]

@@ -1,10 +1,12 @@
 """Benchmark `orders`: how many orders are taken in a second, beside a bare insert.
 
-The baseline is what anybody would write first: FastAPI, the same model of the body, and the same rows inserted by SQLAlchemy, a statement for each table: the order,
-its items, the customer's link, the Idempotency-Key, a line of the audit log and one of the change log. It has the order on disk when it is answered, as ours has it. Both
-are served by uvicorn with the same settings, each in a process of its own, and asked by the same client over kept connections; they take turns. Ours knows the caller by
-an API key and a repeated request by its Idempotency-Key, looks whether the order is probably sent twice, tells a strategist that takes each order at once, and writes the
-change log by triggers.
+The baseline is a straightforward implementation: FastAPI, the same model of the body, and the same rows inserted by
+SQLAlchemy, a statement for each table: the order, its items, the customer's link, the Idempotency-Key, a line of the
+audit log and one of the change log. Like ours, it has the order on disk before it answers. Both are served by uvicorn
+with the same settings, each in a process of its own. The same client asks both over kept connections, in turns. Ours
+also knows the caller by an API key and a repeated request by its Idempotency-Key, and checks whether the order is
+probably sent twice. It offers each order to a strategist that takes it at once, and writes the change log by
+triggers.
 """
 
 from __future__ import annotations
@@ -24,19 +26,20 @@ from dray_sim.bench.row import Row
 from dray_sim.bench.usage import Usage
 
 OPEN = (0, 1_000, MAX_OPEN_ORDERS)
-"""Orders that have not ended before: none, a busy week, and as many as leave room for those that are placed."""
+"""Open orders before the measurement: none, a busy week, and the maximum less those that are placed."""
 
 CLIENTS = (1, 16)
-"""One system that waits for each answer, and a rush of them."""
+"""Concurrent clients: one system that waits for each answer, and a rush of them."""
 
 ORDERS = {1: 60, 16: 200}
-"""Placed in one round, by clients: some tenths of a second, so that both are disturbed alike by what else there is."""
+"""Orders placed in one round, by the number of clients: some tenths of a second, so that other load disturbs both
+alike."""
 
 ROUNDS = 9
-"""Of each, in turns; their medians are told."""
+"""Rounds of each, in turns; the figures are their medians."""
 
 AIM = 0.8
-"""Of the rate of bare inserts, whatever is open: a fifth is what all the rest may cost."""
+"""Least share of the rate of bare inserts, with any number of open orders: the rest may cost a fifth."""
 
 QUICK_ROUNDS = 3
 
@@ -49,7 +52,7 @@ def measure(quick: bool) -> list[Row]:
     """
     rows = []
     rounds = QUICK_ROUNDS if quick else ROUNDS
-    # Each customer places one in every round before the clock begins to run.
+    # Each customer places one order in every round before its clock starts.
     placed = sum(ORDERS[clients] + clients for clients in CLIENTS) * rounds
     with _databases() as databases:
         for name, fresh in databases:
@@ -102,7 +105,7 @@ class _Server:
 
 @contextmanager
 def _databases() -> Iterator[list[tuple[str, _Files | _Server]]]:
-    """Names of databases, and what makes a new one on each."""
+    """Databases by name, each with a factory for new ones."""
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory()))
         databases: list[tuple[str, _Files | _Server]] = [("SQLite", _Files(folder))]

@@ -1,7 +1,7 @@
-"""The baseline: orders as they are taken by whoever needs nothing else. FastAPI, SQLAlchemy, an INSERT for each table.
+"""The baseline: taking orders, and nothing else. FastAPI, SQLAlchemy, an INSERT for each table.
 
-The body is looked at by the same model as ours, the same rows are written into the same tables with the same indexes, and an answered order is on disk: SQLite
-writes through at every commit, and PostgreSQL's `synchronous_commit` is on.
+The same model as ours checks the body, the same rows go into the same tables with the same indexes, and an answered
+order is on disk: SQLite writes through at every commit, and PostgreSQL's `synchronous_commit` is on.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def _order(draft: OrderDraft) -> Order:
 
 
 def _rows(order: Order, key: str, answer: str) -> Iterator[tuple[Table, list[dict[str, object]]]]:
-    """What ours writes, too, when it takes an order."""
+    """The rows that ours writes, too, when it takes an order."""
     at_s = order.created_at_s
     yield orders, rows_of_orders([order])
     yield order_items, rows_of_items([order])
@@ -105,7 +105,7 @@ def _rows(order: Order, key: str, answer: str) -> Iterator[tuple[Table, list[dic
 
 
 def _keep_on_disk(connection: Any, _record: Any) -> None:
-    """As ours does it: an answered order outlives a power failure."""
+    """Like ours: an answered order outlives a power failure."""
     cursor = connection.cursor()
     for pragma in ("busy_timeout = 60000", "journal_mode = WAL", "synchronous = FULL"):
         cursor.execute(f"PRAGMA {pragma}")

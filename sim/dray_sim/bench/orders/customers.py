@@ -1,6 +1,6 @@
 """Customers of the benchmark: they place one order after the other over a kept connection, and wait for each answer.
 
-The client is as small as a client can be: what it costs is taken from the same processors as what is measured.
+The client is minimal, because it uses the same processors as the servers that are measured.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Customers:
 
     @staticmethod
     def _body(key: str) -> bytes:
-        """An order under a number of its own: one that is probably sent twice gets a hint, which is not what is measured."""
+        """An order under a number of its own: a probable duplicate gets a hint, which is not measured."""
         items = [{"product": PRODUCT, "quantity": 5}]
         return json.dumps({"customer": "Hall 3", "reference": f"PO-{key}", "items": items}).encode()
 

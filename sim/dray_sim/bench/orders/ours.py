@@ -41,16 +41,16 @@ class Strategists:
             asyncio.get_running_loop().call_soon(self._receive, "strategist", taken)
 
     def publish(self, key: str, message: Message) -> None:
-        """Nobody listens."""
+        """Do nothing: nobody listens."""
 
     def subscribe(self, key: str) -> None:
-        """Nobody else speaks."""
+        """Do nothing: nobody else publishes."""
 
     def unsubscribe(self, key: str) -> None:
-        """Nobody else speaks."""
+        """Do nothing: nobody else publishes."""
 
     def leave(self) -> None:
-        """Nobody notices."""
+        """Do nothing: nobody listens."""
 
 
 def our_app(url: str, store: Store, wall_s: Callable[[], float] = time.time) -> FastAPI:

@@ -47,7 +47,7 @@ def serving(kind: str, url: str, token: str) -> Iterator[Served]:
     Args:
         kind: `bare` or `ours`.
         url: of its database.
-        token: by which customers say who they are.
+        token: the customers' API key.
     """
     host, _, port = free_addresses(1)[0].rpartition(":")
     command = [sys.executable, "-m", __package__, kind, url, port]
@@ -79,7 +79,7 @@ def wait_for(host: str, port: int, process: subprocess.Popen[Any]) -> None:
 
 
 async def prepare(url: str, count: int) -> str:
-    """Let a database of ours have so many open orders that the strategist has taken; returns a key to place others."""
+    """Fill a database with so many open orders that the strategist has taken; returns a key to place others."""
     token = new_key()
     store = await open_store(url)
     try:

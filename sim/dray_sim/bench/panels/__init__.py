@@ -1,1 +1,1 @@
-"""What the panels cost: projection, map, painting, and a crowd of browsers."""
+"""The cost of the panels: projection, map, painting, and a crowd of browsers."""

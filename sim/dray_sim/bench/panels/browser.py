@@ -1,6 +1,6 @@
 """A real Chromium for the benchmarks of the panels, headless and without a graphics card.
 
-So every picture is painted by the processor that also runs the script: a desk's computer is quicker.
+The processor that runs the script also paints every picture, so a desk's computer is quicker.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FLAGS = (
     "--disable-sync",
     "--no-first-run",
 )
-"""Works as root and in a container, and speaks to nobody but the panel's server."""
+"""Flags that work as root and in a container; the browser connects to the panel's server only."""
 
 SCREEN: ViewportSize = {"width": 1920, "height": 1080}
 """A control room's; the management panel is made for 1,280 x 800 and more."""
@@ -63,7 +63,7 @@ def profile(browser: Browser, house: House, session: str) -> BrowserContext:
     Args:
         browser: whose.
         house: which is to be looked at.
-        session: of whoever is logged in there; empty for nobody.
+        session: of the person who is logged in; empty for nobody.
     """
     context = browser.new_context(viewport=SCREEN)
     if session:

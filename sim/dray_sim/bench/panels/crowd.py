@@ -1,7 +1,7 @@
-"""A crowd for the benchmarks of the panels: many vehicles that drive about, and what agents tell of it.
+"""A crowd for the benchmarks of the panels: many vehicles that drive about, and the messages of their agents.
 
-They negotiate nothing and wait for nobody. What they say has the shape and the pace of a plant in which
-all vehicles are at work: a heartbeat per vehicle and per machine each second.
+They neither negotiate nor wait. Their messages have the shape and the rate of a plant in which all vehicles work: a
+heartbeat per vehicle and per machine each second.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from dray.plant.roads import DirectedLane
 from dray_sim.plants.generator import generate_plant
 
 PERIOD_S = 1.0
-"""From one heartbeat of an agent at work to its next."""
+"""Period of the heartbeats of an agent at work."""
 
 SPEED_MPS = 1.5
 """A light carrier's, on every lane: the more moves, the harder the work."""
@@ -44,7 +44,7 @@ AHEAD = 8
 MACHINES_PER_VEHICLE = 0.4
 
 GROUP = 3
-"""One vehicle of three carries and is watched, one watches it, one drives for itself."""
+"""Vehicles in a group: one carries and is watched, one watches it, one drives without a task."""
 
 LOT = 8
 """Pieces of each transport."""
@@ -73,7 +73,7 @@ class Driver:
         self.due_s = phase_s
 
     def heartbeat(self, seq: int, task: Brief | None, watches: tuple[Brief, ...]) -> AtvHeartbeat:
-        """What it says when it is due; its next one is due a period later."""
+        """Its heartbeat when it is due; the next one is due a period later."""
         self._drive((self.due_s - self._at_s) * SPEED_MPS)
         self._at_s = self.due_s
         self.due_s += PERIOD_S
@@ -137,7 +137,7 @@ class Crowd:
         self._seq = count(1)
 
     def transports(self) -> Iterator[Message]:
-        """What has been told of the transports that are under way: for every group of vehicles, one."""
+        """The messages of the transports under way: one transport for every group of vehicles."""
         numbers: dict[str, int] = {}
         for group in range(len(self._names) // GROUP):
             for agent, fact in self._transport(group):

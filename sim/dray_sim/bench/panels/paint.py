@@ -1,10 +1,10 @@
-"""Benchmark `paint`: how long a page is blank, for somebody who opens it for the first time.
+"""Benchmark `paint`: how long a page stays blank at its first visit.
 
-From the request to the first text or picture (First Contentful Paint), with an empty cache, from a server
-on the same machine, in a headless Chromium. The baseline is the plainest page there is: one line of text.
+The time runs from the request to the first text or picture (First Contentful Paint), with an empty cache, from a
+server on the same machine, in a headless Chromium. The baseline is the plainest page there is: one line of text.
 
-Then the management panel over thin lines, which the browser makes of its own: how long it takes until the vehicles that drive are there. The baseline is
-the same page at once.
+Then the management panel over slow links, which the browser simulates: how long it takes until moving vehicles are
+shown. The baseline is the same page at once.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ TIMES, QUICK_TIMES = 9, 3
 """A page is opened so often; the middle one counts."""
 
 TARGET_MS = 1_000.0
-"""Up to here people wait without thinking of something else."""
+"""Longest wait in which people keep their train of thought."""
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """What is opened.
+    """A page to open.
 
     Attributes:
         path: its address in the house.
-        session: of who opens it; empty for nobody in particular.
+        session: of the visitor; empty for a page without a login.
     """
 
     path: str
@@ -52,13 +52,13 @@ PLAINEST = Page("/healthz")
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """What a browser's computer is on.
+    """The link of a browser's computer.
 
     Attributes:
         name: in words.
         bit_per_s: in either direction.
         latency_ms: before each answer begins.
-        target_ms: up to here the vehicles are wanted.
+        target_ms: longest time until the vehicles are shown.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Line:
 
 
 LIVE = ".swatch.share-working"
-"""Of the card that counts what vehicles do: it is there when the first picture of the stream is."""
+"""Selector of the card that counts what vehicles do: it appears with the first picture of the stream."""
 
 LIVE_MOST_S = 120.0
 """Longest wait."""
@@ -132,7 +132,7 @@ def measure(quick: bool) -> list[Row]:
 
 
 def _live_ms(browser: Browser, house: House, line: Line | None, times: int) -> float:
-    """How long it takes until a vehicle is in the panel as the stream tells of it."""
+    """How long it takes until a vehicle of the stream is in the panel."""
     return median(_live_once_ms(browser, house, line) for _ in range(times))
 
 

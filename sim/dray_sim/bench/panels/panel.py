@@ -1,6 +1,6 @@
 """A panel's server for the benchmarks: the whole gateway, fed by a crowd instead of by agents.
 
-It runs on a thread of its own, in real time; the browser's own work is what is measured.
+It runs on a thread of its own, in real time; the benchmarks measure the browser's own work.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ TICK_S = 0.05
 """The crowd is asked for news twice as often as the gateway makes frames."""
 
 OPEN_S, CLOSE_S = 60.0, 20.0
-"""Longest wait: ten times what a slow machine takes."""
+"""Longest waits: ten times what a slow machine takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +47,8 @@ class House:
     Attributes:
         url: its address, without a slash at the end.
         admin_token: opens the whole API.
-        session: of a manager who is logged in.
-        operators: of an operator who is, in one area.
+        session: of a logged-in manager.
+        operators: session of a logged-in operator of one area.
     """
 
     url: str
@@ -58,7 +58,7 @@ class House:
 
 
 class _Nobody:
-    """A bus on which nobody speaks: the crowd is put into the projection itself."""
+    """A bus without agents: the crowd's messages go into the projection directly."""
 
     context = ""
 
@@ -66,19 +66,19 @@ class _Nobody:
         return self
 
     def publish(self, key: str, message: Message) -> None:
-        """Nobody listens."""
+        """Do nothing: nobody listens."""
 
     def send(self, to: str, message: Message) -> None:
-        """Nobody listens."""
+        """Do nothing: nobody listens."""
 
     def subscribe(self, key: str) -> None:
-        """Nobody speaks."""
+        """Do nothing: nobody publishes."""
 
     def unsubscribe(self, key: str) -> None:
-        """Nobody speaks."""
+        """Do nothing: nobody publishes."""
 
     def leave(self) -> None:
-        """Nobody notices."""
+        """Do nothing: nobody listens."""
 
 
 @contextmanager
@@ -152,7 +152,7 @@ async def _logged_in(store: Store, access: Access, name: str, role: Role, *areas
 
 
 async def _drive(crowd: Crowd, projection: Projection) -> None:
-    """Tell the gateway what the crowd does, as it does it."""
+    """Feed the crowd's messages to the gateway in real time."""
     for message in crowd.transports():
         projection.fold(message)
     begun_s = time.monotonic()

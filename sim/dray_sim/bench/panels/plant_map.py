@@ -1,12 +1,11 @@
-"""Benchmark `map`: what one picture of the management panel's map costs with 50, 200 and 1,000 vehicles on their way.
+"""Benchmark `map`: the cost of one picture of the management panel's map with 50, 200 and 1,000 moving vehicles.
 
-The panel is the built one, in a headless Chromium; its stream is a real websocket of a whole gateway. Two
-baselines run in the same browser: the same panel with 8 vehicles, and an empty canvas that does nothing
-with the same stream but parse it.
+The panel is the built one, in a headless Chromium; its stream is a real websocket of a whole gateway. Two baselines
+run in the same browser: the same panel with 8 vehicles, and an empty canvas that only parses the same stream.
 
-Script is all JavaScript between two pictures, counted by the browser: the picture itself, the frames of
-the stream, and the cards around the map. Painting is not script; without a graphics card the processor
-does it too, so the time from picture to picture says as much about that as about us.
+Script is all JavaScript between two pictures, counted by the browser: the picture itself, the frames of the stream,
+and the cards around the map. Painting does not count as script. Without a graphics card the processor paints as well,
+so the time between pictures includes that.
 """
 
 from __future__ import annotations
@@ -28,16 +27,16 @@ VEHICLES, FEW = (50, 200, 1_000), 8
 """Plants of all sizes, and the default one."""
 
 SPAN_S, QUICK_SPAN_S = 15.0, 4.0
-"""Of one measurement: some hundreds of pictures."""
+"""Duration of one measurement: some hundreds of pictures."""
 
 SETTLED_S = 3.0
-"""After this long all vehicles have been heard twice, and the compiler has seen what is hot."""
+"""Warm-up: every vehicle has been heard twice, and the compiler has optimised the hot code."""
 
 NEAR_STEPS = 5
 """Presses of +, from the whole plant to some fifty vehicles with noses, names, ways and links."""
 
 TARGET_MS = {200: 4.0, 1_000: 8.0}
-"""By vehicles, of script per picture: a quarter and half of the time there is at 60 pictures a second."""
+"""Aims by vehicles, for script per picture: a quarter and half of the time between pictures at 60 Hz."""
 
 WATCH = """() => {
     const real = window.requestAnimationFrame.bind(window);
@@ -68,12 +67,12 @@ EMPTY = """() => {
 
 @dataclass(frozen=True, slots=True)
 class Pictures:
-    """What was measured of the pictures of some seconds, in milliseconds."""
+    """Measurements of the pictures of some seconds, in milliseconds."""
 
     drawn_ms: tuple[float, ...]
     """Script of each picture alone, ascending."""
     apart_ms: tuple[float, ...]
-    """From each to the next, ascending."""
+    """Time between successive pictures, ascending."""
     script_ms: float
     """All script, per picture."""
 
@@ -149,7 +148,7 @@ def _watched(page: Page, span_s: float) -> Pictures:
     """The page's pictures of so many seconds; the page is closed."""
     page.wait_for_timeout(SETTLED_S * 1000)
     metrics = page.context.new_cdp_session(page)
-    # In the processor's time: on a busy computer a script takes longer, and no more of it.
+    # Measured in processor time, which does not grow on a busy computer.
     metrics.send("Performance.enable", {"timeDomain": "threadTicks"})
     before_s = _script_s(metrics.send("Performance.getMetrics"))
     page.evaluate("pictures.length = 0")

@@ -1,8 +1,8 @@
-"""Benchmark `projection`: what it costs to show a plant of 1,000 vehicles to people.
+"""Benchmark `projection`: the cost of showing a plant of 1,000 vehicles to people.
 
-Heartbeats and facts go into the gateway's projection, frames come out of its hub. The baseline of what
-goes in is writing the same messages once as JSON, which any gateway that only passed them on would do;
-that of what comes out is writing the same views, without finding out which have changed.
+Heartbeats and facts go into the gateway's projection, frames come out of its hub. The baseline of the input is
+encoding the same messages once as JSON, as a gateway that only forwards them must do. The baseline of the output is
+encoding the same views without finding out which have changed.
 """
 
 from __future__ import annotations
@@ -152,7 +152,10 @@ def _snapshots(heartbeats: Sequence[AtvHeartbeat], count: int) -> Row:
 
 @cache
 def _file(vehicles: int) -> PlantFile:
-    """Made once: reading is not measured here. It knows who speaks: of strangers only few are heard."""
+    """Made once: reading is not measured here.
+
+    It lists the senders, because the projection hears only few unknown ones.
+    """
     file = default_plant().file
     fleet = tuple(msgspec.structs.replace(file.fleet[0], id=_name(number)) for number in range(vehicles))
     return msgspec.structs.replace(file, fleet=fleet)
@@ -182,7 +185,7 @@ def _fold_all(projection: Projection, messages: Sequence[Message]) -> None:
 
 
 def _heartbeats(rounds: int) -> list[AtvHeartbeat]:
-    """What every vehicle says in turn, once a second."""
+    """The heartbeats of all vehicles in turn, once a second."""
     return [
         msgspec.structs.replace(
             HEARTBEAT,
@@ -197,7 +200,7 @@ def _heartbeats(rounds: int) -> list[AtvHeartbeat]:
 
 
 def _facts(tasks: int) -> list[Message]:
-    """What is told of transports, each from its announcement to its end."""
+    """The events of transports, each from its announcement to its end."""
     told: list[Message] = []
     for task in range(tasks):
         for agent, fact in _transport(f"T-{task}", f"M-{task % 400}"):

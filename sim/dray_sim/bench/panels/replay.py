@@ -1,8 +1,9 @@
-"""Benchmark `replay`: what it takes to keep what panels showed, and how long a moment of it takes until its picture is there.
+"""Benchmark `replay`: the cost of recording the panels' picture, and how long it takes to show one past moment.
 
-Some minutes of the default plant at work are recorded as the gateway records them, ten frames a second. What that takes stands beside the same
-frames as they were told, uncompressed. Then 14 days of such pieces are put into a database, and moments by chance are asked for: read from SQL, decoded,
-played, and written as the answer of `GET /api/replay/film`. The baseline is what is required, a second.
+Some minutes of the default plant at work are recorded as the gateway records them, ten frames a second. The cost
+stands beside the same frames as they were sent, uncompressed. Then 14 days of such recordings are put into a
+database. Random moments are read from SQL, decoded, played, and written as the answer of `GET /api/replay/film`. The
+baseline is the requirement, a second.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from dray_sim.people import demand
 from dray_sim.people.order_client import OrderClient
 
 STEP_S = 0.1
-"""As often as the stream makes frames."""
+"""Period of the stream's frames."""
 
 DAY_S = 86_400.0
 
@@ -85,7 +86,7 @@ def _recorded(length_s: float) -> tuple[list[Piece], Projection]:
         session = factory.bus.join("panel", lambda _sender, message: projection.fold(message))
         session.subscribe(Keys(plant.id).all_heartbeats)
         session.subscribe(Keys(plant.id).all_events)
-        # It has work before it is recorded.
+        # Vehicles have work before the recording begins.
         warm_s = 300.0
         orders = demand.orders(plant, Random(18), load=0.85, until_s=length_s + warm_s)
         async with asyncio.TaskGroup() as group:

@@ -1,8 +1,9 @@
-"""Benchmark `stream`: the bytes that a plant sends to one panel, and what it costs to make them.
+"""Benchmark `stream`: the bytes that a plant sends to one panel, and the cost of making them.
 
-A simulated factory runs on the virtual clock, the gateway's projection hears it, and frames are made ten times a second as
-for a browser; at last a crowd of vehicles all of which are at work, as none of a factory's ever are. The baseline is the same frames with whole entities, as they are in the projection, sent as they are. Bytes
-are counted, so they are the same on every machine; compressed as the websocket does it (RFC 7692: one context for all
+A simulated factory runs on the virtual clock, the gateway's projection hears it, and frames are made ten times a
+second as for a browser. The last case is a crowd of vehicles that are all at work, which no factory reaches. The
+baseline is the same frames with whole entities, as they are in the projection, sent as they are. Bytes are counted,
+so they are the same on every machine. They are compressed as the websocket does it (RFC 7692: one context for all
 frames of a client, a window of 4 KiB).
 """
 
@@ -46,12 +47,12 @@ LEFT_OUT_BYTES = 4
 """An empty block that ends each flush; the protocol leaves it out."""
 
 WINDOW_BITS, MEMORY_LEVEL = 12, 5
-"""As uvicorn offers them."""
+"""The settings that uvicorn offers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """One plant to be watched."""
+    """One plant to watch."""
 
     atvs: int
     machines: int
@@ -73,7 +74,7 @@ QUICK_SIZES = SIZES[:2]
 
 
 class Line:
-    """Counts what goes over one websocket, and what it would be with whole entities."""
+    """Counts the bytes of one websocket, and the bytes that whole entities would take."""
 
     def __init__(self) -> None:
         self._updates = Updates()
@@ -135,7 +136,7 @@ def _row(name: str, target_kb_per_s: float | None, line: Line, span_s: float) ->
 
 
 async def _watch(size: Size, span_s: float) -> Line:
-    """Let a factory run, and send what a panel would be told of it."""
+    """Run a factory, and send its frames to a panel."""
     plant, line = size.plant(), Line()
     factory = SimFactory(plant, clock(), seed=SEED)
     projection = Projection(plant.file, TimeScale(0.0, 0.0, size.speed))
@@ -163,7 +164,7 @@ async def _watch(size: Size, span_s: float) -> Line:
 
 
 def _watch_crowd(atvs: int, span_s: float) -> Line:
-    """Send what a panel would be told of vehicles none of which ever rests."""
+    """Send the frames of a crowd of vehicles that never rest."""
     crowd, line = Crowd(atvs), Line()
     projection = Projection(crowd.plant.file, TimeScale(0.0, 0.0, 1.0))
     for message in crowd.transports():

@@ -1,6 +1,7 @@
-"""Benchmark `work`: what a factory is asked for over REST is done once, though its agents are killed meanwhile.
+"""Benchmark `work`: requests over REST are carried out exactly once, though agents are killed meanwhile.
 
-Two factories, one after the other, each with its gateway, its database and a simulated floor in this process, as `dray up` has them:
+There are two factories, one after the other. Each has its gateway, its database and a simulated floor in this
+process, as `dray up` has them:
 
     levels    200 orders in a file of CSV, for products whose parts other machines make; machines and the strategist are killed. What has
               become of every piece is told item by item.

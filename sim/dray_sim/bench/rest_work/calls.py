@@ -37,21 +37,22 @@ SPEED = 20.0
 """Times real time: a round trip over REST is so many times as long in the plant."""
 
 LOAD = 0.4
-"""Of the machines' time, for orders beside the calls."""
+"""Share of the machines' time for orders beside the calls."""
 
 EVERY_S = 24.0
-"""Of the plant's clock, from one call to the next: 150 an hour, three times as many as the orders need."""
+"""Interval between two calls (plant clock): 150 an hour, three times as many as the orders need."""
 
 ON_S = 3600.0
-"""So much longer orders come: a storage that has filled itself meanwhile has room for what is taken back when they have used some."""
+"""Orders go on for this long after the calls. A storage that has filled itself meanwhile gets room for returned loads
+when orders use some."""
 
 KILL_EVERY_S, DEAD_S = 180.0, 30.0
 
 PIECES = 4
-"""In each load: there is room for so much nearly everywhere."""
+"""Pieces in each load: nearly every place has room for so many."""
 
 END_WITHIN_S = 7200.0
-"""Of the plant's clock, after the last call."""
+"""Longest time after the last call (plant clock)."""
 
 
 class Watch:
@@ -60,11 +61,11 @@ class Watch:
     def __init__(self) -> None:
         self.asked_s: dict[str, float] = {}
         self.room_s: dict[str, float] = {}
-        """When there was room for its load first: before that nobody is asked to carry it."""
+        """When there was room for its load first: before that no vehicle is asked to carry it."""
         self.won_s: dict[str, float] = {}
         self.ends: dict[str, list[TransportState]] = {}
         self.counted: Counter[str] = Counter()
-        """By transport, pieces that its place has counted at its ends."""
+        """Pieces that the destination has counted at its ends, by transport."""
 
     def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
@@ -83,7 +84,7 @@ class Watch:
 
 @dataclass(slots=True)
 class Told:
-    """What the factory's thread has seen."""
+    """Observations of the factory's thread."""
 
     kills: int
     watch: Watch
@@ -93,10 +94,10 @@ class Told:
 
 @dataclass(slots=True)
 class Callers:
-    """What was answered to whom.
+    """The answers to the callers.
 
     Attributes:
-        accepted: ids of transports, by who has called them.
+        accepted: ids of transports, by caller.
         waits_s: real seconds until each was answered.
         refused: answers that were no 201.
     """
@@ -107,7 +108,7 @@ class Callers:
 
 
 def loads(plant: Plant, random: Random) -> Iterator[dict[str, Any]]:
-    """Without end: what is called for. What is brought to a machine is taken back to where it came from: nothing fills up."""
+    """Loads to call for, without end. A load to a machine is taken back to its source, so that nothing fills up."""
     while True:
         machine = random.choice(sorted(plant.machines))
         item = random.choice(sorted(set(plant.materials_of(machine)) - set(plant.parts)))
@@ -117,7 +118,7 @@ def loads(plant: Plant, random: Random) -> Iterator[dict[str, Any]]:
 
 
 async def work(stage: Stage, calls: int) -> Told:
-    """Let the factory work at orders and at what is called, with kills, until all has ended."""
+    """Run the factory with orders, calls and kills, until all have ended."""
     watch = Watch()
     stage.listeners.add(watch)
     factory = stage.factory
@@ -185,15 +186,15 @@ async def _call(house: House[Told], plant: Plant, who: dict[str, Client], calls:
 async def call_once(
     callers: Callers, name: str, client: Client, key: str, draft: dict[str, Any], tries: int = 20
 ) -> None:
-    """One call, sent until it is answered, and once more: that is the same call.
+    """Send one call until it is answered, and then once more: the repeat is the same call.
 
     Args:
-        callers: what was answered is noted here.
-        name: who calls.
-        client: likewise.
+        callers: takes the answer.
+        name: of the caller.
+        client: of the caller.
         key: the Idempotency-Key.
-        draft: what is called for.
-        tries: how often it is sent in vain, a second apart.
+        draft: the transport to call for.
+        tries: attempts without an answer, a second apart.
     """
     began_s = time.monotonic()
     for _ in range(tries):
@@ -240,7 +241,7 @@ async def plan(admin: Client, plant: Plant, count: int, within_s: float) -> list
 
 
 async def tablet(port: int, database_url: str, plant: Plant) -> Client:
-    """The tablet of an operator who answers for all areas, and has logged in."""
+    """The tablet of a logged-in operator who answers for all areas."""
     store = await open_store(database_url)
     try:
         async with store.write() as access:

@@ -1,4 +1,4 @@
-"""A simulated factory and its gateway in this process, with a script that runs in the factory, and somebody who asks over REST."""
+"""A simulated factory and its gateway in this process, with a script that runs in the factory, and a REST client."""
 
 from __future__ import annotations
 
@@ -39,25 +39,25 @@ ANSWER_S = 60.0
 """Longest wait for any other."""
 
 WRITTEN_WITHIN_S = 660.0
-"""Real seconds until REST tells what the floor has done: a gateway that has missed something asks every ten minutes."""
+"""Real seconds until REST shows what the floor has done: a gateway asks for missed events every ten minutes."""
 
 AGAIN_S = 0.5
-"""Between two looks at what goes on by itself."""
+"""Pause between two looks (s)."""
 
 
 class Client:
-    """Somebody who asks a gateway.
+    """A REST client of a gateway.
 
     Args:
         port: the gateway's.
-        headers: that say who asks.
+        headers: that identify the client.
     """
 
     def __init__(self, port: int, **headers: str) -> None:
         self._port, self._headers = port, {"Content-Type": "application/json", **headers}
 
     def ask(self, method: str, path: str, body: object = None, **headers: str) -> tuple[int, Any]:
-        """Ask once; returns the status and what was answered, or 0 and nothing when nobody answers."""
+        """Ask once; returns the status and the answer, or 0 and None when nobody answers."""
         sent = None if body is None else json.dumps(body).encode()
         with closing(http.client.HTTPConnection(HOST, self._port, timeout=ANSWER_S)) as connection:
             try:
@@ -68,10 +68,10 @@ class Client:
                 return 0, None
 
     async def get(self, path: str) -> Any:
-        """What is answered there.
+        """The answer at this path.
 
         Raises:
-            UnavailableError: anything but 200.
+            UnavailableError: the status is not 200.
         """
         status, answer = await asyncio.to_thread(self.ask, "GET", path)
         if status != HTTPStatus.OK:
@@ -96,8 +96,8 @@ class House(Generic[T]):
     Attributes:
         port: of its gateway.
         admin: its administrator.
-        database_url: what it is kept in.
-        told: what the script has told; done when it has ended.
+        database_url: of its database.
+        told: the script's result; done when it has ended.
     """
 
     port: int
@@ -156,7 +156,7 @@ async def open_house(
             settings = settings.model_copy(update={"traffic": traffic})
         admin = Client(port, Authorization=f"Bearer {token}")
         house = House(port, admin, settings.database_url, told)
-        # Nobody is to come in by a link that stands among the figures.
+        # No link to log in is printed: it would stand among the figures.
         silent = Service(settings, plant, speed, greets=False)
         service = run_service(silent, seed, None, LivePart(part, shift.name))
         running = asyncio.create_task(service)
@@ -170,7 +170,7 @@ async def open_house(
             yield house
         finally:
             if not running.done():
-                # As Ctrl-C does: the gateway ends by itself.
+                # Like Ctrl-C: the gateway ends by itself.
                 signal.raise_signal(signal.SIGTERM)
             await running
 

@@ -21,7 +21,7 @@ async def kill_in_turn(
         is_over: asked before each kill.
 
     Returns:
-        How many kills there were.
+        The number of kills.
     """
     kills = 0
     while not is_over():

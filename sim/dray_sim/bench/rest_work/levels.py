@@ -1,4 +1,4 @@
-"""Orders in a file of CSV, for products of three levels, in the plant `levels`: delivered once, and every piece accounted for."""
+"""Orders in a CSV file, for products of three levels, in the plant `levels`: all pieces are accounted for."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from dray_sim.scenarios.levels import DEAD_S, KILL_EVERY_S, Account, accounts
 ORDERS = 200
 
 SPEED = 20.0
-"""Times real time; the floor falls behind it where a computer is busy, and is right all the same."""
+"""Multiple of real time; on a busy computer the floor falls behind, and stays correct."""
 
 END_WITHIN_S = 72_000.0
-"""Of the plant's clock, after which an order that is not there is taken for lost."""
+"""Longest time for an order, after which it is taken for lost (plant clock)."""
 
 LOOK_S = 10.0
-"""Of the plant's clock, from one look whether all has arrived to the next."""
+"""Interval between two looks whether all has arrived (plant clock)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """What the factory's thread has seen."""
+    """Observations of the factory's thread."""
 
     kills: int
     took_s: float
@@ -39,7 +39,7 @@ class Told:
 
 
 def file_of(plant: Plant, orders: int) -> tuple[str, Counter[str]]:
-    """A file of orders of one piece each, of the products in turn; and what it asks for, by product."""
+    """A file of orders of one piece each, of the products in turn; and its quantities, by product."""
     lines, wanted = ["customer,reference,product,quantity,priority"], Counter[str]()
     for number in range(orders):
         product = plant.ordered[number % len(plant.ordered)]
@@ -50,7 +50,7 @@ def file_of(plant: Plant, orders: int) -> tuple[str, Counter[str]]:
 
 
 async def make(stage: Stage, orders: int) -> Told:
-    """Let the factory work at what comes, with kills, until so many orders have arrived."""
+    """Run the factory, with kills, until so many orders have arrived."""
     first, since_s = stage.factory.floor.lying(), stage.now_s()
     done = stage.observer.fulfilled_s
 
@@ -113,7 +113,7 @@ async def order_all(orders: int, traffic: bool | None) -> list[Row]:
 
 
 def _row(account: Account) -> Row:
-    """Where all pieces of an item are."""
+    """The places of all pieces of an item."""
     there = f"used {account.used} + delivered {account.delivered} + there {account.lies}"
     scrapped = f"; {account.scrapped} bad ones, made again" if account.scrapped else ""
     return Row(

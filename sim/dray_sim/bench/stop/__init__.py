@@ -1,9 +1,9 @@
-"""How long a Stop takes while everything else is under attack: from its request to the vehicle's word.
+"""How long a Stop takes while everything else is under attack: from its request to the vehicle's confirmation.
 
-One `dray up` runs in a process of its own, with a factory at work. A tablet sends Stops on the way that is for them
-alone, each on a new connection, as after a reload; and some at the gateway's own address, for comparison. Attacks run
-in further processes, one kind at a time, from 127.0.0.1 like everything here. All are bounded in number and in time. What can be done on the bus
-alone is done to a small `dray fleet up` with certificates.
+One `dray up` runs in a process of its own, with a factory at work. A tablet sends Stops to the port that is for them
+alone, each on a new connection, as after a reload. Some go to the gateway's own port, for comparison. Attacks run in
+further processes, one kind at a time, from 127.0.0.1 like everything here. All are bounded in number and in time.
+Attacks on the bus alone hit a small `dray fleet up` with certificates.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from dray_sim.bench.stop.bus_attacks import BUS_ATTACKS
 from dray_sim.bench.stop.house import House, Tablet, open_fleet, open_house
 
 TARGET_MS = 300.0
-"""What the 99th percentile may be: a person takes longer than that to let go of the button."""
+"""Longest 99th percentile: a person takes longer than that to let go of the button."""
 
 PACE_S = 0.05
-"""From one Stop to the next one: a person who stops all vehicles of an area, one after the other, takes longer."""
+"""Interval between two Stops: a person who stops all vehicles of an area, one after the other, takes longer."""
 
 SAMPLES, QUICK_SAMPLES = 100, 20
 """Stops per attack."""
 
 COMPARED_EVERY = 5
-"""One Stop of so many is sent to the gateway's own address as well."""
+"""Every so many Stops, one goes to the gateway's own port as well."""
 
 RAMP_S = 2.0
 """Wall seconds for which an attack is under way before the first Stop."""
@@ -45,11 +45,11 @@ PATIENCE_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Latencies:
-    """What some Stops took.
+    """The latencies of some Stops.
 
     Attributes:
         took_s: wall seconds of each, in ascending order.
-        unanswered: how many had no answer, or no vehicle's word.
+        unanswered: Stops without an answer, or without the vehicle's confirmation.
     """
 
     took_s: Sequence[float]
@@ -60,7 +60,7 @@ class Latencies:
         return 1e3 * self.took_s[ceil(share * len(self.took_s)) - 1]
 
     def words(self) -> str:
-        """For a table."""
+        """A text for a table."""
         lost = f", {self.unanswered} of {len(self.took_s)} unanswered" if self.unanswered else ""
         return f"p50 {self.at_ms(0.5):.0f}, p99 {self.at_ms(0.99):.0f}, max {self.at_ms(1):.0f} ms{lost}"
 
@@ -85,7 +85,7 @@ def _rows(samples: int, compared: ThreadPoolExecutor) -> Iterator[Row]:
 async def _rows_on_bus(samples: int, compared: ThreadPoolExecutor) -> list[Row]:
     async with open_fleet() as house:
         rows = _attacked(house, BUS_ATTACKS, "nothing else, a fleet of processes", "words", samples, compared)
-        # The loop goes on reading what the fleet says.
+        # The loop goes on reading the fleet's output.
         return await asyncio.to_thread(list, rows)
 
 
@@ -97,7 +97,7 @@ def _attacked(
     samples: int,
     compared: ThreadPoolExecutor,
 ) -> Iterator[Row]:
-    """Each attack by itself, beside the same house with nothing else to do."""
+    """A row for each attack, beside the same house without an attack."""
     idle, own = _stops(house, samples, compared)
     yield _row(nothing, idle, own, idle)
     for name, attack in attacks.items():
@@ -109,10 +109,10 @@ def _attacked(
 
 
 def _wait_for(tries: Callable[[], int]) -> None:
-    """Until the attack is under way.
+    """Wait until the attack is under way.
 
     Raises:
-        UnavailableError: it has not begun: nothing would be measured.
+        UnavailableError: it has not begun, so there is nothing to measure.
     """
     until_s = time.monotonic() + BEGIN_S
     while not tries():
@@ -138,7 +138,7 @@ def _row(name: str, beside: Latencies, own: Latencies, idle: Latencies, more: st
 
 
 def _stops(house: House, samples: int, compared: ThreadPoolExecutor) -> tuple[Latencies, Latencies]:
-    """Send Stops at the pace of a hasty person, on their own way, and some of them at the gateway's address."""
+    """Send Stops at the pace of a hasty person to their own port, and some to the gateway's port."""
     tablet, took_s, others = house.tablet, [], []
     for number in range(samples):
         begun_s = time.monotonic()

@@ -1,7 +1,7 @@
-"""Attacks on a gateway, each with a bound on its connections and on its time. On 127.0.0.1 alone.
+"""Attacks on a gateway, each with a bound on its connections and on its time. They use 127.0.0.1 alone.
 
-An attacker has a process of its own, so that what it costs is not charged to the tablet. Those that need an account
-have the administrator's: nobody else could do more.
+An attacker has a process of its own, so that its cost is not charged to the tablet. Attacks that need an account use
+the administrator's, which may do most.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ T = TypeVar("T")
 HOST = "127.0.0.1"
 
 LONGEST_S = 60.0
-"""An attack ends by itself after this, whatever becomes of whoever began it."""
+"""Longest duration of an attack, even when the process that began it has gone."""
 
 HALF_OPEN = 1_100
 """Connections that say nothing: more than file descriptors in a process, by most systems' default."""
@@ -42,20 +42,20 @@ CALLERS = 4
 """Systems with keys of their own, where one caller alone would be told to wait."""
 
 STREAMS = 250
-"""More than there are places."""
+"""Streams to open: more than there are places."""
 
 AGAIN_S = 0.2
 """An attacker whose connection was ended comes back after this."""
 
 HOLD_S = 20.0
-"""An attacker who reads nothing notices nothing: it begins anew after this."""
+"""Duration of one connection: an attacker that does not read cannot notice that it was closed, and begins anew."""
 
 ENDING_S = 10.0
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """What is attacked.
+    """The target of an attack.
 
     Attributes:
         port: the gateway's.
@@ -78,7 +78,7 @@ class Target:
 
 
 _tries: Synchronized[int] | None = None
-"""How many connections this process has opened, or how often it has spoken."""
+"""Connections that this process has opened, or messages that it has sent."""
 
 Attack = Callable[[Target], Awaitable[None]]
 
@@ -163,7 +163,7 @@ async def large_drafts(target: Target) -> None:
 
 
 async def readers_questions(target: Target) -> None:
-    """What several keys may ask that only read: the largest draft as a file, tables, the past, rare days, changes to be waited for."""
+    """The costliest requests of read-only keys: the largest draft as a file, tables, history, rare days, long polls."""
     path, _, _ = await _large_draft(target)
     rare = {"calendar": "0 0 29 2 MON", "time_zone": "Europe/Berlin", "count": RUNS_MAX}
     asked = [
@@ -221,7 +221,7 @@ async def login_flood(target: Target) -> None:
 
 
 async def tracking_flood(target: Target) -> None:
-    """Customers' pages: one of a large order, and links that nobody has given them."""
+    """Customers' pages: one of a large order, and guessed links."""
     products = list(default_plant().products)
     items = [{"product": products[at % len(products)], "quantity": 1} for at in range(MAX_ITEMS)]
     order = json.dumps({"customer": "a customer", "items": items}).encode()
@@ -329,7 +329,7 @@ def _attack(attack: Attack, target: Target, tries: Synchronized[int]) -> None:
 async def _connect(
     port: int, limit: int = 65_536, counted: bool = True
 ) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-    """Open a connection; one that only prepares an attack is not counted, so that nobody takes it for begun."""
+    """Open a connection; one that only prepares an attack is not counted as an attempt."""
     connected = await asyncio.open_connection(HOST, port, limit=limit)
     if counted:
         count()
@@ -337,7 +337,7 @@ async def _connect(
 
 
 async def _each(count: int, work: Callable[[int], Awaitable[None]]) -> None:
-    """So many at once, each again and again."""
+    """Repeat the work in so many concurrent loops."""
 
     async def go_on(number: int) -> None:
         while True:
@@ -375,7 +375,7 @@ async def _drip(port: int, begun: bytes, drop: bytes) -> None:
 
 
 async def _large_draft(target: Target) -> tuple[str, bytes, str]:
-    """Make a draft as large as a file may be; its path, the body that made it so, and its places."""
+    """Make a draft as large as a file may be; returns its path, the body that made it so, and its nodes."""
     draft = json.loads(await _ask(target, "POST", "/api/plant-drafts", b'{"name": "attacked"}'))["id"]
     nodes = f"[{','.join(['[]'] * 300_000)}]"
     changed = f'{{"name": "x", "data": {{"nodes": {nodes}}}}}'.encode()
@@ -414,7 +414,7 @@ async def _ask(
     kind: str = "application/json",
     counted: bool = False,
 ) -> bytes:
-    """The body of an answer, asked for on a connection of its own. What is changed is changed whatever version it has."""
+    """The body of an answer, on a connection of its own. A change overwrites any version."""
     reader, writer = await _connect(target.port, counted=counted)
     try:
         head = target.head(method, path, len(body), kind)

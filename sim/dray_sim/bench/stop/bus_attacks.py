@@ -1,4 +1,4 @@
-"""Attacks on the bus of a fleet, by vehicles that have valid certificates and no bodies: too many tokens, and too many words."""
+"""Attacks on a fleet's bus, by vehicles with valid certificates and no bodies: too many tokens and messages."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ TOKENS = 1_300
 """Lives of one vehicle that are all there at once, each with a token that it has signed."""
 
 HELD_S = 1.0
-"""For so long, until they are gone and come again."""
+"""Time for which the tokens are held before they are dropped and declared again."""
 
 TALKERS = ("ATV901", "ATV902")
-"""None of them is in the plant's file."""
+"""Names of the attackers; neither is in the plant's file."""
 
 WORDS_PER_S = 780
-"""Of each of them."""
+"""Messages per second of each attacker."""
 
 TURN_S = 0.05
-"""So many a second are said in turns."""
+"""Interval at which an attacker sends its messages in a batch."""
 
 
 async def many_tokens(target: Target) -> None:
-    """One vehicle's tokens, declared and taken back without end."""
+    """Declare and drop the tokens of one vehicle without end."""
     with _on_bus(target, TALKERS[0]) as bus:
         keys = [bus.tokens.key(bus.tokens.of(TALKERS[0], life)) for life in range(1, TOKENS + 1)]
         liveliness = bus.inner.liveliness()
@@ -50,7 +50,7 @@ async def many_tokens(target: Target) -> None:
 
 
 async def talk_to_all(target: Target) -> None:
-    """Vehicles that say to all what everybody has to examine."""
+    """Vehicles that publish messages which every agent has to verify."""
 
     def say(session: ZenohSession, bus: ZenohBus, number: int) -> None:
         session.publish(bus.keys.events(session.agent), _word(session.agent, number))

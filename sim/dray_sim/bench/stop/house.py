@@ -1,4 +1,4 @@
-"""A plant in a process of its own, and a tablet of which somebody is logged in."""
+"""A plant in a process of its own, and the tablet of a logged-in person."""
 
 from __future__ import annotations
 
@@ -31,27 +31,27 @@ START_S, END_S = 90.0, 20.0
 """Longest waits for the process: ten times what a busy machine takes."""
 
 AGAIN_S = 0.2
-"""From one look whether it answers to the next."""
+"""Interval between two looks whether it answers."""
 
 JOIN_S = 240.0
-"""Until all processes of a fleet are on the bus, on a computer that is busy elsewhere."""
+"""Longest time until all processes of a fleet are on the bus, on a busy computer."""
 
 SMALL = generate_plant(1, machines=2, vehicles=2)
-"""Of a fleet: a dozen processes share the computer's cores with the attackers."""
+"""The plant of a fleet: a dozen processes share the computer's cores with the attackers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tablet:
-    """Somebody who may stop vehicles.
+    """The tablet of a person who may stop vehicles.
 
     Attributes:
-        known_by: the header that says who it is.
+        known_by: the header that identifies the person.
     """
 
     known_by: tuple[str, str]
 
     def stop(self, port: int, atv: str, patience_s: float) -> bool:
-        """Send a Stop on a connection of its own; whether the vehicle has answered."""
+        """Send a Stop on a connection of its own; returns whether the vehicle has confirmed it."""
         connection = http.client.HTTPConnection(HOST, port, timeout=patience_s)
         headers = dict([("Content-Type", "application/json"), self.known_by])
         with closing(connection), suppress(OSError, http.client.HTTPException, ValueError):
@@ -69,7 +69,7 @@ class House:
         target: where it is attacked.
         tablet: whose stops are measured.
         vehicles: which ones there are.
-        database: what it is kept in.
+        database: the file of its database.
     """
 
     target: Target
@@ -87,7 +87,7 @@ class House:
             finally:
                 self.database.start()
         else:
-            # There is no server to end: nobody else can write, and every write waits until it gives up.
+            # SQLite has no server to kill: no other can write, and every write waits until its timeout.
             with closing(sqlite3.connect(self.database)) as connection:
                 connection.execute("BEGIN EXCLUSIVE")
                 yield "its file locked"

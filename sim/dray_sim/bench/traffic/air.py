@@ -13,10 +13,10 @@ WIRE_S = 0.002
 """Between two machines."""
 
 BASE_FRAC = 0.25
-"""Of the mean latency that even the quickest message takes; the rest is exponential, as in `network.latency`."""
+"""Part of the mean latency that even the quickest message takes; the rest is exponential, as in `network.latency`."""
 
 LONGEST = 6.0
-"""Times the mean latency: what is later is lost."""
+"""Longest latency, in multiples of the mean: a later message is lost."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +25,9 @@ class Quality:
 
     Attributes:
         latency_s: mean of one message to or from a vehicle.
-        loss_frac: of them that are lost.
-        double_frac: of them that come twice.
-        wire_loss_frac: of what machines say to one another.
+        loss_frac: part of these messages that is lost.
+        double_frac: part of these messages that comes twice.
+        wire_loss_frac: part of the messages between machines that is lost.
     """
 
     latency_s: float = 0.02
@@ -46,12 +46,12 @@ class Air:
 
     Attributes:
         receivers: by name; a message to somebody else is lost.
-        deaf: who neither hears nor is heard.
-        mute: kinds of messages that nobody is told: what a scheme does without.
-        parts: who is in which part of a torn wired network; all others are in part 0.
-        listeners: key -> who hears what is published there.
+        deaf: agents that neither receive nor send.
+        mute: kinds of messages that are dropped: a scheme does without them.
+        parts: agent -> its part of a torn wired network; all others are in part 0.
+        listeners: key -> its subscribers.
         said: messages to and from vehicles, each counted once.
-        told: what vehicles heard that was published.
+        told: published messages that vehicles heard.
         wired: messages between machines.
     """
 
@@ -97,7 +97,7 @@ class Air:
         self.listeners[key].pop(name, None)
 
     def publish(self, sender: str, key: str, message: Message) -> None:
-        """Let it come to all that listen there, each by a way of its own."""
+        """Deliver to all subscribers, each with a delay of its own."""
         random, quality = self._random, self._quality
         for to in self.listeners.get(key, ()):
             if to in self.deaf or (quality.loss_frac and random.random() < quality.loss_frac):

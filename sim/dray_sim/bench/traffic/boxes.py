@@ -37,7 +37,7 @@ KEYS = Keys("lean")
 
 
 class Agent:
-    """What a machine and a vehicle have in common: alarms, effects, a place on the air."""
+    """The common part of a machine and a vehicle: alarms, effects, a place on the air."""
 
     def __init__(self, name: str, clock: LeanClock, air: Air) -> None:
         self.name = name
@@ -58,7 +58,7 @@ class Agent:
         raise NotImplementedError
 
     def flush(self) -> None:
-        """Carry out what was decided, and ask to be woken."""
+        """Carry out the effects, and set the next alarm."""
         while self.life.effects:
             effects = list(self.life.effects)
             self.life.effects.clear()
@@ -125,7 +125,7 @@ class BoxMachine(Agent):
         self.off = True
 
     def revive(self, *, forget: bool = False) -> None:
-        """Live again, with what was written down, or without."""
+        """Restart, with the persisted state or without."""
         kept = {} if forget else dict(self.books.kept())
         self.off = False
         self.life.timers = Timers()
@@ -159,7 +159,7 @@ class BoxPilot(Agent):
         self._surroundings = Surroundings(carrier.atv, places, KEYS.floor, self.life)
         self.right_of_way = self._make("")
         self.was_cut = False
-        """Its way was ended where the lane ended."""
+        """Whether its way was ended where the lane ended."""
         self._asked = True
         self._wanted = ("", False)
 
@@ -273,7 +273,7 @@ class BoxPilot(Agent):
         self.carrier.die()
 
     def revive(self) -> None:
-        """It is switched on again, and has its memory."""
+        """Switch it on again, with its memory."""
         self.off = False
         self._wake_s = float("inf")
         self.carrier.revive()
@@ -281,7 +281,7 @@ class BoxPilot(Agent):
         self.flush()
 
     def restart(self) -> None:
-        """Its software is started anew, and knows nothing but what the body senses."""
+        """Restart its software, which then knows only what the body senses."""
         now_s = self.clock.now_s
         travel = self.carrier.travel
         here, ahead = travel.node, travel.next_node(now_s)

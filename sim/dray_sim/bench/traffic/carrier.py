@@ -1,4 +1,4 @@
-"""A lean vehicle: a body that moves, and a row of transports. How it gets its way is the scheme's."""
+"""A lean vehicle: a body that moves, and a row of transports. The scheme decides how it gets its way."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dray_sim.bodies.vehicle.travel import NEVER_S, Travel
 
 
 class Work(Protocol):
-    """Where transports come from."""
+    """A source of transports."""
 
     def next(self, atv: str, now_s: float) -> Job | None: ...
 
@@ -32,7 +32,7 @@ class Pilot(Protocol):
         """Stay while it loads or unloads."""
 
     def rest(self) -> None:
-        """Nothing to do."""
+        """There is nothing to do."""
 
     def passed(self, node: str) -> None:
         """The next node was reached."""
@@ -51,7 +51,7 @@ class Carrier:
 
     Attributes:
         travel: where it is.
-        pilot: how it gets there; set by whoever makes it.
+        pilot: drives it; set by the code that makes the carrier.
         done: transports: (when they were done, how long they took).
         stood_since_s: since when it stands and has somewhere to go; None when it moves, handles or is idle.
         dead: it stands where it is, and does nothing.
@@ -120,7 +120,7 @@ class Carrier:
         self.pilot.passed(self.travel.node)
 
     def sense(self) -> tuple[float, float]:
-        """How far it is past its last node (m), and how fast (m/s)."""
+        """Distance past its last node (m), and speed (m/s)."""
         now_s = self._clock.now_s
         if self.travel.way is None:
             return 0.0, 0.0
@@ -163,7 +163,7 @@ class Carrier:
 
     @property
     def leg_goal(self) -> str:
-        """Where it is going with a transport; empty when it is idle or handles."""
+        """The goal of its present leg; empty when it is idle or handles."""
         if self._job is None or self.handles:
             return ""
         return self._job.goal if self._loaded else self._job.source
@@ -180,7 +180,7 @@ class Carrier:
         self.pilot.go(job.source, idle=False)
 
     def arrive(self) -> None:
-        """It stands where it was told to go."""
+        """It stands at the node that it was sent to."""
         if self._job is None:
             self.pilot.rest()
             return

@@ -1,4 +1,4 @@
-"""Checks of a lean world: real rectangles and places that two believe to hold, looked at apart from every rule of right of way."""
+"""Checks of a lean world by geometry: overlapping rectangles, and places that two vehicles believe to hold."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ LOOK_S = 0.1
 """Between two looks: at the highest speed 15 cm."""
 
 STUCK_S = 300.0
-"""Who stands so long with somewhere to go is stuck."""
+"""A vehicle that stands for so long and has somewhere to go is stuck."""
 
 RULES_EVERY = 10
 """Rules that are not about safety are looked at once in so many looks."""
 
 OUTDATED_S = 5.0 * LAPSE_S
-"""Each one of a chain may keep a rank for `LAPSE_S` longer than the one before it, and requests are under way."""
+"""Each vehicle of a chain may keep a rank for `LAPSE_S` longer than the one before it, and requests take time."""
 
 Rectangle = tuple[float, float, float]
 """x (m), y (m), heading (rad)."""
@@ -33,7 +33,7 @@ Rectangle = tuple[float, float, float]
 
 @dataclass
 class Found:
-    """What the checks have seen.
+    """Findings of the checks.
 
     Attributes:
         overlaps: pairs of rectangles, each counted once until they are apart again.
@@ -53,7 +53,7 @@ class Found:
 
     @property
     def faults(self) -> int:
-        """All that must never be."""
+        """Number of all violations."""
         return self.overlaps + self.double_holds + self.unbooked + self.in_mouths + self.outdated
 
 
@@ -63,7 +63,7 @@ class Checks:
     Args:
         carriers: all vehicles.
         pilots: those with right of way, by name; none for ghosts.
-        machines: who keep the books, by name.
+        machines: that keep the books, by name.
         places: of the plant.
         air: the network.
         footprint: of every vehicle.
@@ -142,7 +142,7 @@ class Checks:
         self._double = double
 
     def _look_at_rules(self) -> None:
-        """The book knows of every hold; nobody waits in the mouth of its dock; nobody keeps a rank that is over."""
+        """Check that the book has every hold, and that no vehicle waits in its dock's mouth or keeps an outdated rank."""
         wrong: set[tuple[str, str]] = set()
         places = self._places
         for atv, pilot in self._pilots.items():
@@ -169,7 +169,7 @@ class Checks:
         self._wrong = wrong
 
     def _leading(self, name: str) -> District | None:
-        """The district at whoever keeps its book; None while that is being settled."""
+        """The district at the machine that keeps its book; None while that is being settled."""
         machines = [self._machines[keeper] for keeper in self._places.keepers_of[name]]
         newest = max(machine.books.districts[name].copies.kept.epoch for machine in machines)
         for machine in machines:
@@ -184,7 +184,7 @@ class Checks:
         return not air.parts and not any(atv in air.deaf or self._pilots[atv].off for atv in atvs)
 
     def _lasts(self, what: tuple[str, str], holds: bool, longer_s: float) -> bool:
-        """Whether something has been so for longer than that."""
+        """Whether a condition has lasted longer than that."""
         if not holds:
             self._since_s.pop(what, None)
             return False

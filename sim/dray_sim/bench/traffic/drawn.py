@@ -18,10 +18,10 @@ PITCH_M, SPUR_M = 5.0, 2.5
 COLUMNS, ROWS = (3, 8), (2, 6)
 
 MORE_LANES = (0.0, 0.1, 0.3, 0.7)
-"""Which part of the lanes there is that a tree would not need. With none of them every lane is a bridge."""
+"""Parts of the lanes beyond those that a tree needs. With no such lane every lane is a bridge."""
 
 LOOPS = 3
-"""One-way loops at most."""
+"""Most one-way loops."""
 
 LEAST_DOCKS = 5
 
@@ -43,7 +43,7 @@ def drawn(seed: int) -> Plant:
 
 
 def _draw(random: Random, name: str) -> Plant | None:
-    """A floor; None where chance has left too little room for docks, or has locked somebody in."""
+    """A floor; None where chance left too little room for docks, or locked a vehicle in."""
     columns, rows = random.randint(*COLUMNS), random.randint(*ROWS)
     cells = [(x, y) for x in range(columns) for y in range(rows)]
     lanes = _lanes(random, cells)
@@ -112,7 +112,7 @@ def _loops(random: Random, cells: list[Cell], lanes: set[Ends]) -> set[Ends]:
 
 
 def _spurs(random: Random, cells: list[Cell], lanes: set[Ends]) -> list[tuple[Cell, Cell]]:
-    """Where a dock or a parking place may be: nodes, each with a side on which no lane leaves."""
+    """Sites for a dock or a parking place: nodes, each with a side on which no lane leaves."""
     sides = [(cell, step) for cell in cells for step in STEPS]
     random.shuffle(sides)
     taken: set[tuple[Cell, Cell]] = set()

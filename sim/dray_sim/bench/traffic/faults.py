@@ -1,4 +1,4 @@
-"""What can go wrong in a lean world, drawn from a seed: deaf and dead vehicles, keepers that die or forget, a torn wire."""
+"""Faults of a lean world, drawn from a seed: deaf and dead vehicles, keepers that die or forget, a torn wire."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from random import Random
 from dray_sim.bench.traffic.run import World
 
 SHORT_S, LONG_S = 3.0, 60.0
-"""How long a fault lasts, evenly on a logarithmic scale."""
+"""Shortest and longest fault; durations are uniform on a logarithmic scale."""
 
 
 def draw_faults(
@@ -23,7 +23,7 @@ def draw_faults(
 
 
 def _deafen(world: World, random: Random, at_s: float, lasts_s: float) -> None:
-    """A vehicle neither hears nor is heard."""
+    """Let a vehicle neither receive nor send."""
     atv = random.choice(sorted(world.pilots))
     world.clock.call_at(at_s, world.air.deaf.add, atv)
     world.clock.call_at(at_s + lasts_s, world.air.deaf.discard, atv)
@@ -53,7 +53,7 @@ def _restart(world: World, random: Random, at_s: float, _lasts_s: float) -> None
 
 
 def _kill_keeper(world: World, random: Random, at_s: float, lasts_s: float) -> None:
-    """A machine dies, and comes back with what it has written down."""
+    """Kill a machine, and restart it with its persisted state."""
     _take_down(world, random, at_s, lasts_s, forget=False)
 
 

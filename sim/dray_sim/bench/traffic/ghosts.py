@@ -1,4 +1,7 @@
-"""Ghosts: vehicles that pass through one another. The most that a fleet could carry, and what no floor can."""
+"""Ghosts: vehicles that pass through one another.
+
+They give the most that a fleet could carry, which no floor can reach.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from dray_sim.bench.traffic.carrier import Carrier
 
 
 class Ghost:
-    """Drives the whole way at once, whoever is on it."""
+    """Drives the whole way at once, through all others."""
 
     def __init__(self, carrier: Carrier, plant: Plant) -> None:
         self._carrier = carrier
@@ -28,10 +31,10 @@ class Ghost:
         self._carrier.instruct(Drive(order=self._order, nodes=nodes, released=len(nodes)))
 
     def dock(self) -> None:
-        """Nobody minds."""
+        """Do nothing."""
 
     def rest(self) -> None:
-        """Nobody minds."""
+        """Do nothing."""
 
     def passed(self, node: str) -> None:
         if node == self._goal and self._carrier.travel.way is None:

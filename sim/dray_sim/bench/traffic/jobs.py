@@ -29,13 +29,13 @@ class Job:
 
 
 def docks_of(plant: Plant) -> tuple[str, ...]:
-    """Where loads are taken up and put down: machines, storages and warehouses."""
+    """Nodes at which loads are taken up and put down: machines, storages and warehouses."""
     places = (*plant.machines, *plant.storages, *plant.warehouses)
     return tuple(dict.fromkeys(plant.node_of(place) for place in places))
 
 
 class Saturated:
-    """Each vehicle has a next transport as soon as it has done one; its own row of them, whatever the others do."""
+    """Each vehicle has its own row of transports, and starts the next one when one is done."""
 
     def __init__(self, plant: Plant, seed: int) -> None:
         self._docks = docks_of(plant)
@@ -46,7 +46,7 @@ class Saturated:
         return Job(source, goal, now_s)
 
     def start(self, clock: LeanClock, wake: Callable[[], None]) -> None:
-        """Nothing comes by itself."""
+        """Do nothing: vehicles ask for transports."""
 
 
 class Poisson:

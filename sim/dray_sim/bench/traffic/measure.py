@@ -31,7 +31,7 @@ SPAN_S, QUICK_SPAN_S = 1800.0, 300.0
 SEEDS, QUICK_SEEDS = range(3), range(1)
 
 STAND_S = 120.0
-"""Nobody is to stand longer though a way exists."""
+"""Longest stand of any vehicle though a way exists."""
 
 DIES_AT_S, DEAD_S = 300.0, 400.0
 
@@ -71,11 +71,11 @@ OF_GHOSTS = {
 """Saturated throughput that is wanted, as a part of that of ghosts."""
 
 OF_PLANNER = 1.0
-"""As a part of that of the central planner."""
+"""Least throughput, as a part of the central planner's."""
 
 MESSAGES = {"kiva-50": 2.6, "kiva-100": 2.6}
 MOST_MESSAGES = 1.3
-"""To and from vehicles, per vehicle and second, when saturated."""
+"""Most messages to and from vehicles, per vehicle and second, when saturated."""
 
 POISSON = {
     "single-track-8": (110.0, 1.15, 1.25),
@@ -83,7 +83,8 @@ POISSON = {
     "generated-50": (183.0, 1.20, 1.30),
     "generated-50-two-lanes": (183.0, 1.05, 1.10),
 }
-"""Transports an hour at an ordinary load; what p50 and p95 of a transport may be, as parts of those of ghosts."""
+"""Transports an hour at an ordinary load, and the most that p50 and p95 of a transport may be, as multiples of the
+ghosts'."""
 
 NETWORKS = {
     (latency_s, loss_frac): Quality(latency_s, loss_frac, double_frac=0.1 if loss_frac else 0.0)
@@ -103,10 +104,10 @@ ABLATIONS = {
 }
 
 SPANS_S = {"generated-200": 600.0, "generated-200-two-lanes": 600.0}
-"""Of runs that would take an hour of the computer; those of the others are `SPAN_S`."""
+"""Spans of runs that would take an hour of the computer; all others use `SPAN_S`."""
 
 LARGE = frozenset(name for name in PLANTS if name.startswith(("generated", "kiva")))
-"""Those whose runs take minutes: fewer seeds are enough, many vehicles tell as much."""
+"""Floors whose runs take minutes: many vehicles tell as much with fewer seeds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,14 +195,14 @@ def _played(cases: Iterable[Case]) -> dict[Case, Figures]:
 
 
 def _effort(case: Case) -> float:
-    """How much is to be done, roughly."""
+    """Rough effort of a run."""
     vehicles = 1.0 if case.plant == DRAWN else float(len(PLANTS[case.plant]().fleet))
     plans = {"ghosts": 0.1, "planner": 2.0}.get(case.scheme, 1.0)
     return vehicles**2 * case.span_s * plans
 
 
 def _drawn_rows(seeds: Sequence[int]) -> list[Row]:
-    """Whether right of way works wherever chance has put roads; what does not is told by its seed."""
+    """Rows for right of way on random roads; failures are named by their seeds."""
     runs = {
         case.seed: run for case, run in _played(Case(DRAWN, each, DRAWN_SPAN_S) for each in seeds).items()
     }
@@ -283,7 +284,7 @@ class _Played:
 
     @property
     def note(self) -> str:
-        """What else was seen."""
+        """Further observations, in words."""
         jammed = sum(run.stuck > 0 for run in self.runs)
         return (
             f"p50 {self.p50_s:.0f} s, p95 {self.p95_s:.0f} s, longest wait {self.longest_s:.0f} s, "

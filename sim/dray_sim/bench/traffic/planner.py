@@ -1,8 +1,9 @@
 """A planner that knows everything: windowed prioritised planning in continuous time, as RHCR, with SIPP on places.
 
-In the benchmark only. Every few seconds all vehicles are planned anew, one after another, around what those before them have reserved within
-a window; who cannot be planned goes first in the next try. What is planned is carried out by its order: a vehicle takes a place when
-all that were to have it before are through, so delays do no harm (Hoenig et al.). Its network is perfect, and its clock too.
+It exists for the benchmark only. Every few seconds it plans all vehicles anew, one after another, around the
+reservations of earlier ones within a window. A vehicle without a plan goes first in the next try. Plans are executed
+by their order: a vehicle takes a place when all earlier vehicles are through, so delays do no harm (Hoenig et al.).
+Its network is perfect, and its clock too.
 """
 
 from __future__ import annotations
@@ -24,30 +25,30 @@ from dray_sim.bench.traffic.jobs import HANDLING_S
 from dray_sim.bench.traffic.visits import Hops, Step, Visit, first_free_s, free_spans
 
 WINDOW_S = 20.0
-"""So far ahead plans heed one another."""
+"""Horizon within which plans avoid one another."""
 
 REPLAN_S = 2.5
 TICK_S = 0.25
 TRIES = 10
 EVADE_S = 4.0
-"""More time to get out of the way, with every other try."""
+"""Additional time to get out of the way, with every other try."""
 
 COMMITTED = 3
 """Nodes ahead that are granted at most, and not planned any more."""
 
 START_S = 1.25
-"""What setting off from standstill costs."""
+"""Time lost by setting off from standstill."""
 
 BEND_S = 1.1
 CLEAR_S = 1.8
-"""Until a vehicle that has set off from a place is clear of it."""
+"""Time from setting off until a vehicle is clear of its place."""
 
 LEAVE_S = 4.0
-"""From the end of handling until a dock is counted as left."""
+"""Time from the end of handling until a dock counts as left."""
 
 
 class CentralPilot:
-    """Drives what the planner grants."""
+    """Drives the hops that the planner grants."""
 
     def __init__(self, carrier: Carrier, planner: Planner) -> None:
         self.carrier = carrier
@@ -56,9 +57,9 @@ class CentralPilot:
         self.since_s = 0.0
         self.docked_until_s = 0.0
         self.planned: deque[Visit] = deque()
-        """One for each hop of the way after the base."""
+        """One visit for each hop of the way after the base."""
         self.taken: list[Visit] = []
-        """Those of the places that it holds."""
+        """Visits of the places that it holds."""
         self._planner = planner
         self._asked = True
         kind = carrier.kind
@@ -78,7 +79,7 @@ class CentralPilot:
         self.docked_until_s = self._planner.clock.now_s + HANDLING_S
 
     def rest(self) -> None:
-        """It may be sent away."""
+        """Do nothing: the planner may send it away."""
 
     def passed(self, node: str) -> None:
         self.way.pass_next()
@@ -87,7 +88,7 @@ class CentralPilot:
         self._planner.extend(self)
 
     def sense(self) -> None:
-        """Give back what it is clear of."""
+        """Give back the places that it is clear of."""
         if not self.way.stands:
             self.way.move(self.carrier.sense()[0])
         before = set(self.way.held)
@@ -108,11 +109,11 @@ class CentralPilot:
 
 
 class Planner:
-    """Plans everybody.
+    """Plans all vehicles.
 
     Args:
         plant: the roads.
-        places: what lanes need.
+        places: that lanes need.
         clock: of the world.
 
     Attributes:
@@ -133,7 +134,7 @@ class Planner:
         self.clock.call_at(self.clock.now_s, self._tick)
 
     def plan_soon(self) -> None:
-        """Somebody has another goal."""
+        """A vehicle has another goal."""
         self._planned_s = min(self._planned_s, self.clock.now_s - REPLAN_S + TICK_S)
 
     def _tick(self) -> None:
@@ -149,7 +150,7 @@ class Planner:
     # --- carrying out ----------------------------------------------------------------------------
 
     def extend(self, pilot: CentralPilot) -> None:
-        """Grant what comes next, as long as it is this vehicle's turn."""
+        """Grant the next hops, as long as it is this vehicle's turn."""
         grew = False
         while len(pilot.way.base) < COMMITTED:
             if not pilot.planned or not self._has_turn(pilot, pilot.planned[0]):
@@ -175,7 +176,7 @@ class Planner:
     # --- planning --------------------------------------------------------------------------------
 
     def _plan(self) -> None:
-        """Plan all vehicles, the longest on their way first; who cannot be planned goes first in the next try."""
+        """Plan all vehicles, the longest on their way first; one without a plan goes first in the next try."""
         order = sorted(self.pilots, key=lambda atv: (self.pilots[atv].since_s, atv))
         least = len(order) + 1
         ways: dict[str, list[Visit]] = {}
@@ -207,9 +208,9 @@ class Planner:
             pilot.way.turn_to((pilot.way.base_end, *(node for visit in planned for node in visit.nodes)))
 
     def _commitments(self, evade_s: float) -> tuple[dict[str, list[Visit]], dict[str, float]]:
-        """What is held already, until when, and when each vehicle will be at the end of its base.
+        """Places already held, each with its end, and when each vehicle will be at the end of its base.
 
-        Those who come first in the order leave the others `evade_s` to get out of their way.
+        Vehicles that come first in the order leave the others `evade_s` to get out of their way.
         """
         now_s = self.clock.now_s
         reserved: dict[str, list[Visit]] = defaultdict(list)
@@ -243,7 +244,10 @@ class Planner:
         return reserved, starts
 
     def _search(self, atv: str, start_s: float, reserved: dict[str, list[Visit]]) -> list[Visit] | None:
-        """SIPP from the end of a vehicle's base; what is found is reserved. None when it can neither go nor stay."""
+        """Search a way from the end of a vehicle's base with SIPP, and reserve it.
+
+        Returns None when the vehicle can neither go nor stay.
+        """
         pilot = self.pilots[atv]
         start = pilot.way.base_end
         end_s = self.clock.now_s + WINDOW_S
@@ -302,7 +306,7 @@ class Planner:
         step: Step | None,
         intervals: Callable[[str], list[tuple[float, float]]],
     ) -> Iterator[Step]:
-        """The hops that may be driven next, each at the first moment of every time in which its end is free."""
+        """The possible next hops, each at the first moment of every interval in which its end is free."""
         before = None if step is None else self._plant.roads.lane((step.start, *step.nodes)[-2], node)
         for nodes in self._hops.leaving(node):
             hop_s = 0.0

@@ -50,7 +50,7 @@ def generated(vehicles: int = 50, machines: int = 20, *, two_lanes: bool = False
 
 
 def bridge(vehicles: int = 8) -> Plant:
-    """Two loops that one single track joins: whoever crosses meets nobody who comes back."""
+    """Two loops that one single track joins: vehicles in both directions need it."""
     spots: dict[str, tuple[float, float]] = {}
     lanes: list[tuple[str, str]] = []
     docks: list[str] = []
@@ -93,7 +93,7 @@ def bridge(vehicles: int = 8) -> Plant:
 
 
 def corridor(vehicles: int = 4) -> Plant:
-    """One corridor with dead ends on both sides, and dead ends itself."""
+    """One corridor with spurs on both sides, and without an exit at its ends."""
     spots: dict[str, tuple[float, float]] = {}
     lanes: list[tuple[str, str]] = []
     docks: list[str] = []
@@ -160,7 +160,7 @@ def spurred(
     Args:
         name: of the plant.
         spots: node -> where it is (x, y).
-        lanes: by their ends; both ways, but for those in `one_way`.
+        lanes: by their ends; two-way, except those in `one_way`.
         one_way: as they may be driven.
         docks: the node from which a spur leads to each, and where it ends (x, y).
         stands: the same of parking places.

@@ -25,7 +25,7 @@ from dray_sim.bench.traffic.jobs import Poisson, Saturated
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What is run.
+    """The parameters of a run.
 
     Attributes:
         plant: roads and fleet.
@@ -49,14 +49,14 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """Which rules of right of way are kept; all of them but for ablations.
+    """The rules of right of way in force; all of them, except in ablations.
 
     Attributes:
         yields: holders in the way are asked to make room.
-        refuses: who has nowhere to go says so.
+        refuses: a holder with nowhere to go says so.
         groups: a dock is taken with its mouth.
         prices: ways heed traffic, and the convention.
-        reroutes: who is held up looks for another way.
+        reroutes: a vehicle that is held up looks for another way.
     """
 
     yields: bool = True
@@ -69,11 +69,11 @@ class Rules:
 WHOLE = Rules()
 
 FIRST_COME = Rules(yields=False, refuses=False, groups=False, prices=False, reroutes=False)
-"""The next node, first come: what is built first, and what deadlocks."""
+"""Reserve the next node, first come: the simplest scheme, which deadlocks."""
 
 
 class PlainWays(Ways):
-    """The shortest ways, whoever is on them."""
+    """The shortest ways, without regard to traffic."""
 
     def way(self, start: str, goal: str, prices: Prices | None = None) -> tuple[str, ...] | None:
         return super().way(start, goal)
@@ -81,7 +81,7 @@ class PlainWays(Ways):
 
 @dataclass(slots=True)
 class Figures:
-    """What came of it.
+    """The figures of a run.
 
     Attributes:
         per_h: transports in an hour.
@@ -122,7 +122,7 @@ def carriers_of(setting: Setting, clock: LeanClock) -> list[Carrier]:
 
 
 def run_ghosts(setting: Setting) -> Figures:
-    """Nobody minds anybody."""
+    """Run without right of way: vehicles pass through one another."""
     clock = LeanClock()
     carriers = carriers_of(setting, clock)
     for carrier in carriers:
@@ -225,7 +225,7 @@ def finish(world: World) -> Figures:
 
 
 def figures(setting: Setting, carriers: list[Carrier], found: Found) -> Figures:
-    """What the vehicles have done."""
+    """The figures of the vehicles' transports and waits."""
     took = sorted(took_s for carrier in carriers for _, took_s in carrier.done)
     parts = quantiles(took, n=20) if len(took) > 1 else [0.0] * 19
     stands = [end_s - begin_s for carrier in carriers for begin_s, end_s in carrier.stands]

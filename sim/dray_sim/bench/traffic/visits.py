@@ -1,4 +1,4 @@
-"""What the central planner reserves: places for a time, and the hops of a plan.
+"""The central planner's reservations: places for a time, and the hops of a plan.
 
 A hop leads from a node where a vehicle may stop to the next one: one lane, or all lanes through a crossing of two-lane roads.
 """
@@ -41,11 +41,11 @@ class Visit:
 
 
 class Hops:
-    """From where a vehicle may stop to where it may stop next.
+    """Hops from each node where a vehicle may stop to the next such nodes.
 
     Args:
         plant: the lanes.
-        places: what they need.
+        places: that the lanes need.
     """
 
     def __init__(self, plant: Plant, places: Places) -> None:
@@ -53,7 +53,7 @@ class Hops:
         self._known: dict[str, tuple[tuple[str, ...], ...]] = {}
 
     def leaving(self, node: str) -> tuple[tuple[str, ...], ...]:
-        """The hops that begin at a node, each by the nodes that are driven to; of several to one node the shortest."""
+        """The hops that begin at a node, by the nodes on each; only the shortest one to each end."""
         known = self._known.get(node)
         if known is None:
             best: dict[str, tuple[float, tuple[str, ...]]] = {}

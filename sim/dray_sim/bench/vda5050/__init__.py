@@ -1,1 +1,1 @@
-"""What a driver of a vehicle costs: ten of them at ten states a second each, beside bare MQTT clients."""
+"""The cost of a vehicle's driver: ten of them at ten states a second each, beside bare MQTT clients."""

@@ -30,10 +30,10 @@ VEHICLES = 10
 SPAN_S, QUICK_S = 20.0, 3.0
 WAIT_S = 60.0
 MOST_FRAC = 0.05
-"""Of a processor per driver: a vehicle's computer has other things to do."""
+"""Most processor time of a driver, as a part of one processor: a vehicle's computer has other work."""
 
 P99_S = 0.1
-"""From a grant to the order on the wire: a vehicle at 1.5 m/s drives 15 cm meanwhile."""
+"""Longest time from a grant to the order on the wire: a vehicle at 1.5 m/s drives 15 cm meanwhile."""
 
 
 def measure(quick: bool) -> list[Row]:
@@ -74,7 +74,7 @@ async def _measure(span_s: float) -> list[Row]:
 
 
 class _Count:
-    """What was measured."""
+    """The measurements of one run."""
 
     def __init__(self) -> None:
         self.cpu_s = 0.0
@@ -148,7 +148,7 @@ async def _bare(broker: BrokerAddress, profile: Profile, plant: Plant, span_s: f
 
 
 class _World:
-    """Of one driver: nothing is written to a disk, since that is the same for every driver."""
+    """The world of one driver, without its disk writes, which are the same for every driver."""
 
     def __init__(self, link: MqttLink) -> None:
         self._link = link
@@ -211,7 +211,7 @@ def _note(count: _Count, event: object) -> None:
 async def _until_known(bodies: list[VehicleBody]) -> None:
     try:
         async with asyncio.timeout(WAIT_S):
-            # Nobody sets an event for the last of several.
+            # The bodies have no common event to wait for.
             while not all(body.control.is_known for body in bodies):  # noqa: ASYNC110
                 await asyncio.sleep(0.1)
     except TimeoutError:
@@ -229,7 +229,7 @@ async def _to_and_fro(
     waits: dict[str, asyncio.Future[float]],
     count: _Count,
 ) -> None:
-    """One lane after the other; each is granted after its way was given."""
+    """Drive one lane after the other; grant each after its way was given."""
     loop, order = asyncio.get_running_loop(), 0
     over: asyncio.Future[Report] = loop.create_future()
 
@@ -245,7 +245,7 @@ async def _to_and_fro(
         here = body.sense().next_node
         lane = plant.roads.leaving[here][0]
         body.instruct(Drive(order=order, nodes=(here, lane.end), released=1))
-        # As a grant comes: at some moment when the vehicle stands and its state is known.
+        # A real grant, too, comes some time after the vehicle stands and its state is known.
         await asyncio.sleep(0.3)
         waits[topic] = loop.create_future()
         granted_s = time.perf_counter()

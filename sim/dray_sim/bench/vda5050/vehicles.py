@@ -1,4 +1,4 @@
-"""The vehicles' side, a process of its own that ends when its stdin does."""
+"""The vehicles' side: a process of its own that ends when its stdin does."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PLANT = "large"
 MANUFACTURER = "Bench"
 
 SPEED = 10.0
-"""Of the vehicles' clock: a lane takes less than a second, so that there are many to measure."""
+"""Rate of the vehicles' clock: a lane takes less than a second, so that many can be measured."""
 
 STATES_HZ = 10.0
 """States per real second of each vehicle."""
@@ -58,6 +58,6 @@ async def run(port: int, count: int) -> None:
 
 
 def main() -> None:
-    """With the port of the broker and the number of vehicles as arguments."""
+    """Run with the port of the broker and the number of vehicles as arguments."""
     with contextlib.suppress(KeyboardInterrupt):
         asyncio.run(run(int(sys.argv[1]), int(sys.argv[2])))

@@ -1,1 +1,1 @@
-"""A simulated vehicle: its ways and movement, its battery, and what it does where it stands."""
+"""A simulated vehicle: its ways and movement, its battery, and its actions at a stand."""

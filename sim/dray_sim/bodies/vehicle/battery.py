@@ -1,11 +1,11 @@
-"""A vehicle's battery: what it spends and how it is filled. Pure arithmetic in closed form.
+"""A vehicle's battery: its consumption and its charging. Pure arithmetic in closed form.
 
-Spending is linear in metres and seconds. Charging follows the usual curve of a lithium battery
-(constant current, then constant voltage), in the shape of `VehicleType`: full power up to a bend,
-then falling in a straight line, over the level, to a tenth of it at full. In that second part the
-level approaches a point beyond full exponentially, so it reaches full in finite time.
+Spending is linear in metres and seconds. Charging follows the usual curve of a lithium battery (constant current,
+then constant voltage), in the shape of `VehicleType`. It has full power up to a bend; then power falls linearly with
+the level, to a tenth at full. In that second part the level approaches a point beyond full exponentially, so it
+reaches full in finite time.
 
-The charging power is what arrives in the battery: the charger also feeds the vehicle's computers.
+The charging power is the part that reaches the battery: the charger also feeds the vehicle's computers.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LEFT_AT_FULL = 0.1
 
 
 HALVINGS = 50
-"""Of a ride of minutes, to find when its battery ends: far below a nanosecond."""
+"""Number of bisections that find when the battery ends on a ride of minutes: far below a nanosecond."""
 
 
 class Battery:
@@ -52,12 +52,12 @@ class Battery:
         self._decay_per_s = self._fall * self._charge_per_s
 
     def spent_frac(self, metres: float, loaded: bool, seconds: float) -> float:
-        """What a stretch of driving, or of standing, takes from the level."""
+        """The part of the level that driving or standing uses."""
         per_metre = self._metre_loaded if loaded else self._metre_empty
         return metres * per_metre + seconds * self._idle_per_s
 
     def lasts_s(self, level_frac: float) -> float:
-        """How long a vehicle that stands can stay awake; infinity when that costs nothing."""
+        """How long a standing vehicle's battery lasts; infinity when standing costs nothing."""
         return level_frac / self._idle_per_s if self._idle_per_s > 0.0 else float("inf")
 
     def charged_frac(self, level_frac: float, seconds: float) -> float:
@@ -73,7 +73,7 @@ class Battery:
         return min(goal_frac - (goal_frac - level_frac) * exp(-self._decay_per_s * seconds), 1.0)
 
     def charging_s(self, level_frac: float, to_frac: float = 1.0) -> float:
-        """How long charging from `level_frac` to `to_frac` takes; 0 when it is there already."""
+        """Duration of charging from `level_frac` to `to_frac`; 0 when it is there already."""
         if to_frac <= level_frac:
             return 0.0
         flat_s = max(min(to_frac, self._bend_frac) - level_frac, 0.0) / self._charge_per_s

@@ -1,4 +1,4 @@
-"""A vehicle's condition: what keeps it from going on, and what it reports of that."""
+"""A vehicle's condition: the reason why it cannot go on, and its reports of that."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from dray_sim.bodies.vehicle.power import Power
 
 LOAD_SHIFTED = "the load has shifted"
 SHIFTED = Problem(kind=ProblemKind.LOAD, passes=False, needs_person=True, load_movable=True)
-"""What a vehicle knows of that."""
+"""A vehicle's own knowledge of a shifted load."""
 
 LOAD_DROPPED = "the load has fallen off"
-"""Known of it as much."""
+"""Reason of a load that has fallen off; the details are those of a shifted load."""
 
 BATTERY_EMPTY = "battery empty"
 
 EMPTY = Problem(kind=ProblemKind.BATTERY, passes=False, needs_person=True, load_movable=True)
-"""What a vehicle knows of an empty battery."""
+"""A vehicle's own knowledge of an empty battery."""
 
 
 _RAN_FLAT = ProblemRaised(reason=BATTERY_EMPTY, problem=EMPTY)
 
 
 class Condition:
-    """Of one vehicle.
+    """The condition of one vehicle.
 
     Args:
         power: its battery and its switch.
         reporter: its reports.
 
     Attributes:
-        held: somebody has stopped it.
-        fault: what is broken; empty for nothing.
-        about_fault: what is known of that.
+        held: a person has stopped it.
+        fault: the fault; empty for none.
+        about_fault: details of that fault.
     """
 
     def __init__(self, power: Power, reporter: Reporter) -> None:
@@ -46,12 +46,12 @@ class Condition:
 
     @property
     def problem(self) -> str:
-        """What keeps it from going on; empty for nothing."""
+        """The reason why it cannot go on; empty for none."""
         return self.fault or (BATTERY_EMPTY if self._power.empty else "")
 
     @property
     def about_problem(self) -> Problem:
-        """What is known of that."""
+        """Details of the present problem."""
         return EMPTY if self._power.empty and not self.fault else self.about_fault
 
     @property
@@ -60,7 +60,7 @@ class Condition:
         return self.held or bool(self.fault) or self._power.empty or self._power.off
 
     def activity(self, action: Action | None, *, waits: bool) -> Activity:
-        """What the vehicle does when it does not move.
+        """The activity of a vehicle that does not move.
 
         Args:
             action: under way; None for none.
@@ -82,7 +82,7 @@ class Condition:
         self._reporter.say(ProblemRaised(reason=reason, problem=problem))
 
     def mend(self) -> None:
-        """Nothing is broken any more. An empty battery is another problem, and stays."""
+        """Clear the fault. An empty battery is another problem, and stays."""
         self.fault, self.about_fault = "", NOTHING_KNOWN
         self._reporter.say(_RAN_FLAT if self._power.empty else ProblemCleared())
 

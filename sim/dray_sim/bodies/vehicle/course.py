@@ -1,4 +1,4 @@
-"""Where a vehicle is, in closed form, until something about its motion changes."""
+"""A vehicle's position in closed form, until its motion changes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Course:
 
     Args:
         begin_s: from when on.
-        x_m, y_m, heading_rad: where it is then, and in which direction it drives.
+        x_m, y_m, heading_rad: its position then, and its direction.
         profile: how it moves; `STANDSTILL` for not at all.
         profile_s: how far into the profile that is.
         reach_m: how far it drives at most.
@@ -74,28 +74,28 @@ class Course:
         self.top_mps = profile.top_mps if self.reach_m else 0.0
 
     def driven_m(self, at_s: float) -> float:
-        """How far it has come on this piece."""
+        """Distance driven on this piece."""
         if not self.reach_m:
             return 0.0
         return max(0.0, min(self._profile.at(at_s + self._shift_s)[0] - self._run_m, self.reach_m))
 
     def spot(self, at_s: float) -> tuple[float, float]:
-        """Where its middle is (x_m, y_m)."""
+        """Position of its middle (x_m, y_m)."""
         run_m = self.driven_m(at_s)
         return self.x_m + run_m * self._cos, self.y_m + run_m * self._sin
 
     def covers(self, at_s: float) -> Rectangle:
-        """What of the floor it covers."""
+        """The area of the floor that it covers."""
         return Rectangle(*self.spot(at_s), self.heading_rad, self.length_m, self.width_m)
 
     def apart_m(self, other: Course, at_s: float) -> float:
-        """How far the circles around the two are apart; below 0 where they overlap."""
+        """Distance between the circles around the two; below 0 where they overlap."""
         x_m, y_m = self.spot(at_s)
         other_x_m, other_y_m = other.spot(at_s)
         return hypot(other_x_m - x_m, other_y_m - y_m) - self.radius_m - other.radius_m
 
     def nearing_mps(self, other: Course) -> float:
-        """How fast the two come nearer to one another at most."""
+        """Highest speed at which the two can approach one another."""
         one_mps, other_mps = self.top_mps, other.top_mps
         if not one_mps or not other_mps:
             return one_mps or other_mps
@@ -106,5 +106,5 @@ class Course:
 
     @property
     def end(self) -> tuple[float, float]:
-        """Where it comes to at most (x_m, y_m)."""
+        """Farthest position of its middle (x_m, y_m)."""
         return self.x_m + self.reach_m * self._cos, self.y_m + self.reach_m * self._sin

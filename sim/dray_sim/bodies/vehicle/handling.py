@@ -1,7 +1,8 @@
-"""What a vehicle does where it stands: it loads, unloads and charges; and what it has on board.
+"""A vehicle's actions at a stand (loading, unloading, charging), and its load.
 
-The counterpart of `dray_sim.bodies.vehicle.travel`: no clock of its own. Whoever holds it tells how much time has passed, and calls
-`finish` when the manoeuvre ends; what came of an action is reported here. What the battery takes is left to the holder.
+Like its counterpart `dray_sim.bodies.vehicle.travel` it has no clock of its own. The vehicle tells it how much time
+has passed, and calls `finish` when the manoeuvre ends; the result of an action is reported here. The vehicle accounts
+for the battery.
 """
 
 from __future__ import annotations
@@ -22,15 +23,15 @@ Action = Pick | Drop | Charge
 class Handling:
     """The action of one vehicle, and its load.
 
-    Invariants: one action at a time; the load changes only by what a place or a person gave or received.
+    Invariants: one action at a time; only a place or a person that gives or receives pieces changes the load.
 
     Args:
         vehicle: its id.
-        vehicle_type: what it can carry, and how long it takes.
+        vehicle_type: its load capacity and its handling times.
         plant: items, stations and chargers.
         places: stations by id where it can load and unload; some may come later.
         docks: the node of each.
-        chargers: who is plugged in where; shared by the fleet.
+        chargers: the plugs; shared by the fleet.
         reporter: the vehicle's reports.
         seed: how long each manoeuvre takes follows from it, where that varies.
 
@@ -65,13 +66,13 @@ class Handling:
         self._reporter = reporter
         self._durations = Durations(f"{seed} handling {vehicle}")
         self._charger = ""
-        """Where it is plugged in."""
+        """The charger where it is plugged in."""
 
     def start_action(self, action: Action, node: str) -> str:
         """Begin an action.
 
         Args:
-            action: what is to be done.
+            action: to begin.
             node: where the vehicle stands.
 
         Returns:
@@ -103,7 +104,7 @@ class Handling:
             self._reporter.say(ActionDone(order=action.order))
 
     def follow(self, action: Pick | Drop) -> str:
-        """Do what the vehicle that this is the double of has done already; returns why the load cannot change hands here."""
+        """Repeat the pick or drop of the vehicle whose double this is; returns why the load cannot change hands here."""
         if action.station not in self._places:
             return f"no station {action.station}"
         if isinstance(action, Drop):
@@ -130,7 +131,7 @@ class Handling:
         return reason
 
     def finish_action(self) -> None:
-        """The action is over, whatever came of it; a plug stays in."""
+        """End the action with any result; a plug stays in."""
         self.action = None
 
     def take_off(self) -> tuple[str, int]:
@@ -145,7 +146,7 @@ class Handling:
         self._charger = ""
 
     def _refusal(self, action: Action, node: str) -> str:
-        """Why an action cannot begin; empty when it can. For a charge that can, the plug is in then."""
+        """Why an action cannot begin; empty when it can. A charge that can begin is plugged in by this call."""
         if self.action is not None:
             return "busy with another action"
         if isinstance(action, Charge):
@@ -168,7 +169,7 @@ class Handling:
         if self.load:
             return f"{self.load} is on board"
         if item is None:
-            # What was defined since the plant file was written: whoever hires vehicles knows its container.
+            # The item may be newer than the plant file: the agent that hires vehicles knows its container.
             return "" if pick.quantity >= 1 else "nothing to pick"
         if item.ability not in self._type.abilities:
             return f"cannot carry {item.ability}"

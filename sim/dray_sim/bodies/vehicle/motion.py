@@ -1,18 +1,16 @@
 """How a vehicle moves along a way: speed profiles of constant acceleration, in closed form.
 
-A way is a row of straight lanes. `plan` makes the fastest profile over it that keeps every limit;
-`brake` stops as soon as possible. A `Profile` answers where the vehicle is at a time and when it
-reaches a place without stepping through time, so a simulated vehicle needs no ticks. Which lanes
-the way has and what happens at its nodes is left to `dray_sim.bodies.vehicle.way` and `dray_sim.bodies.vehicle.vehicle`.
+A way is a row of straight lanes. `plan` makes the fastest profile over it that keeps every limit; `brake` stops as
+soon as possible. A `Profile` gives the place at a time, and the time at a place, without stepping through time. So a
+simulated vehicle needs no ticks. `dray_sim.bodies.vehicle.way` and `dray_sim.bodies.vehicle.vehicle` choose the lanes
+of the way and act at its nodes.
 
-Theory of operation: under a constant acceleration `a` the square of the speed grows by `2 a` per
-metre. A backward pass over the lanes' ends lowers each speed so that the vehicle can brake for
-what comes after; a forward pass lowers it to what can be reached. Between two ends it accelerates,
-keeps the limit and brakes.
+Theory of operation: under a constant acceleration `a` the square of the speed grows by `2 a` per metre. A backward
+pass over the lanes' ends lowers each speed so that the vehicle can brake for the next ones. A forward pass lowers it
+to a reachable one. Between two ends it accelerates, keeps the limit and brakes.
 
-A vehicle that learns too late that it has to stop or to turn brakes harder than it likes to: to
-keep to the road comes before comfort. One that learns that it must be slower brakes normally and
-is above the new limit until it has done so.
+A vehicle that learns too late of a stop or a turn brakes harder than its usual rate: staying on the road comes before
+comfort. A vehicle that learns of a lower limit brakes normally, and exceeds that limit until it has done so.
 """
 
 from __future__ import annotations
@@ -30,7 +28,7 @@ class Stretch(NamedTuple):
     """Lanes ahead, as `plan` needs them; all of one length, one entry per lane."""
 
     lengths_m: Sequence[float]
-    """Of the lanes, or of what is left of them; not negative."""
+    """Lengths of the lanes, or of their remaining parts; not negative."""
     limits_mps: Sequence[float]
     """The highest speed on each lane."""
     caps_mps: Sequence[float]
@@ -38,7 +36,7 @@ class Stretch(NamedTuple):
 
 
 class Profile:
-    """Where a vehicle is at which time; both count from the beginning of the profile.
+    """Place over time; both count from the beginning of the profile.
 
     Invariants: the place never falls, place and speed are continuous, the last speed is 0.
 
@@ -57,14 +55,14 @@ class Profile:
         self.length_m = length_m
         self.duration_s = 0.0
         self._end_m = 0.0
-        # One entry per segment, as columns: bisection wants them so, and they are quicker to make.
+        # One entry per segment, as columns: bisection needs them so, and they are quicker to make.
         self._begins_s: list[float] = []
         self._begins_m: list[float] = []
         self._speeds_mps: list[float] = []
         self._rates_mps2: list[float] = []
 
     def append(self, length_m: float, from_mps: float, to_mps: float) -> None:
-        """Go on for `length_m` while the speed changes evenly; for those who make profiles."""
+        """Append `length_m` with a constant rate of speed change; for functions that make profiles."""
         if length_m <= SHORT_M:
             return
         duration_s = 2.0 * length_m / (from_mps + to_mps)
@@ -113,7 +111,7 @@ def plan(stretch: Stretch, speed_mps: float, acceleration_mps2: float) -> Profil
 
     Args:
         stretch: the lanes; at least one.
-        speed_mps: the speed at the beginning. More than the first limit allows is braked away.
+        speed_mps: the speed at the beginning. The vehicle brakes when it is above the first limit.
         acceleration_mps2: speeding up and braking; exceeded only to stop or to turn in time.
     """
     lengths_m, limits_mps, caps_mps = stretch
@@ -168,7 +166,7 @@ def _append_lane(
     square, end = squares
     speed_mps, end_mps = sqrt(square), sqrt(end)
     if end <= square - doubled_mps2 * length_m:
-        profile.append(length_m, speed_mps, end_mps)  # Nothing but braking fits in, or not even that.
+        profile.append(length_m, speed_mps, end_mps)  # There is room for braking only, or not even for that.
         return
     limit = limit_mps * limit_mps
     if square > limit:

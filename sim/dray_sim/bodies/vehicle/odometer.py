@@ -1,4 +1,4 @@
-"""What a vehicle has done so far: metres and seconds, for the report of a run."""
+"""A vehicle's metres and seconds so far, for the report of a run."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ if TYPE_CHECKING:
 
 
 class Activity(StrEnum):
-    """What a vehicle's time goes into; one at every moment."""
+    """The activities among which a vehicle's time is divided; one at every moment."""
 
     MOVING_EMPTY = "moving_empty"
     MOVING_LOADED = "moving_loaded"
     HANDLING = "handling"
     """Loading or unloading."""
     WAITING = "waiting"
-    """For the release of its way, or at a station for something to load."""
+    """Waiting for the release of its way, or at a station for something to load."""
     CHARGING = "charging"
     HELD = "held"
-    """By a person, a breakdown or an empty battery."""
+    """Stopped by a person, a breakdown or an empty battery."""
     OFF = "off"
     """Without power."""
     IDLE = "idle"
@@ -62,17 +62,17 @@ class Odometer:
     def add(
         self, travel: Travel, power: Power, standing: Callable[[], Activity], now_s: float, *, loaded: bool
     ) -> Odometer:
-        """Add what happened since the power was settled.
+        """Add the time since the power was settled.
 
         Args:
             travel: how far the vehicle has come.
             power: settled at some earlier moment.
-            standing: what it does when it does not move.
+            standing: the activity when it does not move.
             now_s: until when.
             loaded: whether something is on board.
 
         Returns:
-            These sums.
+            This odometer.
         """
         begin_s = power.settled_s
         stands_s = min(max(travel.moves_until_s, begin_s), now_s)

@@ -1,7 +1,7 @@
-"""A vehicle's power in use: what its battery holds at any moment, and the call that comes before it is empty.
+"""A vehicle's power in use: the battery level at any moment, and the call before the battery is empty.
 
-`dray_sim.bodies.vehicle.battery` is the arithmetic; here it meets time and movement. The level is known as of one moment
-(`settled_s`), and every later one follows from it in closed form until something changes; then it is settled anew.
+`dray_sim.bodies.vehicle.battery` does the arithmetic; this module adds time and movement. The level is known for one
+moment (`settled_s`). Later levels follow from it in closed form until something changes; then it is settled anew.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ EMPTY_FRAC = 1e-9
 """Below this the battery is empty: milliseconds of an idle vehicle, and far above rounding."""
 
 WATCH_EXACT_S = 60.0
-"""A battery that lasts longer is looked at again after half of that time. So a vehicle keeps a handful
-of calls open, and not one for each time it has moved."""
+"""A battery that lasts longer is looked at again after half of that time. So a vehicle has a handful of open calls,
+and not one for each time it has moved."""
 
 
 class Power:
@@ -31,7 +31,7 @@ class Power:
         level_frac: at the beginning.
         clock: the plant's clock.
         travel: how far the vehicle has come, and until when it moves.
-        handling: what is on board.
+        handling: the load on board.
         charging: whether it is fed at this moment.
         look: called when the battery may be empty; settles, and asks `is_spent`.
 
@@ -71,7 +71,7 @@ class Power:
 
     @property
     def charging_s(self) -> float:
-        """Until the battery is full, from when it was settled (s)."""
+        """Time from the last settling until the battery is full (s)."""
         return self._battery.charging_s(self.level_frac)
 
     def level(self, now_s: float) -> float:

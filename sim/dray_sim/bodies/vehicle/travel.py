@@ -1,8 +1,8 @@
-"""A vehicle's movement: the way it is on, how far it has come, and how it goes on.
+"""A vehicle's movement: its way, the distance it has come, and its next motion.
 
-Closed form: between two calls the motion is a `Profile`, and every question takes the time at which it
-is asked. It has no clock of its own: whoever holds it looks at `next_at_s`, calls `arrive` then, and
-calls nothing else with a time beyond that.
+Closed form: between two calls the motion is a `Profile`, and every question takes the time at which it is asked. It
+has no clock of its own. The vehicle looks at `next_at_s`, calls `arrive` then, and calls nothing else with a later
+time.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ NEVER_S = float("inf")
 
 
 class Travel:
-    """Where one vehicle is and goes. Times are of the plant's clock and never go back.
+    """Position and movement of one vehicle. Times are of the plant's clock and never go back.
 
-    Invariants: what is driven never falls; the vehicle is never beyond the last released point; when
-    it is halted it comes to a stand and stays.
+    Invariants: the driven distance never falls; the vehicle never passes the last released point; a halted vehicle
+    comes to a stand and stays.
 
     Args:
         plant: the roads.
@@ -35,7 +35,7 @@ class Travel:
 
     Attributes:
         node: the last node that was passed.
-        way: what it follows; None when it has come to an end.
+        way: the way that it follows; None when it has ended.
         doors: on its lanes, if any.
     """
 
@@ -66,9 +66,9 @@ class Travel:
         self._profile = STANDSTILL
         self._from_s = now_s
         self._from_m = 0.0
-        """Where on the way the profile begins."""
+        """The profile's beginning on the way."""
         self._driven_m = 0.0
-        """Up to the beginning of the profile."""
+        """Metres up to the beginning of the profile."""
 
     # --- where it is -----------------------------------------------------------------------------
 
@@ -90,18 +90,18 @@ class Travel:
 
     @property
     def waits(self) -> bool:
-        """Whether it stands, or will stand, before the end of its way: no more is released, or something is in its way."""
+        """Whether it stands, or will stand, before the end of its way: for a release, or for an obstacle."""
         return self.way is not None and self._reaches < self.way.last
 
     @property
     def blocked(self) -> Ends | None:
-        """The lane that it may enter, or is on, and on which something is in its way; None for none."""
+        """The lane that it is on or may enter, and on which an obstacle is in its way; None for none."""
         lane = self._held_up_on
         return None if lane is None or (self._is_shut(lane) and self.is_clear(lane)) else lane
 
     @property
     def asks(self) -> Ends | None:
-        """The lane before which it stands until its door is open; None for none."""
+        """The lane before which it waits for a door to open; None for none."""
         lane = self._held_up_on
         return None if lane is None or self._halted or not self._is_shut(lane) else lane
 
@@ -138,7 +138,7 @@ class Travel:
         return self._obstacles.room_m(*lane, self._type) is None
 
     def can_stop(self, now_s: float) -> bool:
-        """Whether it can brake in time before whatever is in its way."""
+        """Whether it can brake in time before any obstacle in its way."""
         place_m, speed_mps = self.motion(now_s)
         return (
             place_m + speed_mps**2 / (2.0 * self._type.acceleration_mps2)
@@ -158,7 +158,7 @@ class Travel:
         return speed_mps > 0.0 or place_m > self.way.places_m[self._passed] + SHORT_M
 
     def next_node(self, now_s: float) -> str:
-        """Where a new way may begin: the end of its lane, or the node where it stands."""
+        """The node where a new way may begin: the end of its lane, or the node where it stands."""
         if self.way is not None and self.on_lane(now_s):
             return self.way.points[self._passed + 1]
         return self.node
@@ -174,14 +174,14 @@ class Travel:
         return max(rest_m, 0.0) / self._top_mps
 
     def pose(self, now_s: float) -> Pose:
-        """Where it is and which way it looks; it turns as it sets off into a lane."""
+        """Its position and heading; it turns as it sets off into a lane."""
         if self.way is not None and self.on_lane(now_s):
             return self.way.pose(self._plant, self._passed, self.motion(now_s)[0])
         here = self._plant.nodes[self.node]
         return Pose(x_m=here.x_m, y_m=here.y_m, heading_rad=self._heading_rad)
 
     def course(self, now_s: float) -> Course:
-        """How it moves from now on, up to the next node at most, if nothing changes."""
+        """Its motion from now on, up to the next node at most, if nothing changes."""
         kind = self._type
         if self.way is None or self._passed >= self._released or now_s >= self.moves_until_s:
             here = self.pose(now_s)
@@ -286,7 +286,7 @@ class Travel:
         return ""
 
     def release(self, order: int, released: int, now_s: float) -> None:
-        """Let more of the way be driven. Less than before, or of another way, is late and changes nothing."""
+        """Let more of the way be driven. A smaller release, or one for another way, is late and changes nothing."""
         if self.way is None or self.way.order != order:
             return
         last = min(released - 1 + self.way.lead, self.way.last)
@@ -335,7 +335,7 @@ class Travel:
         self._stranded = True
 
     def place_at(self, node: str, now_s: float) -> None:
-        """Be carried to a node by somebody else, or off the floor if `node` is empty; the way is forgotten, and nothing of this is driven."""
+        """Move it to a node by hand, or off the floor if `node` is empty; this forgets the way, and counts no metres."""
         self._settle(now_s)
         self.node, self._lifted = node or self.node, not node
         self.way, self._from_m, self._profile = None, 0.0, STANDSTILL
@@ -357,7 +357,7 @@ class Travel:
         return speed_mps
 
     def _clear_to(self, place_m: float) -> tuple[int, float]:
-        """How far it may drive from a place on its way: as far as is released, and not to anything in its way.
+        """How far it may drive from a place on its way: within the released part, and up to the first obstacle.
 
         Returns:
             The last point that it passes, and the place where it stands then, in metres from the first point.

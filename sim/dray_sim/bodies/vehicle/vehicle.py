@@ -1,11 +1,13 @@
 """A simulated vehicle: it drives released ways, loads and unloads, charges, and can break down.
 
-It implements `dray.ports.Body`: ways have a released part (VDA 5050's base) and one that is not (horizon), picking and dropping
-are actions, and what cannot be done is reported. It leaves all decisions to its agent, and does not see other vehicles.
+It implements `dray.ports.Body`. Ways have a released part (VDA 5050's base) and one that is not (horizon), picking
+and dropping are actions, and impossible instructions are reported. It leaves all decisions to its agent, and does not
+see other vehicles.
 
-Nothing ticks. A moving vehicle has a speed profile (`travel`), a working one a time when the action ends (`handling`); where it is
-and what its battery holds (`power`) follow in closed form. One call of the clock is open at a time, for the next node or the
-end of the action; it carries the number of its plan, and a change of plan makes it stale. Another watches the battery.
+Nothing ticks. A moving vehicle has a speed profile (`travel`), a working one a time when the action ends
+(`handling`). Its position and its battery level (`power`) follow in closed form. One call of the clock is open at a
+time, for the next node or the end of the action. It carries the number of its plan, and a change of plan makes it
+stale. Another watches the battery.
 
     standing --Drive--> driving --WayDone--> standing --Pick, Drop, Charge--> acting --> standing
     Hold, a breakdown and an empty battery stop either; the rest of the way or action is kept.
@@ -58,7 +60,7 @@ MOVED_BY_HAND = "moved by hand"
 
 
 class ObstacleDetection:
-    """Of one vehicle.
+    """Reports the obstacle before one vehicle.
 
     Args:
         vehicle: its id.
@@ -71,7 +73,7 @@ class ObstacleDetection:
         self._seen: tuple[int, Ends] | None = None
 
     def look(self) -> None:
-        """Its motion has changed, or what is in its way."""
+        """Look again: its motion or an obstacle has changed."""
         travel = self._travel
         if travel.doors is not None:
             travel.doors.heed(self._vehicle, travel.enters, travel.asks)
@@ -91,20 +93,19 @@ class ObstacleDetection:
 class SimVehicle:
     """Implements `dray.ports.Body`.
 
-    Invariants: a held, broken or empty vehicle comes to a stand and does not start (invariant 5), also
-    when its power is back; the load changes only by what a place or a person gave or received;
-    `battery_frac` is in 0..1.
+    Invariants: a held, broken or empty vehicle comes to a stand and does not start (invariant 5), also when its power
+    is back. Only a place or a person that gives or receives pieces changes the load; `battery_frac` is in 0..1.
 
     Args:
-        spec: which vehicle, and where it stands at the beginning.
-        vehicle_type: what it can do.
+        spec: its id, and its node at the beginning.
+        vehicle_type: its abilities.
         plant: roads and stations.
         clock: the plant's clock.
         places: stations by id where it can load and unload; some may come later.
         docks: the node of each.
-        chargers: who is plugged in where; shared by the fleet.
+        chargers: the plugs; shared by the fleet.
         seed: how long each manoeuvre takes follows from it, where that varies.
-        obstacles: what stands on the lanes; shared by the fleet.
+        obstacles: on the lanes; shared by the fleet.
 
     Attributes:
         id: the vehicle's id.
@@ -141,7 +142,7 @@ class SimVehicle:
         self._condition = Condition(self._power, self._reporter)
         self._link = Link.WLAN
         self._sums = Odometer()
-        """As of the moment in which the power was settled."""
+        """Sums up to the moment in which the power was settled."""
         self._plan = 0
         """The number of the present plan: a call of the clock for another one is stale."""
         self._due_s = NEVER_S
@@ -152,7 +153,7 @@ class SimVehicle:
     # --- Body ------------------------------------------------------------------------------------
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. Without power nothing is heard, and what only a workcell can do is ignored."""
+        """See `dray.ports.Body`. Without power it hears nothing; instructions for workcells are ignored."""
         if self._power.off:
             return
         self._settle()
@@ -199,7 +200,7 @@ class SimVehicle:
 
     @property
     def problem(self) -> str:
-        """What keeps it from going on; empty for nothing."""
+        """The reason why it cannot go on; empty for none."""
         return self._condition.problem
 
     @property
@@ -220,8 +221,8 @@ class SimVehicle:
     def power_off(self) -> None:
         """Stand still in this moment, deaf and mute; harmless when it is off already.
 
-        What stays: place, load, battery, plug, what is broken, a hold and a speed limit. What is lost without a word: the way,
-        and a pick, drop or charge in progress.
+        It keeps its place, load, battery, plug, faults, a hold and a speed limit. It loses the way, and a pick, drop
+        or charge in progress, without a report.
         """
         if self._power.off:
             return
@@ -242,14 +243,17 @@ class SimVehicle:
         self._change_of_fortune()
 
     def shift_load(self) -> bool:
-        """Let the load slip, on board or on its way on or off; False when there is none. It stands until that is repaired."""
+        """Let the load slip, on board or on its way on or off; False when there is none.
+
+        The vehicle stands until that is repaired.
+        """
         if not self._handling.load and not isinstance(self._handling.action, Pick):
             return False
         self.break_down(LOAD_SHIFTED, SHIFTED)
         return True
 
     def follow(self, action: Pick | Drop) -> str:
-        """Pick or drop what the vehicle that this is the double of has; returns "" when the place has counted it, else why not."""
+        """Repeat the pick or drop of the vehicle whose double this is; returns why not, or ""."""
         return self._handling.follow(action)
 
     def recover_load(self) -> tuple[str, int]:
@@ -262,7 +266,10 @@ class SimVehicle:
         return load
 
     def place_at(self, node: str) -> None:
-        """People push or carry it to a node; an empty one is off the floor. What it was doing ends without effect."""
+        """Let people push or carry it to a node; with an empty node it is off the floor.
+
+        Its way and action end without effect.
+        """
         self._settle()
         if self._travel.way is not None:
             self._fail(self._travel.way.order, MOVED_BY_HAND)
@@ -286,7 +293,7 @@ class SimVehicle:
         self._change_of_fortune()
 
     def replace_battery(self, level_frac: float = 1.0) -> None:
-        """Put another battery in; an empty vehicle goes on with what it was doing."""
+        """Replace its battery; an empty vehicle goes on with its work."""
         self._settle()
         self._power.level_frac = level_frac
         self._condition.revive()
@@ -294,7 +301,7 @@ class SimVehicle:
 
     @property
     def can_stop(self) -> bool:
-        """Whether it can brake in time before whatever is in its way."""
+        """Whether it can brake in time before any obstacle in its way."""
         return self._travel.can_stop(self._now_s())
 
     def look(self) -> None:
@@ -305,7 +312,7 @@ class SimVehicle:
         self._reporter.flush_soon()
 
     def watch_course(self, on_course: Callable[[str, Course], None]) -> None:
-        """Tell how it moves, now and at every change, to one more who watches."""
+        """Add an observer of its course, who is told now and at every change."""
         self._on_course += (on_course,)
         on_course(self.id, self._travel.course(self._now_s()))
 
@@ -429,7 +436,7 @@ class SimVehicle:
             self._handling.spend(passed_s)
 
     def _add_to(self, sums: Odometer, now_s: float) -> Odometer:
-        """Add what happened since it was settled."""
+        """Add the time since it was settled."""
         return sums.add(self._travel, self._power, self._activity, now_s, loaded=bool(self._handling.load))
 
     def _activity(self) -> Activity:

@@ -1,8 +1,8 @@
 """A way through the plant as a vehicle drives it: points, the lanes between them, places in metres.
 
-Immutable: how far the vehicle has come, and how far it may go, is the vehicle's own knowledge. A place
-is counted in metres from the first point. A vehicle that is given a way while it is on a lane finishes
-that lane first; the lane then leads the way, and the first point is where it began.
+Immutable: how far the vehicle has come, and how far it may go, is the vehicle's own knowledge. A place is counted in
+metres from the first point. A vehicle that is given a way while it is on a lane finishes that lane first. The lane
+then leads the way, and the first point is where it began.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ class Way:
     Args:
         order: the number of the instruction.
         points: where it leads through; the first one is where the first lane begins.
-        lanes: from each point to the next, as `join` finds them.
+        points: of the way; the first one is where the first lane begins.
         lead: how many points come before `Drive.nodes[0]`: 1 when a lane has to be finished, else 0.
         turn_mps: the highest speed in a sharp bend.
-        limits_mps: of the lanes where others than theirs hold, one per lane; None where theirs do, empty where they do everywhere.
+        limits_mps: speed limits that replace those of the lanes, one per lane; None keeps a lane's own limit, and an
+            empty sequence keeps all.
     """
 
     __slots__ = (
@@ -59,7 +60,7 @@ class Way:
         self._caps_mps = [turn_mps if bends(before, after) else free_mps for before, after in pairwise(lanes)]
         self._caps_mps.append(0.0)
         self.places_m = [0.0]
-        """Of every point."""
+        """Place of every point."""
         place_m = 0.0
         for lane in lanes:
             place_m += lane.length_m
@@ -78,7 +79,7 @@ class Way:
         )
 
     def limit_on(self, lane: int) -> float | None:
-        """What was told of the speed on a lane, counted as its first point; None for nothing."""
+        """The speed limit given for a lane, counted as its first point; None for nothing."""
         return self._told_mps[lane]
 
     def heading_rad(self, lane: int) -> float:
@@ -86,7 +87,7 @@ class Way:
         return self._lanes[lane].heading_rad
 
     def pose(self, plant: Plant, lane: int, place_m: float) -> Pose:
-        """Where a vehicle is that has come to `place_m` on a lane."""
+        """Pose of a vehicle at `place_m` on a lane."""
         road = self._lanes[lane]
         start, end = plant.nodes[road.start], plant.nodes[road.end]
         part = min(max((place_m - self.places_m[lane]) / road.length_m, 0.0), 1.0)
@@ -97,11 +98,11 @@ class Way:
         )
 
     def ahead(self, lane: int, place_m: float, to: int, top_mps: float) -> Stretch:
-        """What lies between a vehicle and a point.
+        """The stretch between a vehicle and a point.
 
         Args:
             lane: the lane that the vehicle is on, or at whose beginning it stands.
-            place_m: where on the way it is.
+            place_m: its place on the way.
             to: the index of the point.
             top_mps: the vehicle's own limit.
         """
@@ -113,7 +114,7 @@ class Way:
 
 
 def join(roads: Roads, points: tuple[str, ...]) -> list[DirectedLane] | str:
-    """The lanes along some points; in words what is wrong when one of them is missing."""
+    """The lanes along some points; an error in words when one of them is missing."""
     lanes = []
     for start, end in pairwise(points):
         lane = roads.lane(start, end)

@@ -1,1 +1,1 @@
-"""Invariants of the floor: places, bodies, closed lanes, and what lies on lanes."""
+"""Invariants of the floor: places, bodies, closed lanes, and obstacles on lanes."""

@@ -1,7 +1,7 @@
-"""Invariant 15: no vehicle enters what it knows to be closed, and what is said is known soon.
+"""Invariant 15: no vehicle enters a lane that it knows to be closed, and closures are known soon.
 
-The lane that a vehicle sets off on is told by its body, at the moment in which it does; what it knows is told by itself, at the
-moment in which it has heard it. Whether that is closed is asked of the list as it was said, by the vehicle's own clock.
+A vehicle's body tells the lane when it sets off on it; the vehicle tells its closures when it hears of them. Whether
+that is closed is asked of the list as it was said, by the vehicle's own clock.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ class ClosedLanes:
         self._factory = factory
         self._said: dict[int, Closures] = {}
         self._floors: dict[str, KnownFloor] = {}
-        """By vehicle: what it knows."""
+        """The known closures, by vehicle."""
         self._lanes: dict[str, tuple[str, str]] = {}
-        """By vehicle: the lane that it is on, or was on last."""
+        """The present or last lane, by vehicle."""
         self._broken: InvariantBroken | None = None
         self._watched: dict[str, None] = {}
         self._watch_new()
@@ -44,7 +44,7 @@ class ClosedLanes:
         """See `Listener`.
 
         Raises:
-            InvariantBroken: a vehicle has entered what it knew to be closed.
+            InvariantBroken: a vehicle has entered a lane that it knew to be closed.
         """
         if len(self._watched) != len(self._factory.vehicles):
             self._watch_new()
@@ -58,7 +58,7 @@ class ClosedLanes:
             floor.take(self._said[message.fact.number], self._factory.clock_of(sender).now_s())
             self.known[sender] = self.known.get(sender, 0) + 1
         elif type(message) is Event and type(message.fact) is MemoryLost:
-            # What its earlier lives had heard is lost, until somebody tells it again.
+            # A new life does not know what earlier lives had heard, until it is told again.
             self._floors.pop(sender, None)
         if self._broken is not None:
             raise self._broken

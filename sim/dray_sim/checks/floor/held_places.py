@@ -1,7 +1,8 @@
-"""Invariants 14 and 29: no place is held by two vehicles, whatever was lost, restarted or torn apart, and nobody is granted more than one needs.
+"""Invariants 14 and 29: two vehicles never hold one place, and none is granted more than it needs.
 
-What a vehicle holds is asked of the vehicle itself, also of one whose process has ended: it holds what it held,
-until people carry it away. One that lies is not asked; what books grant it is seen in their answers.
+Neither losses, restarts nor partitions are an excuse. The vehicle itself is asked what it holds, also when its
+process has ended: it holds its places until people carry it away. A liar is not asked; the books' answers show its
+grants.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ class HeldPlaces:
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._holders: dict[str, str] = {}
-        """Place -> who was seen last to hold it."""
+        """Place -> the vehicle that was last seen to hold it."""
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """See `Listener`.

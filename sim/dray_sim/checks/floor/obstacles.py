@@ -1,7 +1,8 @@
-"""Invariants 20 and 21: no body comes into what lies on a lane or into a door, and whoever has met it tells the others and forgets it in time.
+"""Invariants 20 and 21: no body touches an obstacle or a door, and vehicles report obstacles and forget them in time.
 
-Bodies are judged by geometry alone, when their motion changes and at every message. What a vehicle counts on is looked at when it
-beats: of what it has met itself it has told, as long as it has WLAN; and of nothing it counts on longer than was told.
+Bodies are judged by geometry alone, when their motion changes and at every message. A vehicle's known obstacles are
+examined at each heartbeat. It must have reported those that it met itself, as long as it has WLAN, and must forget
+each in time.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from dray_sim.factory.sim_factory import SimFactory
 INSIDE, TOLD = 20, 21
 
 LATE_S = 5.0
-"""A process that was away forgets what is old with its next step."""
+"""Tolerance: a process that was away forgets old obstacles with its next step."""
 
 
 class MindsObstacles:
@@ -38,10 +39,11 @@ class MindsObstacles:
         self.met = 0
         self._factory = factory
         self._told: set[tuple[str, Ends]] = set()
-        """Who has told of which lane."""
+        """Pairs of a vehicle and a lane that it has reported."""
         self._courses: dict[str, Course] = {}
         self._doors: dict[str, dict[Ends, Rectangle]] = {}
-        """Per vehicle the leaves that it may touch on its course, shut or not: looked up once, as leaves stay where they are."""
+        """Per vehicle, the leaves that it may touch on its course, shut or not: looked up once, as leaves stay where
+        they are."""
         self._watched: dict[str, None] = {}
         self._broken: InvariantBroken | None = None
         self._watch_new()

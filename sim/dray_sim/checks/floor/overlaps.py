@@ -1,12 +1,12 @@
-"""Invariant 13: no two vehicles are in one spot. Judged by geometry alone, whatever the protocol believes.
+"""Invariant 13: no two vehicles are in one spot. Geometry alone decides, not the protocol's assumptions.
 
-Every vehicle is a rectangle as long and wide as its type. Its motion is known in closed form until something changes (`Course`), so
-the time between two changes is judged when it is over, as a whole and not at moments: from any moment, two vehicles need at least
-the time that it takes them to close the gap between them at their highest speeds, and are looked at again then (conservative
-advancement). An overlap that is deeper than `MISSED_M` is found, however short it is. A vehicle that sets off in another
-direction has turned on the spot: what it sweeps then is judged in the same way, by the angle.
+Every vehicle is a rectangle as long and wide as its type. Its motion is known in closed form until something changes
+(`Course`), so the time between two changes is judged afterwards, and as a whole. From any moment, two vehicles need
+at least the time to close their gap at their highest speeds. Then they are examined again (conservative advancement).
+An overlap that is deeper than `MISSED_M` is found, however short it is. A vehicle that sets off in another direction
+has turned on the spot. The area that it sweeps is judged in the same way, by the angle.
 
-What a person has lifted off the floor is in no one's way until it is put down. Vehicles without a body are nowhere.
+A lifted vehicle is in no one's way until it is put down. Vehicles without a body are nowhere.
 """
 
 from __future__ import annotations
@@ -24,11 +24,12 @@ from dray_sim.checks.broken import InvariantBroken
 NUMBER = 13
 
 TOUCH_M = 1e-9
-"""What a sine and a cosine are rounded by. Nothing else is allowed for: what right of way holds is larger than what is driven by
-`dray.plant.floor.clearance.CLEARANCE_M` at the least."""
+"""Rounding error of a sine and a cosine. There is no other tolerance: right of way holds an area that is larger than
+the driven one by at least `dray.plant.floor.clearance.CLEARANCE_M`."""
 
 MISSED_M = 1e-4
-"""No overlap is deeper than this and missed: two that near one another are looked at again at least after so much."""
+"""No deeper overlap is missed: two vehicles that approach one another are examined again at least after this
+distance."""
 
 CELL_M = 3.0
 """Vehicles are looked for in the cells that they can come into."""
@@ -78,7 +79,7 @@ class Overlaps:
         self._told = told
         self._watched: dict[str, None] = {}
         self._courses: dict[str, Course] = {}
-        """Of the vehicles on the floor."""
+        """Courses of the vehicles on the floor."""
         self._cells: dict[str, tuple[Cell, ...]] = {}
         self._in_cell: dict[Cell, dict[str, None]] = {}
         self._touching: set[tuple[str, str]] = set()
@@ -96,7 +97,7 @@ class Overlaps:
             raise InvariantBroken(NUMBER, self.first.at_s, str(self.first))
 
     def check_end(self, at_s: float) -> None:
-        """Judge what has not come to a change, up to now.
+        """Judge the courses that have not changed, up to now.
 
         Raises:
             InvariantBroken: see `on_message`.
@@ -118,7 +119,7 @@ class Overlaps:
                 vehicle.watch_course(self._on_course)
 
     def _on_course(self, vehicle: str, course: Course) -> None:
-        """A vehicle goes on differently: what it did until now is over, and can be judged."""
+        """Note a vehicle's new course: its course until now is over, and can be judged."""
         before = self._courses.get(vehicle)
         if before is not None:
             self._judge(vehicle, before, course.begin_s)
@@ -131,7 +132,7 @@ class Overlaps:
         self._enter(vehicle, course)
 
     def _lift(self, vehicle: str) -> None:
-        """It is off the floor."""
+        """Forget a vehicle that is off the floor."""
         if self._courses.pop(vehicle, None) is None:
             return
         for cell in self._cells.pop(vehicle):
@@ -165,7 +166,7 @@ class Overlaps:
     def _judge(
         self, vehicle: str, course: Course, until_s: float, judged: Collection[str] = frozenset()
     ) -> None:
-        """All that a vehicle came near to since either of them changed its motion, but for those that are judged already."""
+        """Judge a vehicle against all near ones since either changed its motion, except those that are judged already."""
         near = self._near(vehicle)
         for pair in [pair for pair in self._touching if vehicle in pair and not near.keys() & set(pair)]:
             self._touching.discard(pair)
@@ -180,7 +181,7 @@ class Overlaps:
     def _advance(
         self, vehicle: str, course: Course, other: str, against: Course, at_s: float, until_s: float
     ) -> None:
-        """From one moment to the next at which the two could touch."""
+        """Go from one moment to the next at which the two could touch."""
         pair = (vehicle, other) if vehicle < other else (other, vehicle)
         nearing_mps = course.nearing_mps(against)
         if course.apart_m(against, at_s) > nearing_mps * (until_s - at_s):
@@ -199,7 +200,7 @@ class Overlaps:
             at_s = min(until_s, at_s + max(gap + TOUCH_M, MISSED_M) / nearing_mps)
 
     def _judge_turn(self, vehicle: str, before: Course, course: Course) -> None:
-        """What a vehicle sweeps that turns on the spot, the shorter way round."""
+        """Judge the area that a vehicle sweeps when it turns on the spot, the shorter way round."""
         at_s = course.begin_s
         turn = (course.heading_rad - before.heading_rad + pi) % (2.0 * pi) - pi
         sign = 1.0 if turn >= 0.0 else -1.0
@@ -229,7 +230,7 @@ class Overlaps:
 
 
 def _cells_of(course: Course) -> tuple[Cell, Cell]:
-    """Lower left and upper right cell of what a vehicle can cover."""
+    """Lower left and upper right cell of the area that a vehicle can cover."""
     end_x_m, end_y_m = course.end
     radius_m = (course.length_m + course.width_m) / 2.0
     low = (

@@ -1,9 +1,9 @@
-"""Whether a place was held by two, judged by what agents in processes of their own have said and heard (`traffic_log`).
+"""Judges from the agents' logs (`traffic_log`) whether two vehicles held one place; agents are processes of their own.
 
-From a vehicle's own words: it holds what it says that it holds, and what it was granted as soon as it has heard of that; until
-it says, having seen that very grant, that it holds it no more. So whatever it believed, it held no more than this. A vehicle that was
-killed holds what it held, and its next life goes on with that. From the books: a grant that was said names a place that no other vehicle
-held at that moment. And from the floor: a vehicle is on lanes alone whose places it holds.
+By its own messages, a vehicle holds the places that it reports, and granted places as soon as it has heard of them.
+It holds a place until it says, after that grant, that it has given it back. So it never believed that it held more
+than this. A killed vehicle holds its places, and its next life goes on with them. By the books, a grant names a place
+that no other vehicle held at that moment. By the floor, a vehicle drives only on lanes whose places it holds.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ class Wait:
 
 @dataclass(slots=True)
 class Judgement:
-    """What was found.
+    """The findings.
 
     Attributes:
-        broken: what must not be, in words; the first hundred.
-        counts: how many of which kind.
-        wishes, grants, lanes: how many were looked at.
-        waits: of those that are over.
-        waiting: of those that are not, by vehicle.
+        broken: violations, in words; the first hundred.
+        counts: violations by kind.
+        wishes, grants, lanes: numbers of examined ones.
+        waits: that are over.
+        waiting: that are not over, by vehicle.
     """
 
     broken: list[str] = field(default_factory=list)
@@ -58,7 +58,7 @@ class Judgement:
 
     @property
     def median_s(self) -> float:
-        """Of the waits that are over."""
+        """Median of the waits that are over (s)."""
         return median(wait.waited_s for wait in self.waits) if self.waits else 0.0
 
     def note(self, kind: str, at_s: float, words: str) -> None:
@@ -78,11 +78,11 @@ HELD_TWICE, GRANTED_TWICE, NOT_HELD, OVERLAP = (
 )
 
 _NO_NUMBER = 0
-"""Of a place that a vehicle says it holds, and was not granted: it stood there when it joined."""
+"""Stands for the grant of a place that a vehicle holds without one: it stood there when it joined."""
 
 
 class _Vehicle:
-    """What one vehicle holds, over all its lives."""
+    """The places that one vehicle holds, over all its lives."""
 
     def __init__(self) -> None:
         self.life = 0
@@ -114,7 +114,7 @@ class SaidAndHeard:
         self._vehicles: dict[str, _Vehicle] = {}
         self._holders: dict[str, str] = {}
         self._numbers: dict[tuple[str, int], str] = {}
-        """Place and number of a grant -> who was granted it."""
+        """Place and number of a grant -> the vehicle."""
 
     def judge(self, lines: Iterable[Line]) -> Judgement:
         """Judge all lines of a run."""
@@ -141,10 +141,10 @@ class SaidAndHeard:
         return self.judgement
 
     def disagreement(self, books: Mapping[str, Mapping[str, str]]) -> list[str]:
-        """Where books name somebody else than the vehicle that holds a place; after all lines were judged.
+        """Differences between the books' holders and the vehicles that hold places, after all lines were judged.
 
         Args:
-            books: district -> place -> who holds it, of the newest copy that a keeper's journal has.
+            books: district -> place -> holder, from the newest copy in the keepers' journals.
         """
         district_of = self._places.district_of
         return [

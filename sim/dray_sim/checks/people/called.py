@@ -1,6 +1,8 @@
-"""Invariants 17 to 19: calls for help. A call has one taker, nobody takes two calls or one unasked for, and no call is lost.
+"""Invariants 17 to 19: calls for help.
 
-Checks like those of `dray_sim.checks.invariants`: they hear what is said, look at the agents, and take no part.
+A call has one taker, no person takes two calls or one that they were not asked about, and no call is lost.
+
+Like those of `dray_sim.checks.invariants`, these checks hear all messages, look at the agents, and take no part.
 """
 
 from __future__ import annotations
@@ -22,22 +24,23 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.people.duty import PersonOnDuty
 
 LOST_S = 60.0
-"""A vehicle or a machine with a problem that needs somebody calls at once; one that may pass after half a minute, and says so every 5 s."""
+"""Longest time without a call: a vehicle or a machine that needs a person calls at once. One with a problem that may
+pass calls after half a minute, and repeats its call every 5 s."""
 
 
 class OneTakerEach:
-    """Invariant 17: no two operators are expected for one turn of one call, and nobody is for two calls.
+    """Invariant 17: no two operators are expected for one turn of one call, and no operator for two calls.
 
-    Invariant 18: whom a caller expects has answered: people are asked and never assigned.
+    Invariant 18: an expected operator has answered: people are asked and never assigned.
     """
 
     def __init__(self, people: Iterable[PersonOnDuty]) -> None:
         self._people = tuple(people)
         self._own = {person.agent_id: person for person in self._people}
         self._turns: dict[tuple[str, int], str] = {}
-        """By call and turn, who has it, as its caller has said."""
+        """Operator by call and turn, as the caller has said."""
         self._lives: dict[str, int] = {}
-        """By operator, the newest life that was heard."""
+        """Newest life that was heard, by operator."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.
@@ -73,7 +76,7 @@ class OneTakerEach:
                 raise InvariantBroken(17, at_s, seen)
 
     def _count(self, heartbeat: OperatorHeartbeat, sender: str, at_s: float) -> None:
-        """Of one person there is one agent: an older life of it says nothing after a newer one was heard."""
+        """Each person has one agent: an older life of it is silent after a newer one was heard."""
         newest = self._lives.get(sender, 0)
         if heartbeat.incarnation < newest and not heartbeat.draining:
             raise InvariantBroken(
@@ -87,20 +90,21 @@ class OneTakerEach:
 
 
 class NoCallIsLost:
-    """Invariant 19: a vehicle or a machine that cannot go on without somebody calls, and goes on calling until it can.
+    """Invariant 19: a vehicle or a machine that cannot go on without a person calls, and goes on calling until it can.
 
-    Time in which its agent does not run is not counted: between the last heartbeat of one life and the first of the next.
+    The time between the last heartbeat of one life and the first of the next does not count: the agent may not run.
 
     Args:
-        excused: called with either: whether it is off, off the floor, or held up by a fault of its own.
+        excused: called with a vehicle or machine; returns whether it is off, off the floor, or held up by a fault of
+            its own.
     """
 
     def __init__(self, excused: Callable[[str], bool] = lambda _agent: False) -> None:
         self._excused = excused
         self._since_s: dict[str, float] = {}
-        """By vehicle or machine that has a problem: since when, or since its call was said last."""
+        """Beginning of a problem, or time of the last call, by vehicle or machine."""
         self._heard: dict[str, tuple[int, float]] = {}
-        """By vehicle or machine: its life that was heard last, and when."""
+        """Last known life, and when that was heard, by vehicle or machine."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.

@@ -1,6 +1,9 @@
-"""Invariant 27: goods and things on board of a dead vehicle are given up by a person's word, for which one is asked, or after the stated time.
+"""Invariant 27: goods and things on a dead vehicle are given up at a person's word, or after the stated time.
 
-A check like those of `dray_sim.checks.invariants`: it hears what is said, looks at what bodies have on board, and takes no part.
+A person is called for that.
+
+Like those of `dray_sim.checks.invariants`, this check hears all messages, looks at the loads of bodies, and takes no
+part.
 """
 
 from __future__ import annotations
@@ -29,23 +32,23 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory
 
 WORDS_KEPT = 1000
-"""Tasks about whose loads somebody has said something; a word is said until it is answered, and then no more."""
+"""Most remembered tasks with a person's word on their loads; a word is repeated only until it is answered."""
 
 ASKED_WITHIN_S = 60.0
 """Goods are called for at once, and again every 5 s."""
 
 
 class GoodsKept:
-    """No coordinator gives goods up, or a thing, that a vehicle has on board which is off.
+    """No coordinator gives up goods or a thing on board of a vehicle that is off.
 
     Args:
-        factory: what is watched.
+        factory: to watch.
     """
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._goods: dict[str, tuple[str, str]] = {}
-        """By open task of goods or of a thing, what is carried, and who coordinates it."""
+        """Item and coordinator of each open task of goods or of a thing."""
         self._heard_s: dict[str, float] = {}
         """When each vehicle has spoken last."""
         self._words: dict[str, None] = {}
@@ -67,7 +70,7 @@ class GoodsKept:
                 if item and fact.outcome == "withdrawn":
                     self._check(fact, item, at_s)
             elif type(fact) is MemoryLost:
-                # It may have taken up tasks since of which it knows less.
+                # The coordinator may have taken up tasks since then of which it knows less.
                 self._goods = {task: goods for task, goods in self._goods.items() if goods[1] != sender}
 
     def _on_word(self, message: MachineCommand | TransportCancelled | TransportAnswered) -> None:
@@ -77,7 +80,7 @@ class GoodsKept:
             case TransportCancelled(transport=transport):
                 self._note_word(transport)
             case TransportAnswered(transport=transport, state=TransportState.ON_BOARD):
-                self._words.pop(transport, None)  # It was called off too late, and goes on.
+                self._words.pop(transport, None)  # The transport was called off too late, and goes on.
 
     def _note_word(self, about: str) -> None:
         self._words[about] = None
@@ -97,16 +100,16 @@ class GoodsKept:
 
 
 class GoodsCalledFor:
-    """Invariant 27, too: a machine or station that tells of a load which waits for a person calls one, until one has handed it over.
+    """Invariant 27, second half: a coordinator whose load waits for a person calls one, until one has handed it over.
 
-    Not while their vehicle is heard and has a problem: that one calls itself.
+    It need not call while the load's vehicle is heard and has a problem: the vehicle calls itself.
     """
 
     def __init__(self) -> None:
         self._since_s: dict[str, dict[str, float]] = {}
-        """By coordinator and its transport whose load waits: since when, or since it was called for last."""
+        """Beginning of the wait, or time of the last call, by coordinator and its transport whose load waits."""
         self._aboard: dict[str, str] = {}
-        """By such a transport, the vehicle."""
+        """Vehicle by such a transport."""
         self._lives: dict[str, int] = {}
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:

@@ -1,7 +1,7 @@
 """Invariant 9: a vehicle or a machine obeys a command only with a grant for the place where it is.
 
-A check like those of `dray_sim.checks.invariants`: it hears everything, looks where they are, and takes
-no part. It knows the area rule by itself and asks nobody of the protocol.
+A check like those of `dray_sim.checks.invariants`: it hears everything, looks where they are, and takes no part. It
+implements the area rule itself, without the protocol's code.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class GrantedOnly:
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._given: dict[tuple[str, str], list[VehicleCommand | MachineCommand]] = {}
-        """By the agent and the name of the command: everything that was said under it."""
+        """All commands under one name, by agent and name."""
         self._goods_at: dict[str, dict[str, None]] = {}
-        """By task, where its carrier was last, as that has told: whoever answers for there decides about goods on board."""
+        """Last known position of its carrier, by task: the operators of that area decide about goods on board."""
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if type(message) is VehicleCommand or type(message) is MachineCommand:

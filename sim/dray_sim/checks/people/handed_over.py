@@ -1,6 +1,6 @@
-"""Invariant 22: what a machine has handed over it does not make, nor what it was taken from it.
+"""Invariant 22: a machine makes no piece that it has handed over, or that was taken from it.
 
-A check like those of `dray_sim.checks.invariants`: it hears what the strategist and the machines say, and takes no part.
+Like those of `dray_sim.checks.invariants`, this check hears the strategist and the machines, and takes no part.
 """
 
 from __future__ import annotations
@@ -11,17 +11,18 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution
 
 HEARD_WITHIN_S = 60.0
-"""Its strategist tells a machine at each of its heartbeats that a goal is another's; the piece in work comes out first."""
+"""Time in which a machine hears that a goal is another's: its strategist answers each of its heartbeats. The piece in
+work comes out first."""
 
 LOST_KEPT = 1000
-"""Goals that are remembered: what is kept is made at once, or not at all."""
+"""Number of lost goals that are remembered: kept pieces are made at once, or not at all."""
 
 
 class HandedOver:
-    """No machine makes a piece of a goal that is another's by now.
+    """No machine makes a piece of a goal that has gone to another machine.
 
     Args:
-        attribution: whether the machine may not have heard of it.
+        attribution: tells whether the machine may not have heard of it.
     """
 
     def __init__(self, attribution: FaultAttribution) -> None:

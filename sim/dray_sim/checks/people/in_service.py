@@ -1,6 +1,6 @@
 """Invariant 16: a vehicle or a machine that is out of service takes no contract, and a machine makes nothing.
 
-A check like those of `dray_sim.checks.invariants`: it hears what they say of themselves, and takes no part.
+Like those of `dray_sim.checks.invariants`, this check hears the agents' own messages, and takes no part.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ ONE_IN_WORK = 1
 
 
 class InServiceOnly:
-    """Nobody takes a contract, as primary, as secondary or for a goal, after having said to be out of service."""
+    """No agent that says it is out of service takes a contract, as primary, as secondary or for a goal."""
 
     def __init__(self) -> None:
         self._out: dict[str, tuple[OutOfService, float]] = {}
-        """Who is out of service, how, and since when."""
+        """Agents that are out of service, with the kind and the beginning."""
         self._made: dict[str, int] = {}
         """Pieces of machines since then."""
         self._newest: dict[str, tuple[int, int]] = {}
-        """By agent, the life and number of its newest heartbeat: one that neighbours pass on may be heard after a later one."""
+        """Life and number of an agent's newest heartbeat: one that neighbours pass on may be heard after a later one."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
         if type(message) is AtvHeartbeat:
-            # Whoever passes it on for one without WLAN is not meant, and passes it on later.
+            # The sender may pass it on for a vehicle without WLAN, and later than the vehicle sent it.
             self._note(message.atv, message, at_s)
         elif type(message) is MachineHeartbeat:
             self._note(message.machine, message, at_s)
@@ -39,7 +39,7 @@ class InServiceOnly:
                 task = message.fact.task
                 raise InvariantBroken(16, at_s, f"{sender} took {task}, out of service since {since_s:.1f} s")
             if type(message.fact) is CommandObeyed and message.fact.what == "put_in" and message.fact.done:
-                # It tells so before its next heartbeat does, and works at once.
+                # This fact comes before its next heartbeat, and it works at once.
                 self._back(sender)
             elif type(message.fact) is PieceMade and not out.after_work:
                 made = self._made[sender] = self._made.get(sender, 0) + 1

@@ -1,1 +1,1 @@
-"""People who do things at random, for the search: buttons, answers, cancelled and revoked orders."""
+"""People who act at random, for the search: buttons, answers, cancelled and revoked orders."""

@@ -11,10 +11,10 @@ from dray.ports import Bus
 from dray_sim.clock.loop import VirtualClock
 
 NAME = "regret"
-"""On the bus. It is in the trace of every run that has one, and so it stays."""
+"""Its name on the bus. The name is in the traces of runs, and so it stays."""
 
 AGAIN_S = 5.0
-"""A cancellation that nobody has answered is sent again after this long."""
+"""Interval between two repetitions of an unanswered cancellation."""
 
 
 class Canceller:
@@ -23,7 +23,7 @@ class Canceller:
     Args:
         bus: joined at once.
         clock: the plant's clock.
-        strategists: who hears of it.
+        strategists: receive the cancellations.
     """
 
     def __init__(self, bus: Bus, clock: VirtualClock, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:

@@ -1,4 +1,4 @@
-"""Somebody who presses a machine's buttons at random, as `random_operator` does a vehicle's; in the quiet phase all is put right."""
+"""A person who presses a machine's buttons at random, as `random_operator` does a vehicle's; the quiet phase undoes all."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dray_sim.people.answers import Answers
 from dray_sim.people.random.random_operator import AGAIN_S, FORGER, GRANT_S
 
 NAME = "meddler"
-"""On the bus."""
+"""Its name on the bus."""
 
 GAP_S = 60.0
 """Between two commands, in the mean."""
@@ -37,7 +37,7 @@ class MachineMeddler:
     Args:
         bus: joined at once.
         clock: the plant's clock.
-        authority: grants what is given as it should be.
+        authority: grants correct commands.
         machines: their ids.
         areas: ids of the operators' areas.
         random: the only source of chance.
@@ -83,7 +83,7 @@ class MachineMeddler:
             answer = await self._repeat_until_answered(machine, MachineCommandKind.PUT_IN)
             if answer.done or answer.reason is CommandRefusal.IN_SERVICE:
                 return
-            await asyncio.sleep(AGAIN_S)  # What is broken is not put into service.
+            await asyncio.sleep(AGAIN_S)  # A broken machine is not put into service.
 
     async def _repeat_until_answered(self, machine: str, kind: MachineCommandKind) -> CommandAnswered:
         command = self._command(kind, speed_frac=1.0)

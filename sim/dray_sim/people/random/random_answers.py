@@ -1,6 +1,6 @@
-"""Somebody on duty who answers calls at random: asked or not, with times that cannot be, and who never comes.
+"""A person on duty who answers calls at random: asked or not, with impossible times, and who never comes.
 
-The worst that a person with a tablet can do to calls. When the quiet phase begins, whatever was taken is given back.
+The worst that a person with a tablet can do to calls. When the quiet phase begins, all taken calls are given back.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class RandomAnswers:
             await asyncio.sleep(BEAT_S)
 
     async def put_right(self) -> None:
-        """Go off duty; whoever has missed the word notices by itself."""
+        """Go off duty; callers that miss the message notice by themselves."""
         self._random = Random(0)
         self._beat(draining=True)
         self._session.leave()

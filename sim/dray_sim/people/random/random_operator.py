@@ -1,8 +1,8 @@
-"""Somebody who presses buttons at random: the worst operator that a factory can have.
+"""A person who presses buttons at random: the worst operator that a factory can have.
 
-Commands come in any order, to any vehicle, whatever it is doing; most of them must be refused. Some come
-with a grant for one area only, wherever the vehicle is, some with a forged one or with none. When the quiet phase
-begins, everything is put right again.
+Commands come in any order, to any vehicle, in any state; most of them must be refused. Some have a grant for one area
+only, independent of the vehicle's position; some have a forged one or none. When the quiet phase begins, everything
+is put right again.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dray.ports import Bus, Clock
 from dray_sim.people.answers import Answers
 
 NAME = "passerby"
-"""On the bus. It is in the trace of every run that has one, and so it stays."""
+"""Its name on the bus. The name is in the traces of runs, and so it stays."""
 
 GAP_S = 40.0
 """Between two commands, in the mean."""
@@ -50,11 +50,11 @@ class RandomOperator:
     Args:
         bus: joined at once.
         clock: the plant's clock.
-        authority: grants what is given as it should be.
+        authority: grants correct commands.
         fleet: ids of the vehicles.
         areas: ids of the operators' areas.
-        random: the only source of chance, but for the grants.
-        grants: the chance of those.
+        random: the source of chance, except for the grants.
+        grants: the source of chance for grants.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class RandomOperator:
             resumed = await self._repeat_until_answered(atv, CommandKind.RESUME)
             if resumed.done or resumed.reason == CommandRefusal.NOT_STOPPED:
                 return
-            # What is broken refuses to be acknowledged until it was mended.
+            # A broken vehicle refuses to be acknowledged until it is repaired.
             await asyncio.sleep(AGAIN_S)
 
     async def _repeat_until_answered(self, atv: str, kind: CommandKind) -> CommandAnswered:

@@ -1,4 +1,4 @@
-"""Managers who think again: some orders are taken back, at any moment of their lives, and published again."""
+"""Managers who change their minds: some orders are revoked, at any moment of their lives, and published again."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from dray_sim.clock.loop import VirtualClock
 from dray_sim.people.demand import Order
 
 NAME = "revision"
-"""On the bus. It is in the trace of every run that has one, and so it stays."""
+"""Its name on the bus. The name is in the traces of runs, and so it stays."""
 
 AGAIN_S = 5.0
-"""What nobody has answered is said again after this long."""
+"""Interval between two repetitions of an unanswered message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +40,14 @@ class Revocation:
 
 
 class Revoker:
-    """Takes orders back, and publishes what is outstanding of them again.
+    """Revokes orders, and publishes their outstanding parts again.
 
-    Like the gateway it publishes only after the strategist has answered, and with what that answer says.
+    Like the gateway it publishes only after the strategist's answer, and with the quantities of that answer.
 
     Args:
         bus: joined at once.
         clock: the plant's clock.
-        strategists: who hears of it.
+        strategists: receive the messages.
     """
 
     def __init__(self, bus: Bus, clock: VirtualClock, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
@@ -56,7 +56,7 @@ class Revoker:
         self._waiting: dict[tuple[type[Message], str, int], asyncio.Future[Message]] = {}
 
     async def revoke(self, revocations: Iterable[Revocation]) -> None:
-        """Do all of it; returns when the last order was taken again."""
+        """Revoke and publish all orders; returns when the last one was taken again."""
         async with asyncio.TaskGroup() as group:
             for each in revocations:
                 group.create_task(self._revoke(each))

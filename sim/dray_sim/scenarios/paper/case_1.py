@@ -1,4 +1,4 @@
-"""Case 1: a machine fails. Others make what it had promised; where nobody else can, only its orders wait."""
+"""Case 1: a machine fails. Other machines take over its goals; where no other one is able, only its orders wait."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SHIFT = Shift(
 )
 
 FAILS_S = 1800.0
-"""From then on a machine is looked for that is in the middle of a goal that others could make."""
+"""Beginning of the search for a machine in the middle of a goal that others could make."""
 
 AWAY_S = 2400.0
 
@@ -32,7 +32,7 @@ BACK_S = 30.0
 """After its return more is ordered, for it and all others."""
 
 BREAK_S = 120.0
-"""A breakdown that a technician mends; shorter than what a machine's goals wait for."""
+"""A breakdown that a technician repairs; shorter than the wait of a machine's goals."""
 
 SETTLE_S = 3 * 3600.0
 
@@ -58,13 +58,13 @@ class Passed:
 
 @dataclass(frozen=True, slots=True)
 class Failed:
-    """What became of the goals of a machine."""
+    """The results of a machine's goals."""
 
     machine: str
     held: tuple[str, ...]
     passed: tuple[Passed, ...]
     came_back: bool
-    """It was contracted again afterwards."""
+    """Whether it was contracted again afterwards."""
     late: tuple[str, ...]
     """Orders of others that were delivered after their time."""
     others: int
@@ -119,14 +119,14 @@ async def _deliver(stage: Stage) -> None:
 
 
 def _order_for_all(stage: Stage, machine: str) -> None:
-    """Order so much of what a machine can make that every machine that makes it has to help."""
+    """Order so many pieces of a machine's product that every machine which makes it has to help."""
     making = stage.plant.machines[machine].makes[0]
     machines = len(stage.plant.machines_for(making.product))
     stage.order(making.product, 2 * machines * stage.plant.products[making.product].lot)
 
 
 async def _busy_machine(stage: Stage) -> str | None:
-    """One that is in the middle of a goal, with another one waiting behind it."""
+    """A machine in the middle of a goal, with another goal waiting."""
     for _ in range(int(FAILS_S)):
         for machine, heard in stage.witness.machines.items():
             if len(heard.goals) > 1 and any(
@@ -207,7 +207,7 @@ LATER_FRAC = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Alone:
-    """When each order was delivered (s); what waited, and whether it said so."""
+    """Delivery time of each order (s); which ones waited, and whether the factory said so."""
 
     delivered_s: dict[str, float]
     before_repair: tuple[str, ...]

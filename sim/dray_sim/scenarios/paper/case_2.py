@@ -1,4 +1,4 @@
-"""Case 2: vehicles join for a busy season and leave after it; nobody else has to be told."""
+"""Case 2: vehicles join for a busy season and leave after it; no other agent has to be told."""
 
 from __future__ import annotations
 
@@ -21,23 +21,24 @@ JOINING = (
     VehicleSpec(id="GUEST3", type="heavy", node="p6", battery_frac=0.9),
     VehicleSpec(id="GUEST4", type="light", node="p8", battery_frac=0.9),
 )
-"""Not in the plant file: nobody has heard of them before."""
+"""Vehicles that are not in the plant file: no agent has heard of them before."""
 
 JOIN_S, LEAVE_S = 1800.0, 4500.0
 
 CARRIED_AFTER_S = 120.0
-"""Then people have carried them off the floor."""
+"""Time until people have carried them off the floor."""
 
 SHIFT = Shift(name="case-2", duration_s=6300.0, load=1.0, keep=(Bid, ContractTaken, ContractEnded, TookOver))
 
 SOON_S = LEAVE_S - JOIN_S
-"""While they are there. How soon says nothing of joining: only what is announced nearby is heard, and somebody near has to need
-something. With seed 1 nobody near the parking place P2 needs anything for 992 s."""
+"""While they are there. The time to the first bid does not measure joining: a guest hears only announcements from
+nearby, and depends on machines there that need something. With seed 1 no machine near the parking place P2 needs
+anything for 992 s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Guests:
-    """What came of the visit.
+    """The results of the visit.
 
     Attributes:
         first_s: how long each took until its first bid.

@@ -1,4 +1,4 @@
-"""Case 3: connections come and go. Bidding endures it, and the radio mesh keeps the living from being replaced."""
+"""Case 3: connections come and go. Bidding endures it, and the radio mesh keeps living vehicles from being replaced."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from dray_sim.scenarios.tally import SETTLE_S
 # --- nobody can bid ------------------------------------------------------------------------------
 
 DEAF_S = 60.0
-"""No vehicle hears anything for so long, just when a task is announced."""
+"""Time in which no vehicle hears anything, just when a task is announced."""
 
 SOON_S = 60.0
-"""A round that comes before they have noticed that they hear again, a rest of 20 s, and another round, whose
+"""Time of a round before the vehicles have noticed that they hear again, a rest of 20 s, and another round, whose
 window has grown to 12 s by then."""
 
 LABORATORY = Shift(
@@ -41,11 +41,11 @@ LABORATORY = Shift(
 
 @dataclass(frozen=True, slots=True)
 class Endured:
-    """How a task found its contract though nobody could bid at first.
+    """How a task found its contract though no vehicle could bid at first.
 
     Attributes:
-        rounds: of bidding, until it had one.
-        contracted_s: after the vehicles could hear again.
+        rounds: of bidding, until it had a contract.
+        contracted_s: time from the end of the cut to the contract.
         starved: the machine has run out of material.
     """
 
@@ -102,14 +102,14 @@ FIRST_S, EVERY_S, LONG_S = 300.0, 60.0, (60.0, 180.0)
 
 @dataclass(frozen=True, slots=True)
 class CutOff:
-    """What came of two hours of cuts.
+    """The results of two hours of cuts.
 
     Attributes:
-        replaced: carriers that lived, could be heard, and were replaced.
-        lost: carriers that lived and were replaced, and that nobody could hear.
+        replaced: living carriers that could be heard, and were replaced.
+        lost: living carriers that no agent could hear, and were replaced.
         relayed: heartbeats that came over the radio mesh.
-        furthest: the most vehicles that one of them came over.
-        bids: of vehicles at a moment when they were left with their radio.
+        furthest: the most relays of one of these.
+        bids: of vehicles that had only their radio at that moment.
     """
 
     cuts: int

@@ -1,4 +1,4 @@
-"""Case 4: a busy vehicle cannot go on. A person helps in time, or promises to; else somebody else carries."""
+"""Case 4: a busy vehicle cannot go on. A person helps in time, or promises to; otherwise another vehicle carries."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ REASON = "the way is blocked"
 ON_THE_WAY_S = 5.0
 
 QUICK = Habits(react_s=(3.0, 5.0), promises_frac=0.0, walk_s=(5.0, 10.0), mend_s=(5.0, 10.0))
-"""Done before the vehicle's patience is over, without a word."""
+"""Time of a repair that is done before the vehicle's patience is over, without a promise."""
 
 SLOW = Habits(
     react_s=(3.0, 5.0), promises_frac=1.0, estimate=(1.3, 1.5), walk_s=(60.0, 90.0), mend_s=(240.0, 300.0)
 )
-"""Takes longer than the vehicle would wait, and says so."""
+"""Time of a repair that takes longer than the vehicle would wait, with a promise."""
 
 IN_TIME_S = 2.0
 """A takeover follows the end of the help's time by a heartbeat and a message round."""
@@ -38,13 +38,13 @@ BACK_S = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """What became of a transport whose primary had a problem.
+    """The course of a transport whose primary had a problem.
 
     Attributes:
-        asked_s: until when the vehicle said that it could wait, from the breakdown (s).
-        promised_s: until when somebody promised to help, from the breakdown (s); None for no promise.
+        asked_s: latest time for help, by the vehicle, from the breakdown (s).
+        promised_s: promised time of help, from the breakdown (s); None for no promise.
         changed_s: when the task got another carrier or was put up for auction again, from the breakdown (s).
-        took_over: who took over; empty for nobody.
+        took_over: the new carrier; empty for none.
         auctioned: it was announced anew.
         done_s: when it was delivered, from the breakdown (s).
     """
@@ -62,12 +62,12 @@ class Told:
 
 
 async def helped_or_not(stage: Stage) -> Told | None:
-    """Break the primary down on its way, and see who delivers."""
+    """Break the primary down on its way, and observe the delivery."""
     return await _break(stage, _nothing)
 
 
 async def nobody_left(stage: Stage) -> Told | None:
-    """The same, and all others are switched off meanwhile: nobody is left to take over."""
+    """The same with all other vehicles switched off: none is left to take over."""
     return await _break(stage, _switch_others_off)
 
 
@@ -144,7 +144,7 @@ def case_4(seed: int) -> Findings:
 
 
 def _verdict(part: Part[Told | None], played: Played[Told | None]) -> tuple[Check, ...]:
-    """What a part shows beside what is asked of all of them at once."""
+    """The checks of one part, without those of all parts together."""
     return part.judge(played.told)[1:]
 
 

@@ -25,7 +25,7 @@ from dray_sim.scenarios.paper.figure_6 import (
 )
 
 LOADING_S = 5.0
-"""Into the loading, which takes 20 s."""
+"""Time into the loading, which takes 20 s."""
 
 HABITS = Habits(slow_frac=0.5, slow_s=60.0)
 
@@ -37,7 +37,7 @@ GIVEN = {
 }
 
 IN_ORDER = tuple(GIVEN.values())
-"""What the operator gives, with the repair between the first and the second."""
+"""The operator's commands, with the repair between the first and the second."""
 
 STILL_M = 0.01
 
@@ -46,14 +46,14 @@ ANSWER_S = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """How a vehicle has moved between two moments."""
+    """A vehicle's motion between two moments."""
 
     metres: float
     top_mps: float
 
 
 class Unauthorised:
-    """Somebody who walks by, may command everywhere, and says too early that all is well and to go on."""
+    """A passer-by with the right to command everywhere, who acknowledges and resumes too early."""
 
     def __init__(self, stage: Stage) -> None:
         self.answers: list[CommandAnswered] = []

@@ -20,12 +20,12 @@ from dray_sim.run.stage import Shift, Stage, play
 from dray_sim.scenarios.tally import SETTLE_S, Tally, all_delivered, tally
 
 NEW = "next"
-"""The other version. It says the same things, as every version of one wire version does."""
+"""The other version. It sends the same messages, like every version of one wire version."""
 
 WARM_UP_S = 1800.0
 
 SPAN_S = 3 * 3600.0
-"""From the first leaving on: time enough for all of them, whatever chance gives them to do."""
+"""Time from the first leaving on: enough for all agents with any work."""
 
 AWAY_S = 5.0
 """A process has ended, the new one starts."""
@@ -34,21 +34,21 @@ FIRST_PROBATION, PROBATION = 2, 1
 """Transports that the first one has to do well, and each of the others."""
 
 FIRST_PATIENCE_S = 3600.0
-"""If the first one has not passed its probation by then nobody else is updated."""
+"""Longest probation of the first agent: after it no other agent is updated."""
 
 KINDS = ("vehicles", "machines", "strategist")
 
 PHASES = (Phase.APPROACHING, Phase.CARRYING)
-"""Vehicles are asked to leave in the middle of these, in turn: one hands its task over, the next finishes it."""
+"""Phases in which vehicles are asked to leave, in turn: one hands its task over, the next finishes it."""
 
 PATIENCE_S = 300.0
-"""For the probation of each of the others: one that gets no work must not hold up all others."""
+"""Longest probation of each of the others: one without work must not hold up all others."""
 
 SHARE = 0.9
-"""So much must be done all the same; what chance does to either run is about as much."""
+"""Least share of the transports that must be done; the two runs differ by chance about as much."""
 
 ON_TIME_COST = 0.05
-"""So much of the orders may become late by it."""
+"""Largest fraction of the orders that the update may delay."""
 
 SHIFT = Shift(
     name="case-6",
@@ -64,7 +64,7 @@ class Replaced:
 
     Attributes:
         kind: of the agent, one of `KINDS`.
-        left_s: from the wish that it leave until it had left.
+        left_s: from the request to leave until it had left.
         tried_s: from its start until its probation was passed; None when it had no work in time.
     """
 
@@ -75,14 +75,14 @@ class Replaced:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """What was seen of the time of the update, in a run with it or without.
+    """Observations during the update, in a run with it or without.
 
     Attributes:
         replaced: all agents that were updated, in their order.
-        took_s: how long both versions were at work; what is counted was done in this time.
-        old: agents that say the old version at the end.
-        changed: why carriers changed.
-        suspected: how often somebody was suspected.
+        took_s: how long both versions were at work; the counts are of this time.
+        old: agents that report the old version at the end.
+        changed: reasons for changes of carriers.
+        suspected: number of suspicions.
         lost: goals that a machine lost.
         withdrawn: tasks that ended otherwise than by their delivery.
     """
@@ -112,7 +112,7 @@ async def update(stage: Stage) -> Span:
 
 
 async def let_be(stage: Stage, took_s: float) -> Span:
-    """The same time, and nobody is updated."""
+    """Let the same time pass without an update."""
 
     async def pass_time(_stage: Stage) -> tuple[Replaced, ...]:
         await asyncio.sleep(took_s)
@@ -168,14 +168,14 @@ async def _update(stage: Stage) -> tuple[Replaced, ...]:
             for machine in stage.factory.workcells
         ]
         stage.steps.tell(ScenarioStep.MACHINES_UPDATED)
-        # It gets no transports that it could be tried with.
+        # The strategist gets no transports for a probation.
         replaced.append(await _replace(stage, strategist, STRATEGIST, 0, 0.0))
         stage.steps.tell(ScenarioStep.ALL_UPDATED)
     return tuple(replaced)
 
 
 async def _at_work(stage: Stage, old: list[str], phase: Phase) -> str:
-    """Take out a vehicle that is in the middle of this, or the next one when none is in good time."""
+    """Take out a vehicle in this phase, or the next one when none is in time."""
     for _ in range(int(PATIENCE_S)):
         for atv in old:
             task = stage.witness.atvs[atv].task
@@ -209,7 +209,7 @@ async def _pass_probation(stage: Stage, agent: str, patience_s: float) -> bool:
 
 
 def _judge(told: Span) -> tuple[Check, ...]:
-    """What is seen without the same time in which nobody is updated."""
+    """The checks that need no comparison with the run without an update."""
     first = told.replaced[0]
     return (
         Check(

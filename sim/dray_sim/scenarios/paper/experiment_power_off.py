@@ -29,16 +29,16 @@ from dray_sim.scenarios.paper.laboratory import MACHINE
 ON_THE_WAY_S = 3.0
 
 AIR_S = 0.25
-"""Two heartbeats may differ by so much in how long they are under way: the slowest delivery."""
+"""Largest difference in transit time between two heartbeats: the slowest delivery."""
 
 TAKEOVER_S = 30.0
 
 REMOVED_S = 1800.0
-"""Somebody has come for the dead vehicle by then."""
+"""Time by which a person has come for the dead vehicle."""
 
 
 async def switch_off(stage: Stage) -> tuple[Check, ...]:
-    """Switch the primary off on its way, and see who delivers."""
+    """Switch the primary off on its way, and observe the delivery."""
     contract = await replenishment(stage)
     if contract is None:
         return (Check(f"{MACHINE} contracts a vehicle", False, "no contract"),)

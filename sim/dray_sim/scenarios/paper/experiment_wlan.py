@@ -57,7 +57,7 @@ async def cut(stage: Stage) -> tuple[Check, ...]:
     repaired = await witness.first(
         LinkChanged, lambda fact: fact.link is Link.WLAN, by=contract.primary, within_s=REPAIRED_S
     )
-    # Until here only a person could have put it right: nothing but the fault's name is left of it then.
+    # Until here only a person could have repaired it, and then only the fault's name is left.
     stage.faults.end(fault)
     repaired_s = stage.now_s()
     bids_meanwhile = [seen for seen in witness.all(Bid, since_s=cut_s) if seen.agent == contract.primary]
@@ -113,7 +113,7 @@ async def cut(stage: Stage) -> tuple[Check, ...]:
 
 
 def _called(stage: Stage, atv: str, done_s: float) -> Check:
-    """Its call for help, as the bus heard it over a neighbour."""
+    """The check of its call for help, as the bus heard it over a neighbour."""
     calls = [seen for seen in stage.witness.all(HelpCall) if seen.said.caller == atv and seen.agent != atv]
     asked = [seen for seen in calls if seen.said.state is not CallState.ENDED]
     heard = (

@@ -31,12 +31,12 @@ from dray_sim.run.stage import Shift, Stage, T
 from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, laboratory
 
 PRIMARY, SECONDARY = "ATV3", "ATV1"
-"""As in Figure 6, left."""
+"""Carrier and watcher of Figure 6, left."""
 
 LOT = 24
 
 STOCK_FRAC = (0.25, 0.25)
-"""So little that machine 8 asks for one material, and a while later for the next one."""
+"""Level of the buffers: so low that machine 8 asks for one material, and a while later for the next one."""
 
 WAIT_S = 1800.0
 """Machine 8 asks for material some ten minutes after it has begun."""
@@ -44,7 +44,7 @@ WAIT_S = 1800.0
 SETTLE_S = 3 * 3600.0
 
 BEGINNING = (ScenarioStep.ORDERED, ScenarioStep.CONTRACTED, ScenarioStep.UNDER_WAY)
-"""How each of these parts begins."""
+"""Steps at the beginning of each of these parts."""
 
 KEPT = (
     AtvHeartbeat,
@@ -106,7 +106,7 @@ async def replenishment(stage: Stage) -> Contract | None:
 
 
 def _expect(stage: Stage, contract: Contract) -> None:
-    """What may become of the transport, in the words by which all know it."""
+    """Expect the possible ends of the transport, by the agents' own messages."""
     steps, task, primary = stage.steps, contract.task, contract.primary
     steps.expect(ScenarioStep.TAKEN_OVER, TookOver, lambda fact: fact.task == task)
     steps.expect(ScenarioStep.AUCTIONED, CarrierChanged, lambda fact: fact.task == task and not fact.carrier)
@@ -168,7 +168,7 @@ def as_in_figure_6(contract: Contract) -> Check:
 
 
 def carriers(stage: Stage, contract: Contract) -> tuple[str, ...]:
-    """Everybody who has ever carried the task, in order."""
+    """All carriers of the task, in order."""
     first = [
         taken.agent
         for taken in stage.witness.all(ContractTaken)
@@ -214,13 +214,13 @@ def in_laboratory(
     steps: tuple[ScenarioStep, ...] = (),
     people: Habits | None = None,
 ) -> Part[T]:
-    """A part that is played with the paper's three vehicles and nobody else's demand.
+    """A part with the paper's three vehicles and without other demand.
 
     Args:
         name: of the part, and of the shift.
-        script: what is done.
-        judge: what must be so of what the script has told.
-        steps: what it tells of after `BEGINNING`; nothing for a part that nobody follows.
+        script: acts on the factory.
+        judge: checks the script's result.
+        steps: its steps after `BEGINNING`; none for a part without spectators.
         people: see `Shift.people`.
     """
     shift = Shift(name=name, duration_s=0.0, stock_frac=STOCK_FRAC, people=people, keep=KEPT)
