@@ -44,8 +44,8 @@ _DRIVERS = {
     "postgresql": "postgresql+asyncpg",
     "postgresql+asyncpg": "postgresql+asyncpg",
 }
-"""The databases we run on, by the way people write them, and the asynchronous driver of each."""
 """The supported databases as people write them, and the asynchronous driver of each."""
+
 
 def _database_url(url: str) -> str:
     scheme, mark, rest = url.partition("://")
