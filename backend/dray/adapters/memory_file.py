@@ -66,7 +66,7 @@ class MemoryFile(Generic[Kept]):
             raise self._unavailable(error) from None
 
     def _keep_aside(self, aside: Path) -> None:
-        """Copy a damaged file aside but keep it, so that a life killed before the next `write` is not taken for a first one."""
+        """Copy a damaged file aside and write `damaged` in its place: a missing file would mean a first life."""
         try:
             shutil.copyfile(self._path, aside)
         except OSError as error:

@@ -9,8 +9,8 @@
     arrived N, by hand            StockChanged by N                  unlikely: more than there is room for (no vehicle is named, and
                                                                      none stands there with it)
     taken N                       the same, out                      unlikely: more than lies there
-    stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it, or has lost its permission
-                                                                     and its load is not reported; unlikely: far from the booked stock
+    stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it, or has lost its
+                                                                     permission and its load is not reported; unlikely: far from the booked stock
 
 An unlikely number is accepted after confirmation. A repeated key gets the same answer and has no other effect.
 

@@ -127,7 +127,7 @@ class Seals:
         self.until_s = own.not_valid_after_utc.timestamp()
         self.certificate = own.public_bytes(serialization.Encoding.DER)
         for agent in self.agents:
-            # Until it is met elsewhere.
+            # A later life elsewhere replaces this entry.
             self.register.meet(agent, 0, self.certificate)
 
     def seal(self, key: str, life: int, number: int, data: bytes) -> bytes:

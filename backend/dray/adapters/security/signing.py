@@ -1,7 +1,7 @@
 """Signing: grants, closures and removals are signed with Ed25519 (RFC 8032); receivers trust configured public keys.
 
-A vehicle also signs its place requests, with a key of its own that nobody certifies. It shows the keeper of a book that the requests come from the
-same vehicle that holds its places.
+A vehicle also signs its place requests, with a key of its own that nobody certifies. It shows the keeper of a book that the
+requests come from the vehicle that holds the places.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@
     agent      withdraws the permit              dock_permit off
     controller resumes work                      dock_ready off
 
-Only then is the dock free for another vehicle. A broken connection counts as a controller that is not ready: no other vehicle is let in, and
-one inside finishes. A controller must not let machines move while `dock_permit` is on, or while `alive` stands still.
+Only then is the dock free for another vehicle. A broken connection counts as a controller that is not ready: no other vehicle is let in,
+and one inside finishes. A controller must not let machines move while `dock_permit` is on, or while `alive` stands still.
 """
 
 from __future__ import annotations

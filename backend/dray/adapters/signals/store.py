@@ -3,8 +3,8 @@
 The stock is calculated from vehicles' reports of their transfers. Where the controller measures a material's level, the level prevails: a
 difference at rest, with no vehicle at the dock, was moved by somebody else.
 
-A level is at rest when all its values within `RESTS_S` of the plant's clock lie in a band of `BAND_PIECES`. A sensor may jitter there for ever. The
-stock stays as it is while it lies between the lowest and the highest of these values; otherwise it becomes their middle.
+A level is at rest when all its values within `RESTS_S` of the plant's clock lie in a band of `BAND_PIECES`. A sensor may jitter there
+for ever. The stock stays as it is while it lies between the lowest and the highest of these values; otherwise it becomes their middle.
 """
 
 from __future__ import annotations
