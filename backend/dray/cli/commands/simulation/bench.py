@@ -57,7 +57,7 @@ def bench(
             with progress.status(f"measuring {name}"):
                 rows += measure(quick)
         except UnavailableError as missing:
-            # Whoever asks for all gets all that there can be here.
+            # For all benchmarks, run all that can run here.
             if names:
                 raise
             progress.print(f"{name} is left out: {missing}")
