@@ -65,7 +65,7 @@ async def place_demand(placement: OrderPlacement, plant: Plant, *, speed: float,
         seed: determines the orders and their times, together with the first one's number.
     """
     began_s = placement.now_s + FIRST_S
-    # The number of orders that may share one moment, so that none of them is the newest.
+    # Orders placed at one moment have no newest one, so as many are read as one moment may have.
     first = _number_after(await placement.newest_references(CUSTOMER, MAX_OPEN))
     random = Random(f"{seed} demand" if first == 1 else f"{seed} demand from {first}")
     for order in demand.orders(plant, random, load=LOAD, until_s=FOREVER_S, first=first):

@@ -163,7 +163,7 @@ class AtvCanary(Canary):
 
     def _note_command(self, sender: str, command: CommandObeyed, _at_s: float) -> None:
         if sender == self.agent and command.what == CommandKind.STOP and command.done:
-            # A person caused the outcome of what it carries now.
+            # A person's stop explains any delay of its present transports.
             self._carries.clear()
 
 
