@@ -2,7 +2,7 @@
 
 A memory is a few notes, each small, frozen and with a name. They hold what others rely on and what the agent cannot
 sense: contracts, epochs, counts. Everything else is sensed or asked anew. A vehicle and a machine have one note each.
-The strategist has one per order, so that the size of a write does not grow with the number of open orders.
+The strategist has one per order, so that writes stay small with many open orders.
 """
 
 from __future__ import annotations
@@ -206,7 +206,7 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
 
 
 class DepartureMemory(Part, frozen=True):
-    """A vehicle that may be at a dock, and the pieces that it may have put down (`change` above 0) or taken there; 0 for unknown."""
+    """A vehicle that may be at a dock, and the pieces that it may have moved. `change` is positive for a drop, 0 for unknown."""
 
     vehicle: str
     task: str = ""

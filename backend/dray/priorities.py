@@ -1,7 +1,7 @@
 """Priorities: each becomes a wanted time, and agents sort and price work by it.
 
-Nothing is overtaken for ever. Work released after an order's wanted time is wanted later than that, whatever its priority,
-since no wanted time lies before its release. From its wanted time on, only earlier released work overtakes an order.
+Nothing is overtaken for ever. Work released after an order's wanted time is wanted later than that, in any priority: no
+wanted time lies before the release. From its wanted time on, only earlier released work overtakes an order.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """A supervisor: serving tasks continue, whatever error one message causes.
 
 A failure is our own bug. The supervisor logs it at ERROR with its traceback, counts it, and restarts the task. The delay grows each
-time, so that a task that fails at once does not load the processor. A task that handles one message at a time need not end: it counts the failure
-(`Failures`) and takes the next message. A periodic task (`keep_looking`) continues while the database is away.
+time, so that a task that fails at once does not load the processor. A task that handles one message at a time need not end: it
+counts the failure (`Failures`) and takes the next message. A periodic task (`keep_looking`) continues while the database is away.
 """
 
 from __future__ import annotations
@@ -83,8 +83,8 @@ async def keep_looking(
 class Failures:
     """Messages whose handling failed by our own fault: counted, and logged at ERROR. Thread-safe.
 
-    The first failure of each kind is logged with its traceback. Later it is logged each time that the count has doubled, so that
-    ten equal messages a second do not fill the log.
+    The first failure of each kind is logged with its traceback. Later it is logged whenever the count has doubled, so that ten
+    equal messages a second do not fill the log.
 
     Args:
         whose: the owner of the messages, for the log.

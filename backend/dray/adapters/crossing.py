@@ -29,12 +29,11 @@ HEARTBEAT_ROOM = QUEUE // 2
 said."""
 
 SENDER_ROOM = QUEUE // 8
-"""Maximum messages of one sender, counted while the queue is at least half full, so that no sender fills it
-alone."""
+"""Maximum messages of one sender, counted while the queue is at least half full, so that no sender fills it alone."""
 
 ORDER_ROOM = 1_000
-"""Maximum calls beyond `QUEUE`, for `order` alone. A gateway joins with a handful of sessions of some ten keys each, so this
-limit is reached only when the other side does nothing."""
+"""Maximum calls beyond `QUEUE`, for `order` alone. A gateway joins with a handful of sessions of some ten keys each. So only
+a hung other side fills it."""
 
 CALLS_PER_TURN = 500
 """Maximum calls before the loop serves its sockets again: some 5 ms of a gateway's work."""

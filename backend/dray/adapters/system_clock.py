@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 SLEW_FRAC = 0.1
-"""Relative change of speed while the clock is steered. A heartbeat of once a second then comes every 1.1 s at
-most, and three of those are within the 3.5 s after which silence is a failure."""
+"""Relative change of speed while the clock is steered. A heartbeat of once a second then comes every 1.1 s at most.
+Three of those are within the 3.5 s of the failure detector."""
 
 LOOK_EVERY_S = 1.0
 """Longest wait before unix time is read again, and the longest time for which one reading steers."""

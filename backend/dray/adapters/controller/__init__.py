@@ -1,1 +1,1 @@
-"""The body of a station or of the delivery gate, for a PLC or small computer at the dock that talks over a broker."""
+"""The body of a station or of the delivery gate: a PLC or small computer at the dock, behind a broker."""

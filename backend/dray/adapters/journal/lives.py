@@ -1,8 +1,8 @@
 """The count of an agent's starts, in a small file beside its journal, so that a lost journal loses no life.
 
-The count marks the names of an agent's tasks and goals and the numbers of its events, and the latest life of an agent
-prevails. So it must never fall, even if the journal is lost. Every start replaces the whole file. The file
-shows whether it is complete.
+The count is part of the names of an agent's tasks and goals, and of its events' numbers. An agent's latest life
+prevails. So it must never fall, even if the journal is lost. Every start replaces the whole file. The file shows
+whether it is complete.
 """
 
 from __future__ import annotations

@@ -28,9 +28,10 @@ CAREFUL = (Signal.FAULT, Signal.FAULT_TEXT, Signal.STATE)
 class SignalsOverMqtt:
     """Signals on topics.
 
-    mapping: the signals and their topics.
-    broker: the broker's address.
-    client: our client name at the broker.
+    Args:
+        mapping: the signals and their topics.
+        broker: the broker's address.
+        client: our client name at the broker.
 
     Attributes:
         linked: set at the first connection.

@@ -17,7 +17,7 @@ class MqttMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_d
     """
 
     silent_after_s: Annotated[float, Meta(gt=0)] | None = None
-    """Seconds of silence after which the controller counts as away. None where it publishes only changes, so its absence is undetectable."""
+    """Seconds of silence after which the controller counts as away. None where it publishes only changes, so absence is undetectable."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

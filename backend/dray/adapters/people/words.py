@@ -32,7 +32,7 @@ from dray.messages import THING, CommandRefusal, MachineCommandKind, Unconfirmed
 from dray.messages.base import COUNT_MAX
 
 FAR_FRAC, FAR_PIECES = 0.5, 5
-"""A number is far from the expected one when it differs by more than this fraction of it and by more than these pieces."""
+"""The difference from the expected number above which a number is far: this fraction and these pieces, both."""
 
 WORDS_KEPT = 1_000
 """Maximum reports whose repetition is recognised: more than all tablets of a place have under way."""

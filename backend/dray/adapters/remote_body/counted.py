@@ -3,9 +3,9 @@
 A vehicle behind VDA 5050 picks and drops by itself, and no simulated place sees it. So its agent's process tells the floor each
 reported transfer before the agent hears of it: a transfer that the floor has not counted by then is counted nowhere.
 
-The floor decides. It counts for the vehicles of its start option (`DRAY_FOREIGN`), opens no dock on request, and accepts only drops of
-loads that were picked up there. Refusals are logged; the agent hears the vehicle's report all the same, and the handover is
-disputed.
+The floor decides. It counts for the vehicles of its start option (`DRAY_FOREIGN`), and opens no dock on request. It accepts only
+drops of loads that were picked up there. Refusals are logged; the agent hears the vehicle's report all the same, and the handover
+is disputed.
 """
 
 from __future__ import annotations

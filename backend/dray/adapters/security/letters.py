@@ -36,8 +36,8 @@ TAG_BYTES = 16
 """The length of the authentication tag after the ciphertext, by which AES-GCM detects changes."""
 
 NONCE_BYTES = 12
-"""Length of the random nonce. A sender of a hundred letters a second to one reader, for the year of a certificate's validity,
-repeats one with a probability of one in ten thousand million."""
+"""Length of the random nonce. Assume a hundred letters a second to one reader, for a certificate's year. The probability of a
+repetition is then one in ten thousand million."""
 
 
 class _Cover(msgspec.Struct, frozen=True, gc=False, array_like=True):

@@ -6,8 +6,7 @@ certificate. A relay can only lose a message. Beside the message's own bytes, on
 are signed, because languages print floats differently.
 
 A message may be replayed within `FRESH_S`; the protocol must tolerate duplicates anyway. A voucher is a chunk of a key by which an
-agent declares its presence. It may be replayed for ever, so it must contain nothing that becomes
-wrong later.
+agent declares its presence. It may be replayed for ever, so it must contain nothing that becomes wrong later.
 """
 
 from __future__ import annotations

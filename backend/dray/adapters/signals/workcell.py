@@ -1,7 +1,7 @@
 """The body of a machine with single-value signals of a controller.
 
-The controller counts the pieces. The stock of the buffers is calculated from vehicles' reports of their transfers, and from the bills of
-material of the pieces made. Each change is stored before it is reported, so a life that follows a kill finds it in the stock.
+The controller counts the pieces. The stock of the buffers follows from vehicles' reports of transfers, and from the bills of
+material of pieces made. Each change is stored before it is reported, so a life that follows a kill finds it in the stock.
 
 A machine may make one piece after the other without an instruction for each: such a piece counts, too, and uses its material.
 """

@@ -1,7 +1,7 @@
 """A port at which Prometheus reads one process's metrics.
 
-Prometheus' own little server answers on its own threads, but reads the values on the process's loop, like all other work of the
-process. So no value is read during a change, and a process whose loop hangs gives no answer, as it should.
+Prometheus' own little server answers on its own threads, but reads the values on the process's loop. So no value is read during
+a change, and a process whose loop hangs gives no answer, as it should.
 
 There is no login: listen only where Prometheus alone can connect.
 """

@@ -1,6 +1,6 @@
 """The traffic log: each agent's right-of-way messages, a file each, for later analysis.
 
-A line is written before a message is sent, or before a received one is handled, and survives any end of the process. Times are
+A line is written before a message is sent, or before a received one is handled. It survives any end of the process. Times are
 those of the computer's monotonic clock, which its processes share, so lines of several files can be ordered.
 `dray_sim.checks.floor.said_and_heard` analyses them.
 """

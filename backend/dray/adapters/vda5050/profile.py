@@ -1,8 +1,8 @@
 """The profile of a vehicle type: a file that an integrator writes.
 
-A profile tells how to talk to vehicles of one type: the version, the names of their actions, whether a way may
-grow while they drive, whether they can pause, what they report of their load, and their map's frame. Missing
-fields are as in `default.yaml`, which worked with nearly all.
+A profile tells how to talk to vehicles of one type: the version, the names of their actions, and their map's frame.
+It also tells whether a way may grow during the drive, whether they can pause, and how they report loads.
+Missing fields are as in `default.yaml`, which worked with nearly all.
 """
 
 from __future__ import annotations

@@ -1,12 +1,11 @@
 """Zenoh's access control: the messages that a wired process refuses on links with vehicles, whoever the sender is.
 
 A link's certificate identifies the neighbour, not the sender: neighbours relay messages. So a link can be denied only the messages
-that its neighbour never needs to relay. As long as any path may bypass any other, there are none. Where wired processes never
-reach one another over vehicles (setting `DRAY_BUS_APART`), nothing of theirs is accepted on a link with a vehicle: neither
-their messages, nor their presence, nor their subscriptions to their own letters.
+that its neighbour never needs to relay. As long as any path may bypass any other, there are none. With `DRAY_BUS_APART` wired
+processes never reach one another over vehicles. Then nothing of theirs is accepted on a link with a vehicle: neither their
+messages, nor their presence, nor their subscriptions to their own letters.
 
-This adds to seals and letters, and replaces neither: it stops at the first link the messages that those only
-detect.
+This adds to seals and letters, and replaces neither: it stops at the first link the messages that those only detect.
 """
 
 from __future__ import annotations

@@ -8,8 +8,8 @@ One process has one Zenoh session, and any number of agents on it: one for a veh
     join     {plant}/alive/{agent}/{life}/…  a liveliness token: presence, and the life (`tokens`)
 
 Two threads meet here. Agents call on their loop, and a call goes straight into Zenoh's queues, which never block.
-Incoming messages are read and verified on Zenoh's threads, and cross to the loop by a bounded queue (`Crossing`, which
-defines what is dropped when it is full).
+Incoming messages are read and verified on Zenoh's threads, and cross to the loop by a bounded queue. `Crossing`
+defines what is dropped when it is full.
 
 Messages that a link cannot take are lost at the sender or on the way, where they cannot be counted. So every message
 carries its number (`Stamp`), and its receiver counts the missing numbers.

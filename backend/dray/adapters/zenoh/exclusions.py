@@ -1,8 +1,7 @@
 """Exclusions on the real bus: one process's knowledge of the excluded agents.
 
 Gateways repeat the list on one key (`dray.messages.shutout`), and each process subscribes to it, independently of its
-agents. It stores the newest list, so that its next life knows it before any message, even while no gateway
-is there.
+agents. It stores the newest list, so that its next life knows it before any message, even while no gateway is there.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A process's links to the others: their addresses, their discovery, their security.
 
-Every session is a Zenoh router, so neighbours relay for one another, and a cut link is bypassed by any remaining path. Links are
-TLS with mutual authentication; plain TCP must be requested explicitly.
+Every session is a Zenoh router, so neighbours relay for one another. Any remaining path bypasses a cut link. Links are TLS with
+mutual authentication; plain TCP must be requested explicitly.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ RETRY_MS = {"period_init_ms": 500, "period_max_ms": 4000, "period_increase_facto
 nothing."""
 
 QUEUE_BATCHES = 16
-"""Maximum batches of 64 kB each that wait on one link: 1 MB is more than all agents send within any lease, so a peer that cannot
-take it has been silent for longer than that."""
+"""Maximum batches of 64 kB each that wait on one link: 1 MB is more than all agents send within any lease. A peer that cannot
+take it has been silent for longer."""
 
 DROP_AT_ONCE_US = 0
 """A full link delays nobody: further messages are lost, and their receivers count them."""
 
 RUNTIME = ("ZENOH_RUNTIME", "(rx: (worker_threads: 32))")
 """Set before Zenoh starts, unless it is set already. A link that dies silently with unsent data holds one of these threads for
-ten seconds, while the system still tries to send (eclipse-zenoh/zenoh#1101). With the default of two threads, a vehicle that
-lost its WLAN heard nothing by its radio either. Now 32 links may die at once."""
+ten seconds (eclipse-zenoh/zenoh#1101). In that time the system still tries to send. With the default of two threads, a vehicle
+that lost its WLAN heard nothing by its radio either. Now 32 links may die at once."""
 
 SCOUTING_MS = 10
 """The wait for other processes at the start: none is needed, and later ones are linked later."""

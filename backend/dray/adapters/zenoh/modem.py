@@ -22,8 +22,8 @@ from dray.ports import Body
 Network = IPv4Network | IPv6Network
 
 SETTLE_S = 0.25
-"""Delay between a change of links and its report. Zenoh chooses new paths after 0.1 s, and messages before that are lost on the
-old path, including the heartbeat that tells others about the change."""
+"""Delay between a change of links and its report. Zenoh chooses new paths after 0.1 s. Messages before that are lost on the old
+path, including the heartbeat about the change."""
 
 
 class Modem:

@@ -10,8 +10,8 @@ from dray.adapters.zenoh.stamp import Stamp, Tally
 from dray.messages.kinds import Kind
 
 SAID_PER_S = 100.0
-"""Maximum rate of messages from one agent to another one, by the plant's clock. The observed maximum in a second of a small fleet,
-start and attack included, is 7 for a vehicle, 34 for a machine, and 60 for a station that keeps a book."""
+"""Maximum rate of messages from one agent to another one, by the plant's clock. The maximum in a small fleet, with
+its start and an attack, was 7 for a vehicle, 34 for a machine, and 60 for a station with a book."""
 
 AT_ONCE_S = 10.0
 """Real seconds of the rate that may come at once: a backlog after a link's outage."""

@@ -4,8 +4,7 @@
 
 The life is the agent's incarnation from its journal, not a time: whatever clocks do, a restart is later than the life that it
 replaces. With certificates the last chunk contains the agent's signature over its name and its life, and its certificate. So no
-process can claim that another agent lives elsewhere. A replayed token has no effect, because the latest life
-counts.
+process can claim that another agent lives elsewhere. A replayed token has no effect, because the latest life counts.
 """
 
 from __future__ import annotations

@@ -51,8 +51,8 @@ def check(
 ) -> None:
     """Validate a plant file; every fault is named by line and field, and the exit code is 2.
 
-    A file without faults is also searched for places without room for two vehicles, which is an error, and for starving parts: each
-    warning has a figure and a remedy.
+    In a file without faults, places without room for two vehicles are errors, too, and starving parts are warnings. Each has a
+    figure and a remedy.
     """
     import msgspec
 

@@ -44,8 +44,8 @@ from dray.settings import PREFIX, Settings
 from dray.store import open_store
 
 STARTS_AT_ONCE = max(2, os.cpu_count() or 1)
-"""Maximum concurrent starts; a start is mostly processor work. If all began at once, running agents would be silent for so long
-that others count them as failed, which causes more work."""
+"""Maximum concurrent starts; a start is mostly processor work. If all began at once, running agents would be silent for too
+long. Others would count them as failed, which causes more work."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -146,7 +146,7 @@ class _Connection(sqlite3.Connection):
     """Undoes an open transaction before it closes.
 
     Otherwise SQLite keeps the transaction, and the file's lock, as long as a half-read cursor exists
-    (https://sqlite.org/c3ref/close.html), for example in the exception of a cancelled task.
+    (https://sqlite.org/c3ref/close.html). The exception of a cancelled task may hold one.
     """
 
     def close(self) -> None:

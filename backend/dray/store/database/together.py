@@ -2,7 +2,7 @@
 
 A commit waits for the disk, which takes as long for one item as for a hundred. So one writer takes all waiting items, writes
 them in one transaction, and answers when that is on disk. If one of them cannot be written, the transaction is undone and
-each is tried alone, so that no item fails because of another one.
+each is tried alone. So no item fails because of another one.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Pieces made by machines in SQL, good and bad ones, by wall hours.
 
-Each event is counted once, in the transaction that stores it. So a repeated event is not counted twice, a late one counts in its own
-hour, and the counts remain when events are deleted.
+Each event is counted once, in the transaction that stores it. A repeated event is not counted twice, and a late one counts in its
+own hour. The counts remain when events are deleted.
 """
 
 from __future__ import annotations

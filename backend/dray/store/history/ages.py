@@ -1,8 +1,7 @@
 """The ages of consecutively stored rows, even if a clock was ahead for some of them.
 
-Rows are deleted in their order of storage, up to the first that must stay. A row with a future time is older than the next row with a
-past time, and counts as that old. So a clock that was a year ahead for an hour does not keep all later rows for
-a year.
+Rows are deleted in their order of storage, up to the first that must stay. A row with a future time is older than the next row with
+a past time, and counts as that old. So a clock that was a year ahead for an hour does not keep all later rows for a year.
 """
 
 from __future__ import annotations

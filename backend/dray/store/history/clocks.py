@@ -9,8 +9,7 @@ Every heartbeat contains its time of sending. Its delay is never negative, so
     bound_s    the uncertainty: the variation of the link, and its delay
 
 A delayed heartbeat shows nothing wrong, only nothing. One agent, whatever it reports, changes no other agent's figure and hardly
-the median. With fewer than three agents no common error can be seen, and only differences beyond any link's delay
-count.
+the median. With fewer than three agents no common error can be seen, and only differences beyond any link's delay count.
 
 Times by a wrong clock are corrected before they are stored or counted. A time that is still impossible (in the future, or
 older than any history) counts as now.

@@ -207,8 +207,7 @@ def _about_order(order: str) -> ColumnElement[bool]:
     """The condition for events about the order itself, one of its goals, or a task for it.
 
     A task's first event has its order; if the log has deleted it, the table of tasks has it. Each condition uses its own
-    index, and the results are united: with OR, a database may scan all
-    events instead.
+    index, and the results are united: with OR, a database may scan all events instead.
     """
     its_goals = select(goals.c.id).where(goals.c.order_id == order)
     opened = events.alias("opened")

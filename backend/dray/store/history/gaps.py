@@ -1,9 +1,9 @@
 """Gaps: the missing numbers of agents' histories, and the times to ask for them again. Pure.
 
-An agent numbers the events of each of its lives from 1 on, so an arriving number reveals missing earlier ones, but no later
+An agent numbers the events of each of its lives from 1 on. So an arriving number reveals missing earlier ones, but no later
 ones: the last event of a life may be lost. Heartbeats carry no numbers, and should not for the sake of one listener. So every
-agent is regularly asked for events after its last known number, even if nothing seems to be missing. One
-answer contains the missing events, and the numbers of stored ones (`EventsKept`).
+agent is regularly asked for events after its last known number, even if nothing seems to be missing. One answer contains the
+missing events, and the numbers of stored ones (`EventsKept`).
 
     a number was skipped       -> ask for it, after `SETTLE_S`
     a life has begun           -> ask for it, and for the end of the previous one

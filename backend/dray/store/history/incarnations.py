@@ -1,8 +1,7 @@
 """Incarnations in SQL: a number that grows with every start of a plant's agents.
 
 Between two starts of a plant its agents may be restarted one by one, and increment the number by themselves. Names of tasks and
-goals, and keys of events, contain these numbers. So a start continues after the highest known
-one.
+goals, and keys of events, contain these numbers. So a start continues after the highest known one.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Idempotency keys in SQL: the answers to requests that may be repeated.
 
-The key is written in the transaction of the order itself, so neither exists without the other, even if the
-process dies.
+The key is written in the order's own transaction, so neither exists without the other, even if the process dies.
 """
 
 from __future__ import annotations

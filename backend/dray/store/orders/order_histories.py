@@ -1,7 +1,7 @@
 """An order's own history: its pages need the events long after the log has deleted them.
 
-While the log has an order's events they are read there. Before the log deletes any of them, all its events of the order are merged
-with the stored history into one compressed document. For a goal only its first and last pieces are needed.
+While the log has an order's events they are read there. Before the log deletes any of them, all of them are merged with the stored
+history into one compressed document. For a goal only its first and last pieces are needed.
 """
 
 from __future__ import annotations

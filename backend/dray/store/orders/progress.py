@@ -3,12 +3,12 @@
 Facts come late, doubled and in any order. So a goal keeps only the maximum reported, and an order is recomputed from all
 of its goals: the result does not depend on the order of the facts.
 
-A goal *counts as running* while the strategist's newest life knows it, its machine has not failed with it and its order was
-not revoked. Pieces that another goal had made but not delivered are lost; its delivered pieces stay delivered and are never
-made again.
+A goal *counts as running* under three conditions: the strategist's newest life knows it, its machine has not failed with
+it, and its order was not revoked. Pieces that another goal had made but not delivered are lost; its delivered pieces stay
+delivered and are never made again.
 
-With several strategists, the holder of an order continues all goals that machines make, and reports those that it does not continue. A
-later holder reports with a higher epoch (`held`). Each strategist's lives are counted separately, and never compared with another's.
+With several strategists, an order's holder continues the goals that machines make, and reports the others. A later holder reports
+with a higher epoch (`held`). Each strategist's lives are counted separately, and never compared with another's.
 """
 
 from __future__ import annotations

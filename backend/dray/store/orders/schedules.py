@@ -1,7 +1,7 @@
 """Schedules in SQL: recurring transports and orders, and the next moment of each calendar.
 
-A row advances to its next moment in the transaction that places the present moment's work, and only if it is unchanged since it was
-read. So each moment is used once, with any number of gateways and even if one of them dies.
+A row advances to its next moment in the transaction that places the present moment's work. It must be unchanged since it was read.
+So each moment is used once, with any number of gateways and even if one of them dies.
 """
 
 from __future__ import annotations

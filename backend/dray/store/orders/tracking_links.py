@@ -1,9 +1,8 @@
 """Customers' links in SQL: each gives access to the page of one order or plain transport, until it ends.
 
 A link is looked up by the SHA-256 of its token, through a unique index. So the duration of the look-up reveals nothing about any
-token, and a link made by hand is stored nowhere in clear. The token that came with an order is also stored with the order,
-because the answer to a repeated request contains it. A reader of that table may read everything on
-the page anyway.
+token. A link made by hand is stored nowhere in clear. The token that came with an order is also stored with the order, because
+the answer to a repeated request contains it. A reader of that table may read everything on the page anyway.
 """
 
 from __future__ import annotations

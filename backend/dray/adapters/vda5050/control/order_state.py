@@ -3,8 +3,7 @@
     OFFERED -> RUNNING -> DONE
 
 is a successful order. An order that the vehicle does not show is sent again, unchanged. EXTENDING means that an update is not shown
-yet. A REFUSED order is offered again, under another id, when the vehicle may be ready. docs/vehicles.md draws the
-table.
+yet. A REFUSED order is offered again, under another id, when the vehicle may be ready. docs/vehicles.md draws the table.
 """
 
 from __future__ import annotations

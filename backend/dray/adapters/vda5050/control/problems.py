@@ -1,7 +1,8 @@
 """The problems that block a vehicle, in words for people.
 
-Problems are FATAL errors, CRITICAL ones for a while (`criticals.py`), an emergency stop, a manual mode, a lost position, silence and
-a lost broker. WARNING and URGENT are none: the vehicle goes on. Nor are errors about orders: they end the order.
+Problems are FATAL errors, CRITICAL ones for a while (`criticals.py`), and an emergency stop. A manual mode, a lost position,
+silence and a lost broker are problems, too. WARNING and URGENT are none: the vehicle goes on. Nor are errors about orders: they end
+the order.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Checks whether a driving vehicle approaches its next node: whatever its flags say, a long stand becomes a problem.
 
-There are three reasons: a person has pressed its pause button, something is in its way (then other vehicles are told to avoid
-the lane), or unknown. Position and speed prevail over `driving` and `paused`.
+Possible reasons are its pause button, an obstacle, or unknown. After an obstacle other vehicles are told to avoid the lane. Position
+and speed prevail over `driving` and `paused`.
 """
 
 from __future__ import annotations

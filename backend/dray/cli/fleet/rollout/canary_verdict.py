@@ -1,7 +1,6 @@
 """The verdict on a canary, a process of another version, from other agents' messages. Pure: it only gets messages.
 
-An agent of a bad version may believe that it does well. So only the messages of its customers and contractors
-count.
+An agent of a bad version may believe that it does well. So only the messages of its customers and contractors count.
 
     kind         a task done well                                       a task done badly
     vehicle      its coordinator closes it as delivered by it, in time  late, or somebody else has to carry it
@@ -9,8 +8,7 @@ count.
     strategist   a machine has taken a goal from it
 
 Only contracts of its present life count, because it is not responsible for those of its last one. A task withdrawn by its
-coordinator or stopped by a person counts neither way. `dray.cli.fleet.rollout.update` checks whether its process
-lives.
+coordinator or stopped by a person counts neither way. `dray.cli.fleet.rollout.update` checks whether its process lives.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@
                                                          |
                                  it is rolled back at once; then all that were replaced before it, in order
 
-All are rolled back, and not that one alone. The others have passed with the same software by a few tasks, and all of them have the
-fault that one has shown.
+All are rolled back, and not that one alone. The others have passed with the same software by a few tasks, but they have the same
+fault.
 
 A canary without work within the timeout is untried. It stays if another agent of its kind has passed; otherwise it is rolled back
 alone, and the update stops there. Started again, an update continues there.

@@ -1,9 +1,8 @@
 """The guard of a listener: it limits the number of connections, and their waiting times.
 
-A connection costs a file descriptor and memory before its user is known. So there are limits in total and for each address. At a limit,
-a new connection replaces the oldest one without a request, so idle connections keep nobody out. A request that does not
-arrive, or an answer that nobody reads, ends its
-connection.
+A connection costs a file descriptor and memory before its user is known. So there are limits in total and for each address. At a
+limit, a new connection replaces the oldest one without a request, so idle connections keep nobody out. A request that does not
+arrive, or an answer that nobody reads, ends its connection.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from dray.cli.runtime.listener import BACKLOG
 from dray.settings import Settings
 
 ACCEPTED_AT_ONCE = 8
-"""Waiting connections (`BACKLOG`) accepted per turn of the loop: few against the limit per address (`Guard`), so that no connection is
+"""Waiting connections (`BACKLOG`) accepted per turn of the loop: few against the limit per address (`Guard`). So no connection is
 ended for later ones before anything was read from it."""
 
 INCOMING_BYTES = 4096
