@@ -145,7 +145,7 @@ class Historian:
 
         Args:
             recovered: called with every event that was fetched later; other listeners in the process have missed it,
-                    too.
+                too.
         """
         self._recovered = recovered
         async with self._store.read() as work:

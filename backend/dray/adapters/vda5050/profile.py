@@ -91,7 +91,7 @@ class Profile(Item, frozen=True):
     base_m: NotNegative = 0.0
     """Length of a base, which cannot be withdrawn. At least one lane."""
     trajectory: bool = True
-    """Whether a curved edge has its shape, as a NURBS of degree 1. Otherwise only its length: for vehicles that know the shape."""
+    """Whether an edge that is not straight has its shape, as a NURBS of degree 1. Otherwise only its length: for vehicles that know the shape."""
     leave_out: tuple[str, ...] = ("trajectory", "length", "allowedDeviationXY", "allowedDeviationXy")
     """Fields of nodes and edges and parameters of actions that are left out when the vehicle reports them as unsupported. Without
     `maxSpeed` (`maximumSpeed`) it would drive faster than people allow, so that is not among them."""

@@ -88,7 +88,7 @@ def compose_text(plant: Plant, plant_file: str = "", strategists: int = 1) -> st
     Args:
         plant: the plant; each agent gets a service.
         plant_file: its path relative to the compose file, as `./plant.yaml`; or the name of a shipped plant, which the
-                image contains; empty for the default plant.
+            image contains; empty for the default plant.
         strategists: number of strategists.
 
     Raises:

@@ -82,7 +82,7 @@ async def run_fleet(options: FleetOptions) -> None:
 
     Raises:
         UnavailableError: the folder, the port or the database is unavailable, processes of an earlier fleet
-                run, or the floor has ended.
+            run, or the floor has ended.
     """
     folder = options.folder.resolve()
     make(folder)

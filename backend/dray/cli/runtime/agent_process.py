@@ -38,7 +38,7 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent, embo
 
     Raises:
         UnavailableError: it was started elsewhere meanwhile, its body is lost or is not the one in its
-                journal, or another resource is unavailable.
+            journal, or another resource is unavailable.
         Exception: any that the agent raises.
     """
     settings, plant = surroundings.settings, surroundings.plant

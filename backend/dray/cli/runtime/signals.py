@@ -34,7 +34,7 @@ def asked_by_signals(leave: Callable[[], None], stop: Callable[[], None], within
     Args:
         leave: begins a graceful shutdown.
         stop: ends it at once: at Ctrl-C, at a second SIGTERM, or after the timeout. The next signal
-                ends the process.
+            ends the process.
         within_s: the timeout from the first SIGTERM (real seconds).
     """
     loop = asyncio.get_running_loop()

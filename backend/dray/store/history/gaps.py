@@ -90,7 +90,7 @@ class Gaps:
         known: the known lives, each agent's in order.
         now_s: the time.
         agents: agents to ask without knowing anything of them. Those without a heartbeat may have reported
-                everything while nobody listened.
+            everything while nobody listened.
 
     Attributes:
         missing: count of numbers that have not come yet, over all agents.

@@ -346,7 +346,7 @@ class Orders:
 
         Args:
             order_id: the order; one that has ended, is stored or being revoked, or was released again stays
-                    as it is.
+                as it is.
             release: the release concerned.
             at_s: the time of the message; it becomes the delivery time without any fact of a delivery.
         """

@@ -56,7 +56,7 @@ class OrderEdge(msgspec.Struct, frozen=True):
     end: str
     max_speed_mps: float | None = None
     path: tuple[Spot, ...] = ()
-    """The corners of a curved edge, both ends included."""
+    """The corners of an edge that is not straight, both ends included."""
 
 
 class Order(msgspec.Struct, frozen=True):
@@ -97,7 +97,7 @@ def order_body(
         order: the order.
         dialect: its version.
         names: the vehicle's names of nodes and edges.
-        trajectory: whether curved edges have their shape; otherwise only their length.
+        trajectory: whether edges that are not straight have their shape; otherwise only their length.
         without: names of optional fields and parameters to leave out.
     """
     nodes = [_node(node, dialect, names) for node in order.nodes]

@@ -43,7 +43,7 @@ async def run_gateway(where: Surroundings, customers: Customers | None = None) -
 
     Raises:
         UnavailableError: the port, the bus or the database is unavailable, or another gateway has taken its
-                name.
+            name.
     """
     plant = where.plant
     elsewhere = asyncio.Event()
