@@ -1,7 +1,7 @@
 """Every error that Dray raises on purpose.
 
     DrayError
-    ├── InputError            somebody gave us something we cannot use
+    ├── InputError            input from outside that we cannot use
     │   ├── PlantError        a plant file: names file, line, field and reason
     │   ├── WireError         bytes from the bus that are no message of ours
     │   │   ├── NewerVersion  a message of a wire version we do not know yet
@@ -40,7 +40,7 @@ def _again(kind: type[DrayError], args: tuple[object, ...], fields: Mapping[str,
 
 
 class InputError(DrayError):
-    """Somebody gave us something we cannot use."""
+    """Input from outside that we cannot use."""
 
 
 class PlantError(InputError):

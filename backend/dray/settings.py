@@ -130,10 +130,10 @@ Several = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_several)]
 """Several in one variable, with commas between."""
 
 Addresses = Annotated[Several, AfterValidator(_addresses)]
-"""Likewise, HOST:PORT each."""
+"""Several of HOST:PORT, with commas between."""
 
 Networks = Annotated[tuple[IPvAnyNetwork, ...], NoDecode, BeforeValidator(_several)]
-"""Likewise, as 10.8.0.0/16."""
+"""Several networks as 10.8.0.0/16, with commas between."""
 
 
 class Settings(Keeping):

@@ -3,7 +3,7 @@
     dray up             the simulated factory, the gateway and the panels in one process
     dray fleet ...      a whole factory as processes on this computer
     dray agent ...      one agent of a plant, as a process of its own
-    dray strategist     the strategist, likewise
+    dray strategist     the strategist, as a process of its own
     dray gateway        panels and API for a plant whose agents are processes
     dray historian      writes the plant's events to the database
     dray floor          the simulated floor, for agents without bodies of their own
@@ -13,7 +13,7 @@
     dray shut-out       exclude an agent; `dray readmit` ends that
     dray carried-away   report that a vehicle is off the floor: its places become free
     dray user ...       people and their logins
-    dray key ...        keys by which other systems use the API
+    dray key ...        API keys of other systems
     dray link ...       customers' links to their orders
     dray plant ...      plant files
     dray machine ...    real machines: commissioning

@@ -11,7 +11,7 @@ from dray.store.tables import login_links
 
 
 class LoginLink(msgspec.Struct, frozen=True):
-    """A link by which a person logs in once. Times are wall clock seconds."""
+    """A link that logs a person in once. Times are wall clock seconds."""
 
     person_id: str
     created_at_s: float

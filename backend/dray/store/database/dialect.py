@@ -46,7 +46,7 @@ class Dialect(Protocol):
         ...
 
     async def knock(self, engine: AsyncEngine) -> None:
-        """Check that a server exists, where a failed attempt of the driver would leak something."""
+        """Check that the database is there, where a failed attempt of the driver would leak something."""
         ...
 
     async def take_turn(self, connection: AsyncConnection) -> None:

@@ -149,7 +149,7 @@ def list_keys(db: Database = None) -> None:
 
 @app.command()
 def signing(db: Database = None) -> None:
-    """Print the public key by which gateways on this database sign people's commands (DRAY_TRUSTED_KEYS)."""
+    """Print the public key of gateways on this database for signed commands (DRAY_TRUSTED_KEYS)."""
     import asyncio
 
     from dray.cli.runtime.gateway.authority import authority_of

@@ -29,7 +29,7 @@ def bench(
     ] = "",
     traffic: Traffic = None,
 ) -> None:
-    """Measure; every figure stands beside a baseline that was measured in the same run."""
+    """Run benchmarks; every figure is beside a baseline of the same run."""
     from rich.console import Console
 
     from dray.cli.runtime.options import right_of_way
