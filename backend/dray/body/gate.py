@@ -25,7 +25,7 @@ class Admit(Part, frozen=True):
     goal: str
     quantity: int
     of: GoalOf | None = None
-    """The goal's order, told with a new goal where a plant has several strategists; None where it has one."""
+    """The goal's order, item and machine, told with a new goal if a plant has several strategists; None if it has one."""
     arrived: int = 0
     """Pieces that have arrived, as its agent remembers. Only a people's gate uses it, when its own file was damaged."""
 

@@ -1,4 +1,4 @@
-"""Zenoh's access control: the messages that a wired process refuses on links with vehicles, whoever the sender is.
+"""Zenoh's access control: the messages that a wired process refuses on links with vehicles, from any sender.
 
 A link's certificate identifies the neighbour, not the sender: neighbours relay messages. So a link can be denied only the messages
 that its neighbour never needs to relay. As long as any path may bypass any other, there are none. With `DRAY_BUS_APART` wired

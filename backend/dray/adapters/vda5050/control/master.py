@@ -67,7 +67,7 @@ NOTED_S = 60.0
 """A wait longer than this is logged."""
 
 FAILED_S = 60.0
-"""Duration of a problem after a failure of our own, unless the next event of its kind succeeds."""
+"""Duration of a problem after a failure of our own; a success with the next event of its kind ends it earlier."""
 
 FOREIGN_MAX = 20
 """Maximum logged types of others' actions."""

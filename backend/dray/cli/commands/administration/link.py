@@ -113,7 +113,7 @@ def revoke(
 
 
 async def _links_of(work: Work, subject: str) -> Links | None:
-    """The links to pages of orders or of transports, by the kind of subject; None where neither has this name."""
+    """The repository of links to orders or to transports, by the kind of subject; None for an unknown subject."""
     if await work.orders.get(subject) is not None:
         return work.links
     if await work.transports.get(subject) is not None:
@@ -122,7 +122,7 @@ async def _links_of(work: Work, subject: str) -> Links | None:
 
 
 async def _links_with(work: Work, token: str) -> tuple[Links, str]:
-    """The links to the same page as a token's link, and their subject.
+    """The repository with a token's link, and the link's subject.
 
     Raises:
         SettingsError: no link has it.
