@@ -3,11 +3,11 @@
 import sys
 
 INTERRUPTED = 130
-"""A shell's exit code for what Ctrl-C has ended."""
+"""The exit code of a shell after Ctrl-C."""
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C while it is still loaded ends it without a word."""
+    """Run the command line; Ctrl-C during loading ends it silently."""
     try:
         from dray.cli import main as run
 

@@ -1,12 +1,11 @@
 """Bytes <-> messages: the only validator of what comes from the wire.
 
 A message travels as UTF-8 JSON in an envelope: ``{"v": 2, "from": "ATV-07", "m": {"type": "Bid", ...}}``.
-`v` is the wire version, `from` the sender; what belongs to a trace carries its context as `t`. Fields that we
-do not know are ignored, so a newer software may add some; a *newer version* is refused, for we could
-misunderstand it.
+`v` is the wire version, `from` the sender; `t` carries the trace context, if any. Unknown fields are ignored, so
+newer software may add some. A newer *version* is refused, because we could misunderstand it.
 
-What the values may be is written on the fields in `dray.messages` and checked here; whether an utterance
-makes sense now is for the protocol.
+The bounds of values are written on the fields in `dray.messages` and checked here. The protocol decides whether a
+message makes sense now.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ from dray.messages import WIRE_VERSION, AnyMessage, Message
 from dray.messages.base import Id
 
 MAX_BYTES = 64 * 1024
-"""The longest message we read. The longest honest one, a machine's heartbeat with fifty open tasks,
-has some 15 kB; what is longer would only fill our memory."""
+"""The longest message we read. The longest legitimate one, a machine's heartbeat with fifty open tasks, has some 15 kB.
+The bound protects our memory."""
 
 
 Context = Annotated[str, Meta(max_length=256, description="A trace, as W3C traceparent; empty for none.")]
@@ -30,17 +29,17 @@ Context = Annotated[str, Meta(max_length=256, description="A trace, as W3C trace
 
 
 class Envelope(msgspec.Struct, frozen=True, gc=False):
-    """What goes over the wire."""
+    """A message with its sender and version, as it goes over the wire."""
 
     v: int
     sender: Id = msgspec.field(name="from")
     m: AnyMessage
     t: Context = ""
-    """The trace to which it belongs. Whoever knows nothing of traces leaves it out."""
+    """The trace to which the message belongs; agents without tracing leave it out."""
 
 
 class _Version(msgspec.Struct, gc=False):
-    """As much of an envelope as every version has."""
+    """The part of an envelope that all versions share."""
 
     v: int
 
@@ -69,7 +68,7 @@ def encode(sender: str, message: Message, context: str = "") -> bytes:
 
 
 def decode(data: bytes) -> tuple[str, Message]:
-    """Read one message; as `decode_with_context`, without the last."""
+    """Read one message; as `decode_with_context`, without the trace."""
     sender, message, _ = decode_with_context(data)
     return sender, message
 
@@ -78,11 +77,11 @@ def decode_with_context(data: bytes) -> tuple[str, Message, str]:
     """Read one message.
 
     Returns:
-        The sender's id, the message, and the trace to which it belongs; empty for none.
+        The sender's id, the message, and its trace; empty for none.
 
     Raises:
-        NewerVersion: it is of a wire version that we do not know yet.
-        WireError: it is no message of ours; nothing else is ever raised for any bytes.
+        NewerVersion: its wire version is unknown to us.
+        WireError: it is no message of ours. No other error is raised for any bytes.
     """
     if len(data) > MAX_BYTES:
         raise WireError(f"{len(data)} bytes, more than {MAX_BYTES}", data)

@@ -1,7 +1,7 @@
 """Every error that Dray raises on purpose.
 
     DrayError
-    ├── InputError            somebody gave us something we cannot use
+    ├── InputError            input from outside that we cannot use
     │   ├── PlantError        a plant file: names file, line, field and reason
     │   ├── WireError         bytes from the bus that are no message of ours
     │   │   ├── NewerVersion  a message of a wire version we do not know yet
@@ -28,7 +28,7 @@ class DrayError(Exception):
     """The root: catch this to catch everything that Dray raises on purpose."""
 
     def __reduce__(self) -> tuple[object, ...]:
-        # An error comes whole out of another process; its class is not asked for arguments that it has composed into a message.
+        # Unpickling an error from another process must not call its class: the arguments of `__init__` are in the message already.
         return _again, (type(self), self.args, self.__dict__)
 
 
@@ -40,7 +40,7 @@ def _again(kind: type[DrayError], args: tuple[object, ...], fields: Mapping[str,
 
 
 class InputError(DrayError):
-    """Somebody gave us something we cannot use."""
+    """Input from outside that we cannot use."""
 
 
 class PlantError(InputError):
@@ -94,7 +94,7 @@ class NewerVersion(WireError):
 
 
 class SealError(WireError):
-    """A message that nobody has signed whom we know: ignored and counted."""
+    """A message without a signature of a known agent: ignored and counted."""
 
 
 class SettingsError(InputError):

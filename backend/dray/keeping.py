@@ -1,4 +1,4 @@
-"""Settings of how long what is kept, in wall days since it happened or ended."""
+"""Retention settings, in wall days since an event happened or a thing ended."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ class Keeping(BaseSettings):
     """A part of `dray.settings.Settings`."""
 
     events_days: Days = 14.0
-    """The log of what agents told: as long as what panels showed (`replay_days`). Orders keep what their pages need of it."""
+    """The agents' event log: as long as recordings (`replay_days`). Orders keep a copy of what their pages need."""
 
     events_most: Annotated[int, Field(ge=1000)] = 20_000_000
-    """Rows of that log, of whatever age: some 10 GB, so that no plant fills its disk. It is told when this is reached."""
+    """Maximum rows of that log: some 10 GB, so that no plant fills its disk. Reaching it raises a warning."""
 
     samples_days: Days = 3.0
     """Sampled heartbeats: some 50 MB of the default plant in real time."""
 
     figures_days: Annotated[float, Field(ge=35, le=3660)] = 400.0
-    """Figures by the minute, some 140 MB, and pieces by the hour: a year can be compared with the one before. Panels ask for 35 days."""
+    """Figures by the minute, some 140 MB, and pieces by the hour: enough to compare two years. Panels ask for 35 days."""
 
     tasks_days: Days = 400.0
     transports_days: Days = 400.0
@@ -36,4 +36,4 @@ class Keeping(BaseSettings):
     """The audit log, likewise."""
 
     replay_days: Annotated[float, Field(ge=0, le=400)] = 14.0
-    """What panels showed, to show it again, and what everybody did; 0 keeps nothing. docs/operating.md says what it takes."""
+    """Recordings of the panels' view and of everybody's actions, for replay; 0 keeps nothing. docs/operating.md gives their size."""

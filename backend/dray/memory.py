@@ -1,9 +1,8 @@
-"""What agents are bound by, as it is written down for their next life.
+"""An agent's durable commitments, written for its next life.
 
-A memory is a few notes, each small, frozen and with a name. They hold what others rely on and what the agent's
-senses cannot tell it: contracts, epochs, counts. Everything else is sensed or asked anew. A vehicle and a machine
-have one note; the strategist has one per order, so that what it writes in a step does not grow with all that it
-has in work.
+A memory is a few notes, each small, frozen and with a name. They hold what others rely on and what the agent cannot
+sense: contracts, epochs, counts. Everything else is sensed or asked anew. A vehicle and a machine have one note each.
+The strategist has one per order, so that writes stay small with many open orders.
 """
 
 from __future__ import annotations
@@ -34,43 +33,43 @@ from dray.messages.transport import TransportState
 
 
 class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
-    """What a vehicle is bound by: the transport that it is primary of, if any.
+    """A vehicle's commitments: the transport of which it is primary, if any.
 
     Watches are not remembered: a coordinator notices from the heartbeat that a watch is gone.
     """
 
     contract: Contract | None = None
     acknowledged: bool = False
-    """A stop was acknowledged and not resumed yet; whether it is stopped is for the body to know."""
+    """A stop was acknowledged and not resumed yet; the body knows whether the vehicle is stopped."""
     stopped_itself: bool = False
-    """It has stopped because another one used its name, and no person has seen to it yet."""
+    """It stopped because another speaker used its name, and no person has seen to it yet."""
     speed_frac: float = 1.0
     out_of_service: OutOfService | None = None
-    """By a person's word; None while it is in service."""
+    """Taken out of service by a person; None while it is in service."""
     sent_to_charge: bool = False
-    """By a person's word: it takes no work before it is full."""
+    """Sent to charge by a person: it takes no work before it is full."""
     answered: tuple[CommandMemory, ...] = ()
-    """People's commands that are not obeyed again, the oldest first: those whose grant was still good when
-    the last one came."""
+    """Answered commands that must not be executed again, the oldest first: those whose grant was still valid when the last
+    one came."""
 
 
 class ClosuresMemory(Part, tag_field="kind", tag="closures", frozen=True):
-    """The closures that a vehicle goes by: its next life knows them before it hears anybody."""
+    """The closures that a vehicle obeys: its next life knows them before it hears anybody."""
 
     list: Closures
 
 
 class CommandMemory(Part, frozen=True):
-    """What became of a command, as the vehicle or machine remembers it."""
+    """The outcome of a command, as the vehicle or machine remembers it."""
 
     command: str
     person: str
-    """On whose behalf it was given; another's command may have the same name."""
+    """The person on whose behalf it was given; another person's command may have the same name."""
     valid_until_s: float
     refused: CommandRefusal | None = None
-    """Why; None when it was obeyed."""
+    """The reason for refusal; None when it was obeyed."""
     detail: str = ""
-    """What its sensors reported, where that was why."""
+    """The sensors' report, where that was the reason."""
 
 
 class Contract(Part, frozen=True):
@@ -85,51 +84,51 @@ class Contract(Part, frozen=True):
     deadline_s: float
     phase: Phase = Phase.APPROACHING
     cancelled: Reason | None = None
-    """Why it is to end as soon as the load is off; None while it holds."""
+    """The reason why it ends as soon as the load is off; None while it holds."""
     number: int = 0
-    """Of the award by which it was given; 0 for a takeover."""
+    """The number of the award that gave it; 0 for a takeover."""
     claim: TakenOver | None = None
-    """What is said of a takeover that its coordinator has not confirmed yet."""
+    """The takeover message that its coordinator has not confirmed yet."""
     refused: int = 0
-    """How often the gate of the delivery warehouses has not let the load in."""
+    """Number of times that the gate of the delivery warehouses refused the load."""
 
 
 class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
-    """What a machine is bound by."""
+    """A machine's commitments."""
 
     goals: tuple[GoalMemory, ...] = ()
     tasks: tuple[TaskMemory, ...] = ()
     task_count: int = 0
-    """Names of tasks go on from here."""
+    """Tasks named so far; names continue from here."""
     help: HelpWanted | None = None
-    """How long its goals wait for a person."""
+    """The help its goals wait for, and for how long."""
     out_of_service: OutOfService | None = None
     speed_frac: float = 1.0
     answered: tuple[CommandMemory, ...] = ()
-    """Commands that it would obey if they came again."""
+    """Answered commands, which it must not obey again."""
     products: tuple[ProductMemory, ...] = ()
-    """Of which pieces lie in its goods, though it was not set up for them."""
+    """Products of pieces in its goods for which it was not set up."""
     put_away: tuple[PutAwayMemory, ...] = ()
     """Parts that it has asked storages to fetch."""
     put_away_count: int = 0
-    """Names of those go on from here."""
+    """Put-away requests named so far; names continue from here."""
     let_in: tuple[ReservationMemory, ...] = ()
-    """Loads that others' vehicles may have taken, where the body does not count."""
+    """Loads that other coordinators' vehicles may have taken, where the body does not count."""
     leaving: tuple[DepartureMemory, ...] = ()
-    """Vehicles that may still be at its dock though they are not wanted there any more."""
+    """Vehicles that may still be at its dock after their permission has ended."""
     booked: tuple[DepartureMemory, ...] = ()
-    """What its body was told that vehicles have moved, and has not answered yet."""
+    """Transfers of vehicles that were sent to the body for booking and not answered yet."""
 
 
 class ProductMemory(Part, frozen=True):
-    """A product that a goal has brought, as its machine remembers it."""
+    """A product defined by a goal, as its machine remembers it."""
 
     product: str
     definition: ProductDefinition
 
 
 class PutAwayMemory(Part, frozen=True):
-    """What a machine has asked a storage to have fetched."""
+    """A machine's request to a storage to fetch a part."""
 
     transport: str
     storage: str
@@ -148,18 +147,18 @@ class GoalMemory(Part, frozen=True):
     made: int
     delivered: int
     lost_in_transit: int
-    """Pieces that were made and lost on the way."""
+    """Pieces that were made and then lost on the way."""
     epoch: int = 1
     number: int = 1
-    """Of the award by which it was given."""
+    """The number of the award that gave it."""
     confirmed: bool = True
-    """Whether its strategist has heard that it was taken."""
+    """Whether its strategist has confirmed the machine's acceptance."""
     held: int = 1
-    """With which epoch the order is held by the strategist that it obeys."""
+    """The epoch with which the machine's strategist holds the order."""
     disputes: int = 0
-    """Handovers of its pieces, one after the other, of which the gate has counted nothing."""
+    """Consecutive handovers of its pieces of which the gate has counted nothing."""
     by_people: bool = False
-    """People count at the gate, later than goods come."""
+    """Whether people count at the gate, later than goods arrive."""
 
 
 class TaskMemory(Part, frozen=True):
@@ -174,33 +173,33 @@ class TaskMemory(Part, frozen=True):
     source: str = ""
     promised_s: float = 0.0
     loaded: bool = False
-    """Goods that have left this machine."""
+    """The goods have left this machine."""
     secondary: str = ""
     watch_number: int = 0
-    """Of the award by which the secondary watches."""
+    """The number of the award by which the secondary watches."""
     offered: bool = True
-    """Whether anybody was asked to carry it in this epoch."""
+    """Whether it was announced in this epoch."""
     recovered: bool = False
-    """Taken up on its carrier's word alone, after a life that has left no notes."""
+    """Restored from its carrier's message alone, after a life that left no notes."""
     least_epoch: int = 0
-    """A carrier was told that no epoch below this one is right any more; 0 where none was."""
+    """The lowest valid epoch, as a carrier was told; 0 where none was told."""
     stranded: StrandedGoods | None = None
-    """Its goods wait for a person's word, or to be fetched by another vehicle."""
+    """Its goods wait for a person's word, or for another vehicle."""
     forgotten_aboard: bool = False
-    """Its carrier has forgotten it, and had its thing on board then."""
+    """Its carrier has forgotten it while its thing was on board."""
     disputes: int = 0
-    """Handovers of which nothing was counted, since a person has looked last."""
+    """Handovers of which nothing was counted, since the last inspection by a person."""
     held: bool = False
-    """Nobody carries it before a person has looked whether its load is there."""
+    """It waits until a person has checked whether its load is there."""
 
 
 class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
-    """What the station of a storage is bound by. Who waits in its queue asks again."""
+    """A storage station's commitments. Its queue is not kept, because waiting vehicles ask again."""
 
     reserved: tuple[ReservationMemory, ...] = ()
     tasks: tuple[TaskMemory, ...] = ()
     answered: tuple[CommandMemory, ...] = ()
-    """People's words that it would obey if they came again."""
+    """Answered commands, which it must not obey again."""
     let_in: tuple[ReservationMemory, ...] = ()
     """As a machine's."""
     leaving: tuple[DepartureMemory, ...] = ()
@@ -210,7 +209,7 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
 
 
 class DepartureMemory(Part, frozen=True):
-    """A vehicle that may be at a dock, and what it may have put down (`change` above 0) or taken there; 0 where nobody knows."""
+    """A vehicle that may be at a dock, and the pieces that it may have moved. `change` is positive for a drop, 0 for unknown."""
 
     vehicle: str
     task: str = ""
@@ -218,9 +217,9 @@ class DepartureMemory(Part, frozen=True):
     item: str = ""
     change: int = 0
     let_in: bool = True
-    """Whether the dock was opened for it; before that it has put nothing down."""
+    """Whether the dock was opened for it; before that it cannot have put anything down."""
     returns: bool = False
-    """Whether it stands there to put back what it has on board."""
+    """Whether it waits there to put its load back."""
 
 
 class ReservationMemory(Part, frozen=True):
@@ -232,13 +231,13 @@ class ReservationMemory(Part, frozen=True):
     quantity: int
     coordinator: str
     vehicle: str = ""
-    """For whom the dock was opened; empty before."""
+    """The vehicle for which the dock was opened; empty before."""
     opened: int = 0
-    """In which epoch of the task; 0 before."""
+    """The epoch of the task in which it was opened; 0 before."""
 
 
 class TransportMemory(Part, tag_field="kind", tag="transport_called", frozen=True):
-    """A plain transport as the place remembers it to which it goes; also for a while when it has ended."""
+    """A plain transport as its destination remembers it, and for a while after its end."""
 
     transport: str
     source: str
@@ -248,40 +247,40 @@ class TransportMemory(Part, tag_field="kind", tag="transport_called", frozen=Tru
     vehicle: str
     state: TransportState
     done: int = 0
-    """Pieces that were brought."""
+    """Pieces delivered."""
     attempt: int = 0
-    """How often it was given out under a name of its own."""
+    """Number of task names under which it was announced."""
     vehicle_until_s: float | None = None
-    """Until when only `vehicle` is asked; None for always."""
+    """Plant time until which only `vehicle` is asked; None for always."""
     ability: str = ""
-    """What its vehicle must be able to carry beside what the load asks for."""
+    """An ability that its vehicle needs beside those for the load."""
 
 
 class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
-    """What the strategist is bound by beside its orders."""
+    """The strategist's commitments beside its orders."""
 
     goal_count: int = 0
-    """Names of goals go on from here."""
+    """Goals named so far; names continue from here."""
 
 
 class EndedOrder(Part, tag_field="kind", tag="ended", frozen=True):
-    """An order that has ended: no release of it is begun any more."""
+    """An order that has ended: none of its releases is started again."""
 
     fulfilled: bool = False
-    """All of it has arrived; else it was cancelled."""
+    """Whether all of it has arrived; otherwise it was cancelled."""
     change: int = 0
-    """The last one that was taken."""
+    """The number of the last accepted change."""
     quantities: tuple[int, ...] = ()
     """Per item, all that has arrived; empty where it was cancelled."""
 
 
 class ReturnedOrder(Part, tag_field="kind", tag="returned", frozen=True):
-    """An order that was taken back: a later release of it is taken, and no other."""
+    """An order that was taken back: only a later release of it is accepted."""
 
     order: str
     release: int
     outstanding: tuple[int, ...] = ()
-    """Per item, what had not arrived; empty when this release never came."""
+    """Per item, pieces that had not arrived; empty when this release never came."""
 
 
 class OrderMemory(Part, tag_field="kind", tag="order", frozen=True):
@@ -293,45 +292,45 @@ class OrderMemory(Part, tag_field="kind", tag="order", frozen=True):
     goals: tuple[GoalBooked, ...]
     release: int = 1
     revoked_by: str = ""
-    """Who has taken it back and waits for its end; empty while it is worked at."""
+    """The agent that takes it back and waits for its end; empty while it is worked at."""
     withdrawn: tuple[int, ...] = ()
     """Per item, pieces of goals that were withdrawn and had not arrived."""
     change: int = 0
-    """Of the order as it is now wanted."""
+    """The number of the last change of the order."""
     wanted: tuple[int, ...] = ()
-    """Per item, as many pieces as a change asks for that is not done yet; empty where none is under way."""
+    """Per item, pieces asked for by a change in progress; empty where none is."""
     parts: tuple[PartDefinition, ...] = ()
-    """As the order has brought them."""
+    """Part definitions that came with the order."""
 
 
 class OrderNoted(Part, tag_field="kind", tag="noted", frozen=True):
-    """An order as it was said last, where a plant has several strategists: whoever holds it, each of them may have to go on with it."""
+    """The latest version of an order, noted by every strategist of a plant with several: each may have to take it over."""
 
     release: OrderReleased
     asker: str
-    """Who has said it."""
+    """The agent that sent it."""
     holder: str = ""
-    """As far as that is known."""
+    """The strategist that holds it, if known."""
     epoch: int = 0
-    """Of the holder."""
+    """The holder's epoch."""
 
 
 class ShutWord(Part, tag_field="kind", tag="shut_word", frozen=True):
-    """What a strategist has to tell the gate and has no answer to: that a goal is shut, or an order has ended. Its orders do not tell that."""
+    """A strategist's unanswered message to the gate: a goal is shut, or an order has ended. Its order notes do not contain it."""
 
     goal: str = ""
     order: str = ""
     epoch: int = 0
-    """With which it holds the order."""
+    """The epoch with which it holds the order."""
     over: int = 0
     """Releases of the order up to this one have ended."""
 
 
 class GateMemory(Part, tag_field="kind", tag="gate", frozen=True):
-    """What the gate of the delivery warehouses is bound by beside goals and orders."""
+    """The gate's commitments beside goals and orders."""
 
     since: int
-    """The life in which its notes begin."""
+    """The life in which its notes began."""
 
 
 class GateGoal(Part, tag_field="kind", tag="gate_goal", frozen=True):
@@ -339,33 +338,33 @@ class GateGoal(Part, tag_field="kind", tag="gate_goal", frozen=True):
 
     goal: str
     asker: str
-    """The strategist whose word about it counts, and who is told what has arrived."""
+    """The strategist that may change the goal, and that is told about arrivals."""
     admitted: int
     incarnation: int
     number: int
-    """Of the last word about it."""
+    """The number of the last message about it."""
     arrived: int = 0
     heard: int = 0
-    """So many of these its strategist has heard of."""
+    """Arrived pieces that its strategist has confirmed."""
     of: GoalOf | None = None
     brought: tuple[Brought, ...] = ()
 
 
 class GateOrder(Part, tag_field="kind", tag="gate_order", frozen=True):
-    """Who holds an order, as the gate remembers it."""
+    """The holder of an order, as the gate remembers it."""
 
     order: str
     holder: str
     epoch: int
     over: int = 0
     arrived: tuple[int, ...] = ()
-    """Per item, over all goals that it ever had."""
+    """Pieces arrived per item, over all goals of the order."""
     lost_by: str = ""
-    """Who has held it before and has not heard yet that it is lost."""
+    """The previous holder, until it has heard of its loss."""
 
 
 class GoalBooked(Part, frozen=True):
-    """A goal of an order that is not delivered yet; `machine` is empty while nobody has taken it."""
+    """A goal of an undelivered order; `machine` is empty while no machine has taken it."""
 
     goal: str
     work: Production
@@ -373,16 +372,16 @@ class GoalBooked(Part, frozen=True):
     machine: str = ""
     epoch: int = 1
     arrived: int = 0
-    """Pieces that were counted at the gate, and told of; of a part, those that its machine has made."""
+    """Pieces counted at the gate and reported; for a part, those that its machine has made."""
 
 
 class BookMemory(Part, tag_field="kind", tag="book", frozen=True):
-    """The book of a district as one of its keepers remembers it (`dray.protocol.traffic.books.copies`)."""
+    """A replica of a district's book, as its keeper remembers it (`dray.protocol.traffic.books.copies`)."""
 
     epoch: int
-    """The highest that it has promised, or heard of."""
+    """The highest epoch that the keeper has promised or heard of."""
     kept_epoch: int
-    """Of the one who has written the copy."""
+    """The epoch of the keeper that wrote the replica."""
     version: int
     bookings: Bookings = ()
     removed: AllRemoved = ()
@@ -407,13 +406,13 @@ Note = (
 )
 
 CLOSURES = "closures"
-"""The name of a vehicle's note about them: it changes seldom, and its contract often."""
+"""The name of a vehicle's note about closures, kept apart from its contract because it changes seldom."""
 
 WHOLE = ""
-"""The name of an agent's only note, or of that which is about none of its orders. An order's note has its id."""
+"""The name of an agent's only note, or of the one about no order. An order's note has its id."""
 
 Memory = Mapping[str, Note]
-"""Notes by name, in the order in which they were first written; one that is written again keeps its place."""
+"""Notes by name, in the order in which they were first written; a rewritten note keeps its place."""
 
 Changes = Mapping[str, Note | None]
-"""What is to become of notes, by name: None for those that are not needed any more."""
+"""Changed notes by name; None for a note to delete."""

@@ -1,7 +1,7 @@
-"""Overload: the vehicles cannot carry what is asked for. One rule, for the gateway's alert and for the verdict on a run.
+"""Overload: the vehicles cannot carry the demand. One rule, for the gateway's alert and for the verdict on a run.
 
-Announcements reach everybody in the end, and a vehicle that is free takes what waits. So a transport that has waited
-long, and whose coordinator knows of no other reason, has found no vehicle; and many of them at once are no chance.
+Announcements reach all vehicles in the end, and a free vehicle takes waiting work. So a transport that has waited long, without
+another known reason, has found no vehicle. Many such transports at once are no coincidence.
 """
 
 from __future__ import annotations
@@ -12,20 +12,20 @@ WAITED_S = 300.0
 """Factory seconds without a vehicle: three transports of a plant that keeps up take less."""
 
 LEAST = 3
-"""Transports that wait so long at once..."""
+"""Minimum number of such transports."""
 
 PER_VEHICLE = 0.25
-"""...or so many for each vehicle, if that is more."""
+"""Minimum number of such transports per vehicle; the larger minimum counts."""
 
 OVER_FRAC = 0.5
-"""It is over when only this part of them is left: an alert must not come and go with every transport."""
+"""The overload ends at this fraction of the minimum, so that the alert does not flicker."""
 
 
 class Overload:
-    """Whether a plant is overloaded.
+    """Detects whether a plant is overloaded.
 
     Attributes:
-        lasts: whether it was at the last look.
+        lasts: whether it was overloaded at the last look.
         waiting: transports that had waited too long at the last look.
     """
 
@@ -37,12 +37,11 @@ class Overload:
         """Look at the plant's demand.
 
         Args:
-            waited_s: of every transport that has no vehicle and no other trouble, since when it has been announced
-                (factory seconds).
-            vehicles: that are there to carry them.
+            waited_s: seconds since the announcement (factory time), for each transport without a vehicle or another problem.
+            vehicles: number of vehicles available to carry them.
 
         Returns:
-            Whether it is more than these vehicles can carry.
+            Whether the demand exceeds what these vehicles can carry.
         """
         self.waiting = sum(each_s > WAITED_S for each_s in waited_s)
         most = max(LEAST, PER_VEHICLE * vehicles)

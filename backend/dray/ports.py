@@ -1,4 +1,4 @@
-"""Ports: what the worker of an agent needs from the world. The docstrings are guarantees.
+"""Ports: what an agent's worker needs from the world. The docstrings are guarantees.
 
 Every port has one conformance suite in `tests/contracts/` that all of its implementations run:
 `dray_sim` implements them for the simulated world, `dray.adapters` for the real one.
@@ -22,8 +22,8 @@ class Clock(Protocol):
 
     Order: callbacks run in the order of their times; equal times in the order of the calls.
     Blocking: no method blocks. Callbacks run on the loop of the agent, never inside `call_at`.
-    Cancellation: there is none. A callback that is not needed any more must recognise that itself;
-    this keeps the hot path free of handles.
+    Cancellation: there is none. An outdated callback must recognise itself as such; this keeps the hot path free of
+    handles.
     """
 
     def now_s(self) -> float:
@@ -31,23 +31,23 @@ class Clock(Protocol):
         ...
 
     def call_at(self, when_s: float, callback: Callable[[], None]) -> None:
-        """Call back at `when_s`; a time that is past means as soon as possible."""
+        """Call back at `when_s`; a past time means as soon as possible."""
         ...
 
 
 class Session(Protocol):
     """One agent's place on the bus.
 
-    Delivery: at most once, and nobody is told when it fails: the protocol repeats what matters.
+    Delivery: at most once, and failures are not reported: the protocol repeats what matters.
     Order: messages from one sender to one receiver over one kind of call arrive in the order sent,
     as long as the network has no fault; the protocol must not rely on it.
-    Blocking: no method blocks. What cannot be sent is dropped and counted, never queued without bound.
+    Blocking: no method blocks. Messages that cannot be sent are dropped and counted, never queued without bound.
     An agent hears its own publications when it subscribes to them.
 
     Attributes:
-        context: the trace to which it belongs what is being said or heard (W3C traceparent); empty for none.
-            Set before something is said, to be read while something is received. Some ways, such as the
-            radio, have no room for it; it means nothing to the protocol.
+        context: the trace of the message being sent or received (W3C traceparent); empty for none. Set it before
+            sending, and read it while receiving. Some transports, such as the radio, have no room for it. The
+            protocol does not use it.
     """
 
     context: str
@@ -57,15 +57,15 @@ class Session(Protocol):
         ...
 
     def send(self, to: str, message: Message) -> None:
-        """Say it to one agent alone; nobody else hears it. An unknown agent is silence."""
+        """Send it to one agent alone; nobody else hears it. A message to an unknown agent is lost silently."""
         ...
 
     def subscribe(self, key: str) -> None:
-        """Hear what is published on `key` from now on (`*`: one chunk, `**`: any). Twice is once."""
+        """Hear what is published on `key` from now on (`*`: one chunk, `**`: any). Subscribing twice equals once."""
         ...
 
     def unsubscribe(self, key: str) -> None:
-        """Hear it no longer, except what is already under way."""
+        """Stop hearing it, except for messages already under way."""
         ...
 
     def leave(self) -> None:
@@ -74,24 +74,23 @@ class Session(Protocol):
 
 
 class Bus(Protocol):
-    """Where agents meet. There may be any number of agents; none of them is special.
+    """The agents' message bus. There may be any number of agents; none of them is special.
 
-    Who may say what: before anybody hears a message, `dray.messages.speakers.objection` is asked. What is refused
-    reaches nobody, and is counted by reason.
+    Access: `dray.messages.speakers.objection` checks every message before it is delivered. A refused message reaches
+    nobody and is counted by reason.
     """
 
     def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
         """Take part as `agent`.
 
-        Of several lives of one agent the latest stays, wherever they are and whichever joined first, and the others
-        leave. Without clocks: a process that hung while its computer's clock was put back must not win over its
-        restart.
+        If several lives of one agent join, the latest life stays, wherever it is and whichever joined first; the others leave. The
+        rule uses no clocks: a hung process whose computer's clock was set back must not win over its restart.
 
         Args:
             agent: its id.
             receive: hears what is said to it.
-            life: its incarnation (`Journal`). 0 for who keeps no journal: it gives way to whoever joins after it in the
-                same process, or with a life elsewhere.
+            life: its incarnation (`Journal`). 0 for an agent without a journal: it gives way to any later join in the
+                same process, and to any life elsewhere.
         """
         ...
 
@@ -99,9 +98,9 @@ class Bus(Protocol):
 class Journal(Protocol):
     """One agent's durable notes: they outlive its process, and nobody else reads them.
 
-    Atomic: one `write` is there after a restart wholly or not at all. Order: it is durable when the call
-    returns. Blocking: a call may take as long as a small write to a local disk. Bounded: old events are
-    dropped, oldest first, over all lives.
+    Atomic: after a restart one `write` is there wholly or not at all. Order: it is durable when the call
+    returns. Blocking: a call may take as long as a small write to a local disk. Bounded: the oldest events
+    are dropped first, over all lives.
     """
 
     @property
@@ -111,31 +110,30 @@ class Journal(Protocol):
 
     @property
     def memory(self) -> Memory:
-        """The notes as they were written last, in the order in which each was first written; read anew each time."""
+        """The notes as last written, in the order in which each was first written; read anew each time."""
         ...
 
     @property
     def lost(self) -> str:
-        """Why nothing is remembered though the agent has lived before; empty when that is not so.
+        """Why nothing is remembered though the agent has lived before; empty otherwise.
 
-        It is said until a life has written its first events: that life's number is greater than all before, too.
+        It is given until a life has written its first events: that life's number is also greater than all before.
         """
         ...
 
     def write(self, events: Sequence[Event], changes: Changes) -> None:
-        """Keep these events until they are old, and replace or forget these notes; all others stay.
+        """Store these events until they are old, and replace or delete these notes; other notes stay.
 
-        It costs as much as what is given, whatever else is kept.
-        The numbers of events go on from those of the same life that were written before.
+        The cost depends only on the given events and notes. Event numbers continue those of the same life.
         """
         ...
 
     def kept(self, incarnation: int) -> tuple[int, int]:
-        """The first and the last number of the kept events of one life; (1, 0) when there are none."""
+        """The first and the last number of the stored events of one life; (1, 0) when there are none."""
         ...
 
     def events(self, incarnation: int, first: int, last: int) -> list[Event]:
-        """The kept events of one life with these numbers, both ends included, in order."""
+        """The stored events of one life with these numbers, both ends included, in order."""
         ...
 
 
@@ -148,11 +146,11 @@ class Body(Protocol):
     """
 
     def instruct(self, instruction: Instruction) -> None:
-        """Do this, beginning now."""
+        """Carry this out, beginning now."""
         ...
 
     def sense(self) -> BodyState:
-        """How things are at this moment. Changes nothing."""
+        """The body's present state. Changes nothing."""
         ...
 
     def attach(self, report: Callable[[Report], None]) -> None:

@@ -1,7 +1,7 @@
-"""How soon something is wanted: a priority becomes a time, and by such times agents sort and price work.
+"""Priorities: each becomes a wanted time, and agents sort and price work by it.
 
-Nobody passes for ever. What was released after an order's wanted time is wanted later than that, whatever its priority,
-since no wanted time lies before its release. So from its wanted time on an order is passed only by what was there before.
+Nothing is overtaken for ever. Work released after an order's wanted time is wanted later than that, in any priority: no
+wanted time lies before the release. From its wanted time on, only earlier released work overtakes an order.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ SHIFT_S = 8 * 3600.0
 
 
 class Priority(StrEnum):
-    """How soon something is wanted."""
+    """The urgency of an order or transport."""
 
     LOW = "low"
     NORMAL = "normal"
@@ -26,9 +26,9 @@ TRANSPORT_WITHIN_S = {
     Priority.NORMAL: 900.0,
     Priority.LOW: 3600.0,
 }
-"""Plant seconds within which a plain transport is wanted where no time is given; of high and urgent ones at the latest. Of what waits
-the vehicles take first what was wanted first, and all counts as wanted five minutes after it was given out (`auction_rules.PATIENCE_S`): from then on it is
-passed only by what had been called for before."""
+"""Plant seconds within which a plain transport without a given time is wanted; for high and urgent ones the upper bound. Vehicles take
+waiting work by wanted time. Five minutes after its announcement (`auction_rules.PATIENCE_S`) a transport counts as wanted; after that
+only earlier calls overtake it."""
 
 ORDER_WITHIN_S = {
     Priority.URGENT: 900.0,
@@ -36,14 +36,14 @@ ORDER_WITHIN_S = {
     Priority.NORMAL: SHIFT_S,
     Priority.LOW: 2 * SHIFT_S,
 }
-"""The same for an order, from its release on: the small ones take some 20 minutes in a quiet plant."""
+"""The same for an order, from its release on: small ones take some 20 minutes in a quiet plant."""
 
 LOW_STANDS_BACK_S = SHIFT_S
-"""Plant seconds by which an order of low priority is wanted later than it is due: it lets pass what is due a shift later."""
+"""Plant seconds between the due time and the wanted time of an order of low priority: it lets pass work due within a shift."""
 
 
 def order_wanted_s(priority: Priority, released_s: float, due_s: float | None, per_s: float = 1.0) -> float:
-    """When an order is wanted: what agents are told as its time.
+    """The wanted time of an order, as agents are told it.
 
     Args:
         priority: of the order.

@@ -1,4 +1,4 @@
-"""The steps of the paper's cases and experiments: one list, for who plays them (`dray_sim`) and for the panel that tells of them."""
+"""The steps of the paper's cases and experiments, shared by the player (`dray_sim`) and the panel."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class ScenarioStep(StrEnum):
-    """What happens in a scenario; the names of those it happens to are told beside it."""
+    """An event in a scenario; the names of the agents concerned are told beside it."""
 
     ORDERED = "ordered"
     """An order is placed."""
@@ -30,7 +30,7 @@ class ScenarioStep(StrEnum):
     ALL_HEAR = "all_hear"
 
     RELAYED = "relayed"
-    """A heartbeat comes over a neighbour."""
+    """A neighbour relays a heartbeat."""
     HELP_ASKED = "help_asked"
     HELP_PROMISED = "help_promised"
     STOPPED = "stopped"
@@ -42,7 +42,7 @@ class ScenarioStep(StrEnum):
     AUCTIONED = "auctioned"
     """The machine has put the task up for auction again."""
     FOUND_CARRIER = "found_carrier"
-    """A task that nobody could bid for has found its contract."""
+    """A task without bidders has found its contract."""
     DELIVERED = "delivered"
     """The material is handed over."""
     LINK_REPAIRED = "link_repaired"

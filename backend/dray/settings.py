@@ -1,7 +1,7 @@
-"""Settings: what an operator of the software may choose, read from ``DRAY_...`` variables.
+"""Settings that an operator of the software may choose, read from ``DRAY_...`` variables.
 
-Every field has a unit and a reason for its default. Command line options override variables; both
-are checked here, and nowhere else is the environment read.
+Every field has a unit and a reason for its default. Command line options override variables. Both are checked here;
+no other module reads the environment.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from dray.shift_times import checked_shifts
 PREFIX = "DRAY_"
 
 SECRETS = Path("/run/secrets")
-"""Where containers find their secrets: a file for each, named as its variable, in small letters."""
+"""The folder in which containers find secrets: one file each, named as the variable in small letters."""
 
 ALIKE = 0.9
-"""Of two names (`difflib`): a letter too few or wrong is alike, another word is not."""
+"""The least similarity (`difflib`) at which two names count as alike: a missing or wrong letter, not another word."""
 
 FORMER = {f"{PREFIX}{kind}_KEPT": f"{PREFIX}{kind}_DAYS" for kind in ("EVENTS", "SAMPLES", "AUDIT")}
-"""Variables that were settings once, and what has taken their place."""
+"""Former variables, and the ones that replaced them."""
 
 _LINE = re.compile(r"\s*(#.*|(export\s+)?\w+\s*=.*)?")
-"""Of a settings file: a variable, a comment, or nothing."""
+"""A line of a settings file: a variable, a comment, or nothing."""
 
 _NAMED = re.compile(rf"^\s*(?:export\s+)?({PREFIX}\w+)\s*=", re.MULTILINE)
 """A variable that a line of a settings file names."""
@@ -44,7 +44,7 @@ _DRIVERS = {
     "postgresql": "postgresql+asyncpg",
     "postgresql+asyncpg": "postgresql+asyncpg",
 }
-"""The databases we run on, by the way people write them, and the asynchronous driver of each."""
+"""The supported databases as people write them, and the asynchronous driver of each."""
 
 
 def _database_url(url: str) -> str:
@@ -63,7 +63,7 @@ def host_and_port(address: str) -> tuple[str, int]:
     """The parts of HOST:PORT; an IPv6 address as host stands in brackets, as [::1]:9101.
 
     Raises:
-        ValueError: it is no such thing.
+        ValueError: it has another form.
     """
     host, _, port = address.rpartition(":")
     if host.startswith("[") and host.endswith("]"):
@@ -130,10 +130,10 @@ Several = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_several)]
 """Several in one variable, with commas between."""
 
 Addresses = Annotated[Several, AfterValidator(_addresses)]
-"""Likewise, HOST:PORT each."""
+"""Several of HOST:PORT, with commas between."""
 
 Networks = Annotated[tuple[IPvAnyNetwork, ...], NoDecode, BeforeValidator(_several)]
-"""Likewise, as 10.8.0.0/16."""
+"""Several networks as 10.8.0.0/16, with commas between."""
 
 
 class Settings(Keeping):
@@ -142,59 +142,59 @@ class Settings(Keeping):
     model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="ignore", env_ignore_empty=True)
 
     database_url: Annotated[str, AfterValidator(_database_url)] = "sqlite+aiosqlite:///dray.db"
-    """A file in the working folder: an embedded start needs no server."""
+    """The default file lies in the working folder, so that an embedded start needs no server."""
 
     database_password: SecretStr | None = None
-    """Put into the URL, so that the URL itself is no secret; best given as a file (see `SECRETS`)."""
+    """Inserted into the URL, so that the URL itself is no secret; best given as a file (see `SECRETS`)."""
 
     host: Annotated[str, Field(min_length=1)] = "127.0.0.1"
-    """This machine only, until somebody decides who else may reach the panels."""
+    """The default is this machine only, until somebody decides who else may reach the panels."""
 
     port: Annotated[int, Field(ge=0, le=65_535)] = 8000
     """TCP port; 0 lets the system choose one."""
 
     stop_port: Annotated[int | None, Field(ge=0, le=65_535)] = None
-    """TCP port for stops alone, which nothing else can fill; by default the one after `port`, or any where that is taken."""
+    """TCP port for stops alone, so that no other traffic fills it; by default the one after `port`, or any if that is taken."""
 
     stop_url: Annotated[str, AfterValidator(_public_url)] = ""
-    """Where browsers reach that port, as https://dray.example.com:8444, when a proxy stands before it; by default
-    it is on the panel's own host, for pages that come by http."""
+    """The address of that port for browsers, as https://dray.example.com:8444, behind a proxy. By default it is on the
+    panel's own host, for pages that come by http."""
 
     public_url: Annotated[str, AfterValidator(_public_url)] = ""
-    """Under which address people and customers know this gateway, as https://dray.example.com: links to tracking
-    pages begin with it. By default they begin with the address that was asked."""
+    """The address of this gateway for people and customers, as https://dray.example.com: links to tracking pages begin
+    with it. By default they begin with the address of the request."""
 
     allowed_hosts: Several = ()
-    """Several names, with commas, under which this gateway may be asked, beside those of this machine, of `host` and
-    of `public_url`; * for any. Addresses of numbers are always allowed."""
+    """Accepted host names of requests, with commas, beside those of this machine, of `host` and of `public_url`; * for any.
+    Numeric addresses are always allowed."""
 
     connections: Annotated[int, Field(ge=16, le=60_000)] = 512
     """Open connections at once, except for stops: more than twice the browsers of a large plant."""
 
     connections_each: Annotated[int, Field(ge=4, le=60_000)] = 128
-    """Of one address, unless it is a trusted proxy's: twenty browser tabs. A tablet has two or three."""
+    """Open connections per address, except for trusted proxies: twenty browser tabs. A tablet has two or three."""
 
     log_level: Literal["debug", "info", "warning", "error"] = "info"
-    """What a person who starts it by hand wants to read."""
+    """The default suits a person who starts it by hand."""
 
     log_format: Literal["text", "json"] = "text"
     """`json`: one object in a line, with agents' facts by task and epoch; for programs, not for people."""
 
     trace_url: Annotated[str, AfterValidator(_web_address)] = ""
-    """Where traces go (OTLP over HTTP), as http://127.0.0.1:4318/v1/traces; empty: nobody traces anything."""
+    """The receiver of traces (OTLP over HTTP), as http://127.0.0.1:4318/v1/traces; empty: no tracing."""
 
     trace_share_frac: Annotated[float, Field(ge=0, le=1)] = 1.0
-    """This part of all tasks is traced, and each of them wholly; a plant of hundreds of vehicles wants less."""
+    """The fraction of tasks that is traced, each of them wholly; a plant of hundreds of vehicles wants less."""
 
     metrics_listen: Annotated[str, AfterValidator(_address)] = ""
-    """HOST:PORT where this process tells Prometheus its metrics, with no login; empty: nowhere. Port 0 is any, which the log names."""
+    """HOST:PORT of this process's Prometheus metrics, without login; empty: none. Port 0 takes any; the log names it."""
 
     admin_token: SecretStr | None = None
-    """The administrator's bearer token, which may do everything; `dray up` makes one when it is absent."""
+    """The administrator's bearer token, which allows everything; `dray up` makes one when it is absent."""
 
     trusted_proxies: str = ""
-    """Several, with commas between them, of proxies whose X-Forwarded-For and X-Forwarded-Proto are true.
-    None: anybody could write these headers."""
+    """Proxies, with commas, whose X-Forwarded-For and X-Forwarded-Proto are believed. The default is none, because
+    anybody could write these headers."""
 
     key_rate_hz: Annotated[float, Field(gt=0, le=10_000)] = 20.0
     """Requests per second that one API key may make for long: more than an ERP system places orders."""
@@ -203,140 +203,140 @@ class Settings(Keeping):
     """Requests that one API key may make at once: a day's orders in one go."""
 
     body_limit_bytes: Annotated[int, Field(ge=1024, le=64 * 2**20)] = 2**20
-    """1 MiB: the longest honest body, an order of 50 items, has some 10 kB."""
+    """1 MiB: the longest legitimate body, an order of 50 items, has some 10 kB."""
 
     command_timeout_s: Annotated[float, Field(gt=0, le=60)] = 3.0
-    """Wall seconds to wait for a vehicle's word: as long as a panel waits before it turns amber."""
+    """Wall seconds to wait for a vehicle's answer: as long as a panel waits before it turns amber."""
 
     stream_rate_hz: Annotated[float, Field(gt=0, le=60)] = 10.0
-    """Frames per wall second to browsers: motion is interpolated, so more would only cost."""
+    """Frames per wall second to browsers: motion is interpolated, so more frames would add only cost."""
 
     stream_queue_frames: Annotated[int, Field(ge=1, le=1024)] = 32
-    """Frames kept for one slow browser: some three seconds, then a fresh snapshot is cheaper."""
+    """Frames queued for one slow browser: some three seconds; beyond that a fresh snapshot is cheaper."""
 
     stream_clients: Annotated[int, Field(ge=1, le=10_000)] = 200
-    """Browsers at once: every one costs a queue; a plant has some tens of panels."""
+    """Browsers at once: each one costs a queue, and a plant has some tens of panels."""
 
     stream_clients_each: Annotated[int, Field(ge=1, le=10_000)] = 16
-    """Of one person, key or the administrator: screens and tabs, and no more than others can spare."""
+    """Browsers at once per person, key or administrator: screens and tabs, without starving others."""
 
     historian_linger_s: Annotated[float, Field(ge=0, le=10)] = 0.2
-    """Wall seconds in which events are gathered for one write: five syncs to disk per second at most."""
+    """Wall seconds for which events are gathered before one write: at most five syncs to disk per second."""
     shifts: Annotated[str, AfterValidator(checked_shifts)] = "early 06:00, late 14:00, night 22:00"
-    """Names of shifts and when each begins, by the clock of whoever looks; each ends where the next one begins."""
+    """Names and start times of shifts, in the viewer's local time; each ends where the next one begins."""
     operator_names: Literal["code", "name"] = "code"
-    """What of a person on duty is told on the bus and to colleagues: a code of the day, or the name."""
+    """What the bus and colleagues are told of a person on duty: a code of the day, or the name."""
 
     gateway_name: Annotated[str, AfterValidator(_agent_name)] = "gateway"
-    """On the bus; several gateways of one plant need a name each, and a certificate for it."""
+    """The agent name on the bus; several gateways of one plant need a name each, and a certificate for it."""
 
     plant_file: Path | None = None
-    """None for the default plant of 12 machines and 8 vehicles."""
+    """The plant file; None for the default plant of 12 machines and 8 vehicles."""
 
     strategists: Annotated[int, Field(ge=1, le=9)] = 1
-    """How many share the orders, each a process of its own: strategist, strategist2 and so on. Two outlive the failure of one; each
-    notes all orders, so more cost more. The same for all processes of a plant."""
+    """Number of strategists that share the orders, each its own process: strategist, strategist2 and so on. Two survive the failure of
+    one; each notes all orders, so more cost more. The same for all processes of a plant."""
 
     bus_listen: Addresses = ()
-    """HOST:PORT, several with commas: where other agents reach this one. Without any it only calls."""
+    """HOST:PORT, several with commas: where other agents reach this one. Without any, this agent only calls."""
 
     bus_peers: Addresses = ()
-    """HOST:PORT, several with commas: whom this agent calls. One that is there is enough: others relay."""
+    """HOST:PORT, several with commas: the agents that this one calls. One reachable peer is enough: others relay."""
 
     bus_multicast: bool = False
-    """Find others on the same network by multicast, which many factory networks do not let through."""
+    """Find other agents on the same network by multicast, which many factory networks block."""
 
     bus_certificates: Path | None = None
     """The folder with authority.pem and this agent's certificate and key (`dray certs`)."""
 
     bus_plain: bool = False
-    """TCP without certificates: for a network that nobody else can reach, and for trying things."""
+    """TCP without certificates: for an isolated network, and for experiments."""
 
     bus_lease_s: Annotated[float, Field(ge=0.2, le=60)] = 2.0
-    """A link that is silent for so long is gone round: sooner than a silent vehicle is suspected (3.5 s)."""
+    """Seconds of silence after which traffic avoids a link: sooner than a silent vehicle is suspected (3.5 s)."""
 
     bus_apart: bool = False
-    """Wired processes never reach one another over vehicles: take nothing of theirs from a link with a vehicle."""
+    """Wired processes never reach one another over vehicles: ignore their messages on links with vehicles."""
 
     bus_radio: Networks = ()
-    """Networks of the vehicles' own radio, as 10.8.0.0/16, several with commas: a vehicle whose links are all
-    on these is without WLAN. Without any, every link is taken for WLAN."""
+    """Networks of the vehicles' own radio, as 10.8.0.0/16, several with commas. A vehicle whose links are all on these
+    is without WLAN. By default every link counts as WLAN."""
 
     journal_folder: Path = Path("journals")
-    """Where agents write down what binds them; in service a folder that outlives an update."""
+    """The folder of the agents' journals; in service it must outlive an update."""
 
     starts_again: bool = False
-    """Whoever runs an agent starts it again when it has left: people may then restart a machine's agent from a tablet."""
+    """Whether a service manager restarts an agent that has left; then people may restart a machine's agent from a tablet."""
 
     leave_s: Annotated[float, Field(ge=0, le=3600)] = 330.0
-    """Real seconds in which an agent may shut down gracefully (SIGTERM); then it ends at once. A vehicle with a load
-    needs up to 300, at real time; the service manager's own patience must be longer."""
+    """Real seconds for an agent's graceful shutdown (SIGTERM); then it ends at once. A loaded vehicle needs up to 300 at
+    real time. The service manager's timeout must be longer."""
 
     trusted_keys: Several = ()
-    """Public keys of gateways in hex, several with commas: whose grants of people's commands vehicles believe."""
+    """Public keys of gateways in hex, several with commas: vehicles believe the grants that these keys signed."""
 
     traffic: bool = True
-    """Vehicles take up room, and drive with right of way. The same for all agents of a plant."""
+    """Vehicles occupy space, and drive with right of way. The same for all agents of a plant."""
 
     traffic_log: Path | None = None
-    """A folder where each agent writes down what it says and hears of right of way, to be judged afterwards."""
+    """The folder of the agents' right-of-way message logs, for later analysis."""
 
     body: Literal["floor", "vda5050", "controller", "opcua", "mqtt", "people"] = "floor"
     """Simulated, on a floor; a real vehicle by VDA 5050 (docs/vehicles.md); a station's or the gate's controller (docs/stations.md);
     a machine's or a storage's controller by OPC UA, by single values on topics, or people with a tablet (docs/machines.md)."""
 
     mapping: Path | None = None
-    """Of a machine's or a storage's controller: the file that says which of its nodes or topics are which signals."""
+    """The file that maps a controller's nodes or topics to signals, for a machine or a storage."""
 
     opcua_password: SecretStr | None = None
-    """Of the user that the mapping names; best given as a file (see `SECRETS`)."""
+    """The password of the mapping's user; best given as a file (see `SECRETS`)."""
 
     foreign: Several = ()
-    """Several, with commas: vehicles with a body of their own (`vda5050`) that work at places of a simulated floor. The floor
-    counts what they say they have picked and dropped. The same for the floor and for their agents."""
+    """Vehicles with their own bodies (`vda5050`) that work at places of a simulated floor, with commas. The floor counts
+    the picks and drops that they report. The same for the floor and for their agents."""
 
     broker: Annotated[str, AfterValidator(_broker)] = ""
-    """Of a real body: mqtt://HOST:1883, or mqtts://HOST:8883 for TLS."""
+    """The broker of a real body: mqtt://HOST:1883, or mqtts://HOST:8883 for TLS."""
 
     broker_user: str = ""
-    """By which the agent logs in there; empty: without."""
+    """The agent's user name at the broker; empty for none."""
 
     broker_password: SecretStr | None = None
     """Best given as a file (see `SECRETS`)."""
 
     broker_authority: Path | None = None
-    """Who has signed the broker's certificate, as PEM; by default whom the computer trusts."""
+    """The authority of the broker's certificate, as PEM; by default those that the computer trusts."""
 
     broker_certificate: Path | None = None
-    """The agent's own, as PEM, where the broker asks for one."""
+    """The agent's own certificate, as PEM, where the broker asks for one."""
 
     broker_key: Path | None = None
-    """Of that certificate; it may be in the same file."""
+    """The key of that certificate; it may be in the same file."""
 
     manufacturer: Annotated[str, AfterValidator(_topic)] = ""
-    """Of a real vehicle, as its topics name it."""
+    """A real vehicle's manufacturer, as its topics name it."""
 
     serial: Annotated[str, AfterValidator(_topic)] = ""
-    """Likewise its serial number."""
+    """A real vehicle's serial number, as its topics name it."""
 
     profile: str = "default"
-    """What a real vehicle understands: a file, or the name of one that is shipped."""
+    """A real vehicle's profile: a file, or the name of one that is shipped."""
 
     vehicle_log: Path | None = None
-    """A folder where the agent of a real vehicle writes down its dialogue, for `dray vehicle replay`."""
+    """The folder of a real vehicle's dialogue logs, for `dray vehicle replay`."""
 
     plant_speed: Annotated[float, Field(gt=0, le=50)] = 1.0
     """Factory seconds per real second; above 1 only with simulated bodies. The same for all agents."""
 
     plant_epoch_s: Annotated[float, Field(ge=0)] = 0.0
-    """The moment of unix time at which the plant's clock showed the same; matters when its speed is not 1."""
+    """The unix time at which the plant's clock showed the same; matters when its speed is not 1."""
 
     @classmethod
     def load(cls, settings_file: Path | None = None, **options: object) -> Self:
         """Read the environment, and the files of `SECRETS`, which the environment overrides.
 
         Args:
-            settings_file: lines like `DRAY_PORT=8000`, for what the environment does not say.
+            settings_file: lines like `DRAY_PORT=8000`; the environment overrides them.
             options: command line options that were given; None means not given.
 
         Raises:
@@ -345,7 +345,7 @@ class Settings(Keeping):
         if settings_file is not None:
             _check_file(settings_file)
         given = {name: value for name, value in options.items() if value is not None}
-        # A folder that is not there would be warned of.
+        # The settings library warns about a missing folder.
         secrets = {"_secrets_dir": SECRETS} if SECRETS.is_dir() else {}
         try:
             settings = cls(_env_file=settings_file, **given, **secrets)  # type: ignore[call-arg, arg-type]
@@ -362,12 +362,12 @@ class Settings(Keeping):
 
 
 def misspelt(settings_file: Path | None = None) -> dict[str, str]:
-    """Variables that are no setting, and look like one or were one, and the one that may be meant.
+    """Variables that resemble settings or are former ones, each with the likely intended one.
 
-    Others may be somebody else's, or another version's.
+    Other unknown variables may belong to another program or version.
 
     Args:
-        settings_file: is read, too; one that `Settings.load` has read.
+        settings_file: a file to check, too, which `Settings.load` has read.
     """
     names = set(os.environ)
     if settings_file is not None:
@@ -399,7 +399,7 @@ def _with_password(url: str, password: str) -> str:
     scheme, _, rest = url.partition("://")
     account, at, place = rest.partition("@")
     user, mark, known = account.partition(":")
-    # A process that has started this one may have put the password there already.
+    # The process that started this one may have inserted the password already.
     if not at or (mark and unquote(known) != password):
         reason = "DRAY_DATABASE_URL must name a user and no password, as postgresql://user@host/name"
         raise SettingsError("DRAY_DATABASE_PASSWORD", reason)

@@ -1,8 +1,8 @@
-"""What can be read from JSON, made ready before a process has a second thread.
+"""JSON decoding tables, built before a process has a second thread.
 
-msgspec makes a type's table of fields when the type is first read or converted to. Two threads that are the first at the same
-moment end the process (seen with msgspec 0.22.0: the table can be seen before it is filled). So a process that
-reads on several threads has all tables made while it has one.
+msgspec builds a type's table of fields on the first decoding or conversion. If two threads do that first at the same moment, the process
+crashes (seen with msgspec 0.22.0: the second thread sees a table that is not filled yet). So a process that decodes on several threads
+builds all tables while it has one.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import msgspec
 def prepare_shapes() -> None:
     """Make the table of fields of every message, fact, view and row that this process has imported.
 
-    What cannot be read (a union of types without tags, say) is passed over: nobody reads it on any thread.
+    Types that cannot be decoded (a union without tags, say) are skipped: no thread decodes them.
     """
     for shape in _below(msgspec.Struct):
         try:

@@ -24,7 +24,7 @@ def shifts_of(text: str) -> tuple[tuple[str, int], ...]:
 
 
 def checked_shifts(text: str) -> str:
-    """The same text, once it can be read.
+    """Check the text, and return it unchanged.
 
     Raises:
         ValueError: as `shifts_of`.

@@ -1,4 +1,4 @@
-"""States with a table of what may follow what: the one place in which a state is changed."""
+"""States with a table of transitions: the only place that changes a state."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from dray.errors import ProtocolViolation
 S = TypeVar("S", bound=StrEnum)
 
 Transitions = Mapping[S, Mapping[S, str]]
-"""For each state those that may follow, and what leads there."""
+"""The allowed next states of each state, with the cause of each."""
 
 
 class States(Generic[S]):
-    """The state of one thing.
+    """The state of one object.
 
     Args:
-        what: the thing, for the error.
+        what: the object's name, for the error.
         transitions: its table.
-        first: where it begins.
+        first: the initial state.
 
     Attributes:
         now: its present state.
@@ -37,7 +37,7 @@ class States(Generic[S]):
         """Change the state.
 
         Raises:
-            ProtocolViolation: the table does not have it. The fault is ours.
+            ProtocolViolation: the table does not allow it. The fault is ours.
         """
         if state not in self._transitions[self.now]:
             raise ProtocolViolation(f"{self._what} that is {self.now} cannot become {state}")

@@ -1,8 +1,8 @@
-"""A supervisor: tasks that serve others go on, whatever one message makes of them.
+"""A supervisor: serving tasks continue, whatever error one message causes.
 
-What fails is our own bug: it is said at ERROR with where it was, counted, and the task is started again. It waits longer each time, so that
-one that fails at once does not keep the processor busy. A task that has one message at a time in hand need not end at all: it counts the
-failure (`Failures`) and takes the next message. A task that looks from time to time (`keep_looking`) goes on when the database is away.
+A failure is our own bug. The supervisor logs it at ERROR with its traceback, counts it, and restarts the task. The delay grows each
+time, so that a task that fails at once does not load the processor. A task that handles one message at a time need not end: it
+counts the failure (`Failures`) and takes the next message. A periodic task (`keep_looking`) continues while the database is away.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from collections.abc import Awaitable, Callable
 from dray.errors import UnavailableError
 
 FIRST_S, MOST_S = 1.0, 60.0
-"""A task that has failed is started again after this, doubled each time. One that has run for the longest is new again."""
+"""Seconds before the first restart, doubled up to the second value. A task that has run for the latter counts as new."""
 
 _log = logging.getLogger(__name__)
 
 
 class Supervisor:
-    """Of the tasks of one process.
+    """Restarts the tasks of one process.
 
     Attributes:
-        restarts: task -> how often it has failed and was started again.
+        restarts: task -> number of restarts after failures.
     """
 
     def __init__(self) -> None:
@@ -35,8 +35,8 @@ class Supervisor:
         """Run a task until it ends by itself or is cancelled.
 
         Args:
-            name: of the task, in metrics and logs.
-            run: begins it; called again after each failure, and goes on with what it finds.
+            name: the task's name, in metrics and logs.
+            run: the task; called again after each failure, and continues from the present state.
         """
         clock, wait_s = asyncio.get_running_loop(), FIRST_S
         self.restarts[name] += 0
@@ -62,13 +62,13 @@ async def keep_looking(
     *,
     at_once: bool = False,
 ) -> None:
-    """Look from time to time, until cancelled; what is away now is there at a later look.
+    """Look periodically, until cancelled; a later look retries after an outage.
 
     Args:
         look: one look.
-        every_s: wall seconds between the end of one and the next.
-        away: told why a look could not be done.
-        at_once: the first look does not wait.
+        every_s: wall seconds between the end of one look and the next.
+        away: called with the reason why a look failed.
+        at_once: whether the first look happens without a delay.
     """
     if not at_once:
         await asyncio.sleep(every_s)
@@ -81,16 +81,16 @@ async def keep_looking(
 
 
 class Failures:
-    """Messages that could not be dealt with, by our own fault: counted, and said at ERROR. From any thread.
+    """Messages whose handling failed by our own fault: counted, and logged at ERROR. Thread-safe.
 
-    The first failure of each kind is said with where it was, and then each time that their number has doubled: a peer that says the same ten times a
-    second does not fill the log.
+    The first failure of each kind is logged with its traceback. Later it is logged whenever the count has doubled, so that ten
+    equal messages a second do not fill the log.
 
     Args:
-        whose: they are, for the log.
+        whose: the owner of the messages, for the log.
 
     Attributes:
-        counts: kind of message -> how many have failed. Kinds are few and fixed.
+        counts: kind of message -> number of failures. Kinds are few and fixed.
     """
 
     def __init__(self, whose: str) -> None:
@@ -100,14 +100,14 @@ class Failures:
 
     @property
     def total(self) -> int:
-        """How many have failed, of all kinds."""
+        """The number of failures of all kinds."""
         return self.counts.total()
 
     def tell(self, kind: str, listener: Callable[..., None], *args: object) -> None:
-        """Tell a listener something; what one message makes of it ends nothing.
+        """Call a listener; an error in handling one message ends nothing.
 
         Raises:
-            UnavailableError: the listener has: without its disk, say, it could promise nothing.
+            UnavailableError: raised by the listener: without its disk, say, it could promise nothing.
         """
         try:
             listener(*args)
@@ -117,7 +117,7 @@ class Failures:
             self.note(kind)
 
     def note(self, kind: str) -> None:
-        """Count the exception that is being handled, and say it."""
+        """Count and log the exception being handled."""
         with self._lock:
             self.counts[kind] += 1
             count = self.counts[kind]

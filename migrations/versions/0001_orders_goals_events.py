@@ -1,4 +1,4 @@
-"""Orders, goals, events and what else the first Dray keeps.
+"""Orders, goals, events and the other tables of the first Dray.
 
 Revision: 0001, the first
 """

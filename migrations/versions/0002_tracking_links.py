@@ -1,6 +1,6 @@
-"""Customers' links that can be taken back and can expire.
+"""Customers' links that can be revoked and can expire.
 
-Every order that there is gets a row for the link that came with it.
+Every existing order gets a row for the link that came with it.
 
 Revision: 0002, after 0001
 """
@@ -18,7 +18,7 @@ branch_labels = None
 depends_on = None
 
 ROWS_AT_ONCE = 1000
-"""Orders read at once: an old factory may have very many."""
+"""Maximum orders read at once: an old factory may have very many."""
 
 
 def upgrade() -> None:

@@ -1,4 +1,4 @@
-"""Who is who: people, their sessions, links and areas, keys of other systems, and the audit log.
+"""Access: people, their sessions, links and areas, keys of other systems, and the audit log.
 
 Revision: 0003, after 0002
 """

@@ -1,4 +1,4 @@
-"""How often orders were released, and when they were taken back.
+"""The number of an order's releases, and the time of its revocation.
 
 Revision: 0004, after 0003
 """

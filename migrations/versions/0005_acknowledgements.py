@@ -1,4 +1,4 @@
-"""Who has taken on which alert.
+"""Acknowledgements of alerts.
 
 Revision: 0005, after 0004
 """

@@ -1,4 +1,4 @@
-"""What every wall minute has added to the factory's figures.
+"""Samples of the factory's figures by wall minutes.
 
 Revision: 0006, after 0005
 """

@@ -1,4 +1,4 @@
-"""Agents that were shut out.
+"""Exclusions of agents.
 
 Revision: 0007, after 0006
 """

@@ -1,4 +1,4 @@
-"""When something of an order has changed last, and indexes by which orders are found.
+"""The time of an order's last change, and indexes for finding orders.
 
 Revision: 0008, after 0007
 """

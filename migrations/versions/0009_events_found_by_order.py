@@ -1,6 +1,6 @@
-"""Events are found by what they are about and their kind together, and by their kind and the plant's time.
+"""Indexes of events by subject and kind, and by kind and plant time.
 
-With either alone a database without statistics may read all events of a kind, which are most of a history.
+With single indexes a database without statistics may read all events of a kind, which are most of a history.
 
 Revision: 0009, after 0008
 """

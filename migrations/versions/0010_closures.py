@@ -1,4 +1,4 @@
-"""What people have closed to vehicles.
+"""Closures for vehicles.
 
 Revision: 0010, after 0009
 """

@@ -1,4 +1,4 @@
-"""What vehicles did on each lane, by wall hours.
+"""The traffic of vehicles on each lane, by wall hours.
 
 Revision: 0011, after 0010
 """

@@ -1,4 +1,4 @@
-"""Vehicles that people have carried away, or are putting back.
+"""Removals: vehicles that people have carried away, or are putting back.
 
 Revision: 0012, after 0011
 """

@@ -1,4 +1,4 @@
-"""The time in which vehicles were out of service by a person's word is counted apart.
+"""Separate counts of the time in which people had taken vehicles out of service.
 
 Revision: 0013, after 0012
 """

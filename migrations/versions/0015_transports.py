@@ -1,4 +1,4 @@
-"""Plain transports, for which people and programs ask.
+"""Plain transports of people and programs.
 
 Revision: 0015, after 0014
 """

@@ -1,4 +1,4 @@
-"""Products as people define them.
+"""Products defined by people.
 
 Revision: 0016, after 0015
 """

@@ -1,4 +1,4 @@
-"""Closures of parts of the floor that people have drawn.
+"""Closures of drawn parts of the floor.
 
 Revision: 0017, after 0016
 """

@@ -1,4 +1,4 @@
-"""What panels showed, and what agents did.
+"""Recordings of the panels' view, and spells of agents.
 
 Revision: 0018, after 0017
 """

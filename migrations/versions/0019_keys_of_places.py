@@ -1,4 +1,4 @@
-"""Keys that call for transports to and from one place only.
+"""Keys for transports to and from one place only.
 
 Revision: 0019, after 0018
 """

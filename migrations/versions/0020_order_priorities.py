@@ -1,4 +1,4 @@
-"""How soon orders are wanted.
+"""Priorities of orders.
 
 Revision: 0020, after 0019
 """

@@ -1,4 +1,4 @@
-"""Changes of orders: how many there were, how many the strategist has taken, and how many pieces the last one asks for.
+"""Changes of orders: their number, the last accepted one, and the pieces that the last one asks for.
 
 Revision: 0021, after 0020
 """

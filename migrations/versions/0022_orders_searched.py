@@ -1,4 +1,4 @@
-"""Orders are found by words; tasks are kept with what came of them.
+"""Search texts of orders; tasks are stored with their results.
 
 Revision: 0022, after 0021
 """
@@ -60,7 +60,7 @@ def downgrade() -> None:
 
 
 def _write_what_is_searched() -> None:
-    """Of orders that are there; here and not in SQL, which knows the small letters of English only."""
+    """Fill the search texts of existing orders; not in SQL, whose lower() may support English letters only."""
     connection = op.get_bind()
     products = defaultdict(list)
     for order, product in connection.execute(

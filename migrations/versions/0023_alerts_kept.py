@@ -1,4 +1,4 @@
-"""Alerts are kept, with what people said of them and until when they were taken on.
+"""Alerts are stored, with people's comments and the end of an acknowledgement.
 
 Revision: 0023, after 0022
 """

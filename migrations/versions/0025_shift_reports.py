@@ -1,4 +1,4 @@
-"""What figures of a shift should reach, the energy that vehicles take, and orders found by when they were delivered.
+"""Targets of a shift's figures, the energy use of vehicles, and an index of orders by delivery.
 
 Revision: 0025, after 0024
 """

@@ -1,6 +1,6 @@
-"""What an order's pages need is kept with the order when the log of events forgets it.
+"""The events for an order's pages are stored with the order when the event log deletes them.
 
-Whatever the log still has needs no copy: it is put there before it is forgotten.
+Events still in the log need no copy: they are copied before the log deletes them.
 
 Revision: 0026, after 0025
 """

@@ -1,4 +1,4 @@
-"""What machines rest by their working time, counted apart.
+"""Separate counts of machines' rest outside working hours.
 
 Revision: 0028, after 0027
 """

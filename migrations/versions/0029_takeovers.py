@@ -1,4 +1,4 @@
-"""Takeovers are kept as long as figures, and not as long as the log of events; those that it still has are put there.
+"""Takeovers are stored as long as figures, not as long as the event log; those still in the log are copied.
 
 Revision: 0029, after 0028
 """

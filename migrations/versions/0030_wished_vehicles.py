@@ -1,4 +1,4 @@
-"""Until when a plain transport waits for one vehicle.
+"""The time until which a plain transport waits for one vehicle.
 
 Revision: 0030, after 0029
 """

@@ -1,4 +1,4 @@
-"""Orders that recur.
+"""Recurring orders.
 
 Revision: 0031, after 0030
 """

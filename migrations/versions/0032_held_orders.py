@@ -1,4 +1,4 @@
-"""With which epoch a strategist held the order of a goal, where there are several.
+"""The epoch with which a strategist held the order of a goal, if there are several.
 
 Revision: 0032, after 0031
 """

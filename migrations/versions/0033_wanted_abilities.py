@@ -1,4 +1,4 @@
-"""What a plain transport asks of its vehicle beside its load.
+"""The ability that a plain transport needs beside those for its load.
 
 Revision: 0033, after 0032
 """

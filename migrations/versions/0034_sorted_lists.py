@@ -1,4 +1,4 @@
-"""Pages of lists of orders and tasks are read from an index, however they are sorted.
+"""Indexes for the pages of lists of orders and tasks, for every sort order.
 
 Revision: 0034, after 0033
 """
@@ -27,7 +27,7 @@ KEYS = {
     ("tasks", "promised"): "coalesce(promised_at_s, 1000000000000000.0)",
     ("tasks", "late"): "coalesce(closed_at_s - promised_at_s, -1000000000000000.0)",
 }
-"""What each is sorted by, as queries say it."""
+"""The sort keys, as in the queries."""
 
 
 def upgrade() -> None:

@@ -1,7 +1,7 @@
-"""Keys call for transports within limits: at some places, of some materials, so many at once, and no sooner than a priority allows.
+"""Limits of keys' transports: places, materials, open transports at once, and the highest priority.
 
-Keys that there were before keep their priority. Those of one place get the default bounds; those of all places may belong to a system that
-calls for a whole plant, and get ten times as much.
+Existing keys keep their priority. Those of one place get the default limits. Those of all places may belong to a system that calls for
+a whole plant, and get ten times as much.
 
 Revision: 0035, after 0034
 """
@@ -29,7 +29,7 @@ def upgrade() -> None:
 
 
 def downgrade() -> None:
-    """A key of several places would be one of all places for an older Dray: it keeps its first one."""
+    """An older Dray would take a key of several places for one of all places: it keeps its first one."""
     op.add_column("api_keys", sa.Column("place", sa.String(128), nullable=False, server_default=""))
     places = sa.table("api_keys", sa.column("id"), sa.column("places"), sa.column("place"))
     connection = op.get_bind()

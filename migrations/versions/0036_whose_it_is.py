@@ -1,6 +1,6 @@
-"""Orders, recurring work and drafts of plants know which caller has begun them, so that one caller takes a share of what all may have.
+"""Owners of orders, recurring work and drafts of plants, so that a caller is limited to a share of the common maximum.
 
-Of those from before nobody knows: they count for all callers together only.
+For existing rows the owner is unknown: they count only for all callers together.
 
 Revision: 0036, after 0035
 """

@@ -1,6 +1,6 @@
-"""How the estimate of an order has moved is kept with the order, with the cause of each move.
+"""The changes of an order's estimate are stored with the order, each with its cause.
 
-Of orders from before nothing is known of that.
+Existing orders have none.
 
 Revision: 0037, after 0036
 """

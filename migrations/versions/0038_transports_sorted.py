@@ -1,4 +1,4 @@
-"""Plain transports are sorted by their due times from an index, and those that ended are forgotten by their age.
+"""Indexes of plain transports by due time, and of ended ones by age for their deletion.
 
 Revision: 0038, after 0037
 """

@@ -1,7 +1,7 @@
-"""Every change of an order or a plain transport has a number, so that other systems follow them without a gap.
+"""A numbered log of all changes of orders and plain transports, so that other systems follow them without a gap.
 
-Triggers write them: whatever changes an order is noted, in its transaction. There is one writer at a time, so numbers follow one
-another as commits do.
+Triggers write it, in the transaction of each change. There is one writer at a time, so numbers have the order of the
+commits.
 
 Revision: 0039, after 0038
 """
@@ -46,7 +46,7 @@ def upgrade() -> None:
         comment="Every change of an order or a plain transport, in the order of the commits. Written by triggers.",
     )
     op.create_index("ix_change_log_at_s", "change_log", ["at_s"])
-    # Where the log begins: what is before it is not known.
+    # The beginning of the log: earlier changes are unknown.
     op.execute("INSERT INTO change_log (kind, subject, status, at_s) VALUES ('begin', '', '', 0)")
     is_postgresql = op.get_bind().dialect.name == "postgresql"
     if is_postgresql:

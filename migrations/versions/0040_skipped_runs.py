@@ -1,4 +1,4 @@
-"""Single moments of recurring work can be left out.
+"""Skipped moments of recurring work.
 
 Revision: 0040, after 0039
 """

@@ -1,4 +1,4 @@
-"""Lines of the audit log are found by words as orders are: all of their texts stand in one column, in small letters.
+"""Search texts of audit lines, like those of orders: all texts in one column, in small letters.
 
 Revision: 0041, after 0040
 """
@@ -14,7 +14,7 @@ branch_labels = None
 depends_on = None
 
 AT_ONCE = 2_000
-"""Lines that are read and written at once: the log may be long."""
+"""Maximum lines read and written at once: the log may be long."""
 
 LINES = "SELECT position, who, action, target, from_ip, detail FROM audit WHERE position > :last ORDER BY position LIMIT :most"
 
@@ -23,7 +23,7 @@ def upgrade() -> None:
     op.add_column("audit", sa.Column("search", sa.Text, nullable=False, server_default=""))
     connection, last = op.get_bind(), 0
     while rows := connection.execute(sa.text(LINES), {"last": last, "most": AT_ONCE}).all():
-        # Here and not in SQL, which knows the small letters of English only.
+        # Not in SQL, whose lower() may support English letters only.
         texts = [{"of": position, "text": "\n".join(line).casefold()} for position, *line in rows]
         connection.execute(sa.text("UPDATE audit SET search = :text WHERE position = :of"), texts)
         last = rows[-1].position

@@ -1,4 +1,4 @@
-"""A plain transport may have a time before which it is not given out.
+"""The earliest time at which a plain transport is announced.
 
 Revision: 0042, after 0041
 """

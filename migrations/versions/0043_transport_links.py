@@ -1,4 +1,4 @@
-"""Links lead to the pages of plain transports, too.
+"""Links to the pages of plain transports.
 
 Revision: 0043, after 0042
 """

@@ -1,4 +1,4 @@
-"""A plain transport may be of a thing without master data.
+"""Plain transports of things without master data.
 
 Revision: 0044, after 0043
 """

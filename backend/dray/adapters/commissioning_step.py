@@ -1,4 +1,4 @@
-"""The steps of a commissioning: what was tried, and what came of it."""
+"""The steps of a commissioning, with their results."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What came of one step.
+    """The result of one step.
 
     Attributes:
-        name: what was tried.
-        passed: None when it was left out.
-        text: what was seen.
+        name: the step's name.
+        passed: whether it succeeded; None for a skipped step.
+        text: the observation.
     """
 
     name: str
@@ -26,22 +26,22 @@ class Step:
 
 
 class Steps:
-    """Those of one commissioning so far."""
+    """The steps of one commissioning so far."""
 
     def __init__(self) -> None:
         self._steps: list[Step] = []
 
     def note(self, step: Step) -> Step:
-        """One more."""
+        """Add a step."""
         self._steps.append(step)
         return step
 
     @property
     def passed(self) -> bool:
-        """Something was tried, and nothing that was has failed."""
+        """Whether at least one step was tried, and none failed."""
         return bool(self._steps) and all(step.passed is not False for step in self._steps)
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """For a report in Markdown."""
+        """The lines of a report in Markdown."""
         return tuple(f"    {step.line}" for step in self._steps)

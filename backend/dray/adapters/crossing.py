@@ -1,7 +1,7 @@
 """A bounded queue of calls from other threads into one asyncio loop.
 
-A queue wakes the loop once, however much it holds by then, so a burst costs one wake-up. What agents mean
-by what crosses is none of this module's business.
+A queue wakes the loop once, however full it is, so a burst costs one wake-up. This module does not know the meaning of
+the calls.
 """
 
 from __future__ import annotations
@@ -21,43 +21,41 @@ if TYPE_CHECKING:
     Slot = tuple[Callable[..., object], tuple[Any, ...]]
 
 QUEUE = 20_000
-"""Calls that wait to cross. Some seconds of a plant of 300 agents at ten times real time; a side that
-is further behind has stopped."""
+"""Maximum waiting calls: some seconds of a plant of 300 agents at ten times real time. A side further behind has
+stopped."""
 
 HEARTBEAT_ROOM = QUEUE // 2
-"""From this filling on a heartbeat takes the place of the one before it, if that still waits: the newest
-says all that the older ones have said."""
+"""The filling above which a heartbeat replaces the previous one still waiting: the newest contains all that the older ones
+said."""
 
 SENDER_ROOM = QUEUE // 8
-"""Messages of one sender from the time on at which the queue is half full until it is not any more: nobody fills it
-alone."""
+"""Maximum messages of one sender, counted while the queue is at least half full, so that no sender fills it alone."""
 
 ORDER_ROOM = 1_000
-"""Beyond `QUEUE`, for orders alone. A gateway joins with a handful of sessions of some ten keys each: who has
-ordered so much, and nothing of it was done, is not heard at all."""
+"""Maximum calls beyond `QUEUE`, for `order` alone. A gateway joins with a handful of sessions of some ten keys each. So only
+a hung other side fills it."""
 
 CALLS_PER_TURN = 500
-"""Calls made before the loop may look at its sockets again: some 5 ms of a gateway's work."""
+"""Maximum calls before the loop serves its sockets again: some 5 ms of a gateway's work."""
 
 
 class Crossing:
     """A bounded queue of calls to be made on another thread's loop, in the order given.
 
-    Policy: from half full on, of the heartbeats of one sender (the first argument: who has said it, or on which
-    key) only the newest is kept, and of its other messages `SENDER_ROOM`; full, every message is dropped; all of that
-    is counted. Joining, leaving and subscribing are never
-    dropped: they are few, and the other side would be wrong for good. They have room of their own beyond the
-    rest; where that is full, too, whoever orders is refused, and nothing has changed.
+    Policy, from half full on: of the heartbeats of one sender only the newest is kept, and of its other messages at most
+    `SENDER_ROOM`. The sender is the first argument: an agent or a key. A full queue drops every message. All drops are counted.
+    Joining, leaving and subscribing are never dropped: they are few, and their loss would be permanent. They have extra room;
+    when that is full, too, the call is refused and nothing has changed.
 
-    The bounds hold to within one call for each thread that calls at the same moment. A call that fails is counted, and holds up no other.
+    Concurrent threads may exceed a bound by one call each. A failing call is counted, and delays no other.
 
     Args:
-        loop: where the calls are made.
+        loop: the loop that makes the calls.
 
     Attributes:
-        dropped_heartbeats: heartbeats that a newer one has replaced, or that found the queue full.
-        dropped_messages: other messages and offers that found it full, or their sender's part of it.
-        failures: calls that have failed, by name.
+        dropped_heartbeats: heartbeats that a newer one replaced, or that found the queue full.
+        dropped_messages: other messages and offers that found the queue, or their sender's part of it, full.
+        failures: failed calls, by name.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -67,20 +65,20 @@ class Crossing:
         self._loop = loop
         self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
         self._beats: dict[Slot, tuple[Any, ...]] = {}
-        """The newest of the heartbeats that wait beyond `HEARTBEAT_ROOM`, by all that they do not replace."""
+        """The newest waiting heartbeats beyond `HEARTBEAT_ROOM`, by call, sender and receiver."""
         self._said: Counter[Slot] = Counter()
         """Messages since the queue was half full, by sender and receiver."""
         self._lock = threading.Lock()
-        """Held where these two are looked at and changed; what else is shared needs one step of the interpreter."""
+        """Guards these two; other shared data changes in one step of the interpreter."""
         self._awake = False
 
     @property
     def waiting(self) -> int:
-        """Calls that wait to be made."""
+        """Number of waiting calls."""
         return len(self._calls)
 
     def say(self, message: Message, call: Callable[..., object], *args: Any) -> None:
-        """Cross with something that is said by, or on, the first of `args`: dropped when there is no room."""
+        """Queue a message said by, or on, the first of `args`; dropped when there is no room."""
         if len(self._calls) < HEARTBEAT_ROOM:
             if self._said:
                 self._said.clear()
@@ -93,7 +91,7 @@ class Crossing:
             self.dropped_messages += 1
 
     def offer(self, call: Callable[..., object], *args: Any) -> bool:
-        """Cross with something whose loss is made up for: it is said again, or whoever asks is told.
+        """Queue a call whose loss is tolerable: it is repeated, or the asker is told.
 
         Returns:
             False when there is no room: the call will not be made.
@@ -105,7 +103,7 @@ class Crossing:
         return True
 
     def order(self, call: Callable[..., object], *args: Any) -> None:
-        """Cross with something that must arrive.
+        """Queue a call that must arrive.
 
         Raises:
             UnavailableError: `ORDER_ROOM` is full, too; the call will not be made.
@@ -124,7 +122,7 @@ class Crossing:
             self._wake()
 
     def _has_room(self, slot: Slot) -> bool:
-        """Count one more message of a sender; False when there have been too many."""
+        """Count one more message of a sender; False when it has too many."""
         with self._lock:
             self._said[slot] += 1
             return self._said[slot] <= SENDER_ROOM
@@ -150,13 +148,13 @@ class Crossing:
         try:
             self._loop.call_soon_threadsafe(self._take)
         except RuntimeError:
-            # The other side has closed its loop: nobody is there to hear anything any more.
+            # The other side has closed its loop: nobody hears anything any more.
             self._calls.clear()
             self._beats.clear()
             self._awake = False
 
     def _take(self) -> None:
-        # First this: whoever appends from now on wakes us again, so that no call is left behind.
+        # First this: a later append wakes us again, so that no call is left behind.
         self._awake = False
         for _ in range(min(CALLS_PER_TURN, len(self._calls))):
             call, args = self._calls.popleft()

@@ -1,7 +1,7 @@
-"""Documents over HTTP: fetched, verified by their checksum, and laid ready for a machine's control.
+"""Documents over HTTP: fetched, verified by checksum, and stored for a machine's control.
 
-A file in the folder has the checksum as its name, so machines that make the same product fetch it once; it is verified each time
-all the same, since files spoil. Fetching is done on threads of its own: an address that does not answer holds up nobody.
+A file in the folder is named by its checksum, so machines that make the same product fetch it once. It is verified on each use,
+because files decay. Own threads fetch the documents, so a silent server delays nobody.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from dray.messages import Document, DocumentState
 from dray.ports import Body
 
 SIZE_MAX = 256 * 2**20
-"""Bytes: large CAM programs have some dozen MB. What never ends must not fill the disk."""
+"""Maximum bytes: large CAM programs have some dozen MB. An endless answer must not fill the disk."""
 
 PATIENCE_S = 20.0
-"""For each answer of a server."""
+"""Timeout of each server answer."""
 
 THREADS = 4
-"""A machine has few goals with few documents at a time."""
+"""Threads for fetching: a machine has few goals with few documents at a time."""
 
 _CHUNK = 2**16
 
 _opener = urllib.request.OpenerDirector()
-# Not `build_opener`: an address or a redirection must never lead to a file or to FTP.
+# Not `build_opener`: neither an address nor a redirect may lead to a file or to FTP.
 for _handler in (
     urllib.request.ProxyHandler(),
     urllib.request.HTTPHandler(),
@@ -51,7 +51,7 @@ class FetchedDocuments:
     """Implements `dray.body.documents.Documents`.
 
     Args:
-        folder: where they are laid ready; None where they are only verified.
+        folder: the store; None for verification only.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -70,16 +70,16 @@ class FetchedDocuments:
         future.add_done_callback(lambda _future: done())
 
     def close(self) -> None:
-        """Fetch nothing more; what is under way ends by itself."""
+        """Start no more fetches; running ones end by themselves."""
         self._threads.shutdown(wait=False, cancel_futures=True)
 
 
 class DocumentReader:
-    """A body that reads documents, and leaves everything else to another one (see `dray.ports.Body`).
+    """A body that reads documents, and passes all other instructions to another one (see `dray.ports.Body`).
 
     Args:
-        body: everything else.
-        documents: where they are from.
+        body: the other body.
+        documents: their source.
     """
 
     def __init__(self, body: Body, documents: Documents) -> None:
@@ -108,11 +108,11 @@ class DocumentReader:
 
 
 def fetch(document: Document, folder: Path | None = None) -> DocumentRead:
-    """Fetch a document, unless it lies ready, and verify it.
+    """Fetch a document, unless it is stored already, and verify it.
 
     Args:
-        document: which.
-        folder: where it is laid ready; None for nowhere.
+        document: the document.
+        folder: the store; None for none.
     """
     ready = None if folder is None else folder / document.sha256
     try:
@@ -127,10 +127,10 @@ def fetch(document: Document, folder: Path | None = None) -> DocumentRead:
 
 
 def _fetch(document: Document, ready: Path | None) -> str:
-    """The checksum of what lies at the address; where it is right the file lies ready afterwards.
+    """The checksum of the file at the address; a correct file is stored afterwards.
 
     Raises:
-        OSError, HTTPException, ValueError: it cannot be fetched or written.
+        OSError, HTTPException, ValueError: fetching or writing failed.
     """
     digest, size = hashlib.sha256(), 0
     if ready is not None:

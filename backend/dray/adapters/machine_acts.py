@@ -1,4 +1,4 @@
-"""Commissioning of a machine, or of a storage's dock: the steps in which it works, whatever its controller is."""
+"""Commissioning of a machine or a storage's dock: the steps in which it works, for all controllers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ DOCK_S = 120.0
 """Longest wait for its dock."""
 
 CYCLES = 5.0
-"""Longest wait for a piece, in what one takes by the plant file."""
+"""Longest wait for a piece, in cycle times of the plant file."""
 
 VEHICLE = "check"
 """The vehicle for which the dock is opened."""
@@ -38,31 +38,31 @@ VEHICLE = "check"
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """How far commissioning goes.
+    """The extent of a commissioning.
 
     Attributes:
-        cycle: the machine may work: one piece is made.
-        dock: its dock is opened once, as for a vehicle; nobody may stand there.
+        cycle: whether the machine may work: one piece is made.
+        dock: whether its dock is opened once, as for a vehicle; nobody may stand there.
     """
 
     cycle: bool = False
     dock: bool = False
 
     def of(self, mapping: M) -> M:
-        """The signals that are needed for it: those that are written only where the machine is to do something, for its agent may be at work."""
+        """The signals it needs: written ones only where the machine is to act, because its agent may be running."""
         if self.cycle or self.dock:
             return mapping
         told = {
             name: tag
             for name, tag in mapping.signals.items()
-            # It makes no sense without the permit, which is written.
+            # It makes no sense without the permit, which is an output.
             if is_told(name) and name is not Signal.DOCK_READY
         }
         return msgspec.structs.replace(mapping, signals=told)
 
 
 class At(Protocol):
-    """The machine or the storage that is commissioned."""
+    """The commissioned machine or storage."""
 
     spec: MachineSpec | StorageSpec
     plant: Plant
@@ -70,26 +70,26 @@ class At(Protocol):
 
 
 class Link(Protocol):
-    """To its controller."""
+    """The link to its controller."""
 
     def write(self) -> None:
-        """What the controller is to be told has changed."""
+        """The outputs for the controller have changed."""
 
     async def run(self, listener: LinkListener) -> None:
-        """Be linked until cancelled."""
+        """Stay linked until cancelled."""
 
 
 async def after(
     steps: Steps, wanted: Wanted, mapping: M, link_by: Callable[[M], Link], machine: At
 ) -> AsyncIterator[Step]:
-    """The end of every commissioning: the steps in which the machine works, unless one before them has failed.
+    """The last part of every commissioning: the steps in which the machine works, unless an earlier step failed.
 
     Args:
-        steps: those before; these are noted there, too.
-        wanted: how far to go.
+        steps: the earlier steps; these are added.
+        wanted: the extent.
         mapping: its signals.
-        link_by: makes a link to its controller for those signals that are needed.
-        machine: which; or a storage.
+        link_by: makes a link to its controller for the needed signals.
+        machine: the machine or storage.
     """
     if not steps.passed:
         return
@@ -101,15 +101,15 @@ async def after(
 
 @dataclass
 class Acts:
-    """Of one machine, or of a storage, which makes nothing.
+    """The steps of one machine or storage; a storage has no cycle.
 
     Args:
-        spec: which.
-        plant: where it is.
+        spec: the machine or storage.
+        plant: its plant.
         mapping: its signals.
         clock: the plant's.
-        wanted: how far to go.
-        link: to its controller.
+        wanted: the extent.
+        link: the link to its controller.
     """
 
     spec: MachineSpec | StorageSpec
@@ -121,7 +121,7 @@ class Acts:
     _heard: list[Report] = field(default_factory=list)
 
     async def run(self) -> AsyncIterator[Step]:
-        """Walk through all steps; a machine that is not ready to work ends it."""
+        """Run all steps; a machine that is not ready to work ends them."""
         body = self._body()
         body.attach(self._heard.append)
         running = asyncio.create_task(self.link.run(body))
@@ -216,15 +216,15 @@ class Acts:
 
 
 class _World:
-    """A link, and nothing that is remembered: the one who commissions lives once."""
+    """A link without a memory: a commissioning has only one life."""
 
     def __init__(self, link: Link) -> None:
         self.write = link.write
 
     def remember(self, kept: Kept | KeptStore) -> None:
-        """Nobody comes after it."""
+        """Keep nothing: no later life follows."""
 
 
 def _why_not(body: SignalledWorkcell | SignalledStore) -> str:
-    """What keeps it from working; empty for nothing."""
+    """The reason why it cannot work; empty for none."""
     return body.sense().broken if isinstance(body, SignalledWorkcell) else body.away

@@ -1,4 +1,4 @@
-"""The file that says which values of a controller are which signals (docs/machines.md)."""
+"""The file that maps a controller's values to signals (docs/machines.md)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import msgspec
 from dray.errors import SettingsError
 
 LARGEST_BYTES = 100_000
-"""Above it, it is another file."""
+"""Maximum size; a larger file is something else."""
 
 OPTION = "--mapping"
 
@@ -21,11 +21,11 @@ def load_mapping(path: Path, kind: type[Mapping]) -> Mapping:
     """Read a mapping file.
 
     Args:
-        path: its.
-        kind: what it is a mapping of.
+        path: the file's path.
+        kind: the type of the mapping.
 
     Raises:
-        SettingsError: there is none, or it cannot be used; it says where.
+        SettingsError: it is missing or cannot be used; names the place.
     """
     return parse_mapping(_read(path), str(path), kind)
 
@@ -43,7 +43,7 @@ def parse_mapping(data: bytes, name: str, kind: type[Mapping]) -> Mapping:
 
 
 def has_address(path: Path) -> bool:
-    """Whether a mapping file says itself where its controller is; of one that is no YAML its reader says so.
+    """Whether a mapping file contains its controller's address; its reader reports invalid YAML.
 
     Raises:
         SettingsError: it cannot be read.

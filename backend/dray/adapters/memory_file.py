@@ -1,4 +1,4 @@
-"""What one life of a body leaves to the next: a small file, replaced as a whole."""
+"""A body's memory for its next life: a small file, replaced as a whole."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ class MemoryFile(Generic[Kept]):
     """Keeps one value.
 
     Args:
-        path: the file; its folder is made.
-        kind: of the value.
-        damaged: what is remembered where the file cannot be read.
+        path: the file; its folder is created.
+        kind: the value's type.
+        damaged: the value that replaces an unreadable file.
 
     Attributes:
-        lost: why nothing is remembered though there was a file; empty when that is not so.
+        lost: why nothing is remembered though there was a file; empty otherwise.
     """
 
     def __init__(self, path: Path, kind: type[Kept], damaged: Kept) -> None:
@@ -31,10 +31,10 @@ class MemoryFile(Generic[Kept]):
         self.lost = ""
 
     def read(self) -> Kept | None:
-        """What was written last; None where there is nothing.
+        """The last written value; None where there is none.
 
         Raises:
-            UnavailableError: it is there and cannot be read.
+            UnavailableError: the file exists and cannot be read.
         """
         try:
             return msgspec.json.decode(self._path.read_bytes(), type=self._kind)
@@ -49,10 +49,10 @@ class MemoryFile(Generic[Kept]):
             return self._damaged
 
     def write(self, memory: Kept) -> None:
-        """Keep it; it is on the disk at the return.
+        """Store a value; it is on the disk at the return.
 
         Raises:
-            UnavailableError: it cannot be written.
+            UnavailableError: writing failed.
         """
         draft = self._path.with_suffix(".draft")
         try:
@@ -66,7 +66,7 @@ class MemoryFile(Generic[Kept]):
             raise self._unavailable(error) from None
 
     def _keep_aside(self, aside: Path) -> None:
-        """Whoever is killed before the next `write` finds that it was damaged: a file that is gone would be a first life's."""
+        """Copy a damaged file aside and write `damaged` in its place: a missing file would mean a first life."""
         try:
             shutil.copyfile(self._path, aside)
         except OSError as error:

@@ -1,10 +1,10 @@
 """The plant's clock in service: the computer's monotonic clock, steered to its unix time.
 
-Agents on several computers share the plant's clock as far as those computers' unix times agree; NTP keeps
-them within a few milliseconds, the port asks for 100. But unix time can be set, by a person or by NTP, and
-stands still while a virtual computer is moved. Whoever read it directly would stop beating for an hour, or
-find all of its deadlines over at once. So what passes here is monotonic time, and what is missing to unix
-time, or too much, is made up for by running a tenth faster or slower: no wait ever ends by a step.
+Agents on several computers share the plant's clock as far as those computers' unix times agree. NTP keeps them within a few
+milliseconds; the port asks for 100. But a person or NTP may set unix time, and it stands still while a virtual computer is
+moved. An agent that read it directly would send no heartbeat for an hour, or find all its deadlines over at once. So this
+clock follows monotonic time, and removes its difference to unix time by running a tenth faster or slower: no
+wait ever ends by a step.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 SLEW_FRAC = 0.1
-"""How much faster or slower the clock runs while it is steered. Whoever beats once a second then does so every
-1.1 s at most, and three of those are within the 3.5 s after which silence is a failure."""
+"""Relative change of speed while the clock is steered. A heartbeat of once a second then comes every 1.1 s at most.
+Three of those are within the 3.5 s of the failure detector."""
 
 LOOK_EVERY_S = 1.0
-"""Longest wait before unix time is read again, and the longest span over which one reading steers."""
+"""Longest wait before unix time is read again, and the longest time for which one reading steers."""
 
 STEP_S = 0.5
-"""Unix time that moves by so much against monotonic time from one reading to the next was set. More than a busy
-computer lets pass between reading the one and the other."""
+"""A change of unix time against monotonic time between two readings that means that it was set. A busy computer lets less
+time pass between the two reads."""
 
 _log = logging.getLogger(__name__)
 
@@ -38,14 +38,14 @@ class SystemClock:
     """The plant's time on a running asyncio loop (see `dray.ports.Clock`).
 
     Args:
-        loop: callbacks run on it, and its time is the monotonic one; `call_at` is called on it.
+        loop: the loop of the callbacks, and the source of monotonic time; `call_at` must be called on it.
         unix_s: reads the computer's unix time in seconds; for tests.
         speed: seconds of this clock per second; 1 in service, more for a factory with simulated bodies.
-        epoch_s: the moment of unix time at which this clock showed the same.
+        epoch_s: the unix time at which this clock showed the same.
 
     Attributes:
-        steps: how often unix time was set while this clock ran.
-        behind_s: what is missing to unix time, in seconds of this clock; below 0 when it is ahead.
+        steps: number of times that unix time was set while this clock ran.
+        behind_s: the lag behind unix time, in seconds of this clock; below 0 when it is ahead.
     """
 
     def __init__(
@@ -60,9 +60,9 @@ class SystemClock:
         self._unix_s = unix_s
         self._speed, self._epoch_s = speed, epoch_s
         self._read_s = loop.time()
-        """Monotonic: when the clock was read last."""
+        """Monotonic time of the last reading."""
         self._shown_s = self._target_s()
-        """What it showed then."""
+        """This clock's time at that reading."""
         self.steps = 0
         self.behind_s = 0.0
         # asyncio's own timers do not keep the order of equal times, hence a heap with numbers.
@@ -72,7 +72,7 @@ class SystemClock:
         self._timer_due_s = math.inf
 
     def now_s(self) -> float:
-        """Seconds; never goes back, and passes a tenth faster or slower than monotonic time at most."""
+        """Seconds; never goes back, and differs from monotonic time by a tenth of its speed at most."""
         read_s = self._loop.time()
         passed_s = (read_s - self._read_s) * self._speed
         missing_s = self._target_s() - (self._shown_s + passed_s)
@@ -86,7 +86,7 @@ class SystemClock:
         return self._shown_s
 
     def call_at(self, when_s: float, callback: Callable[[], None]) -> None:
-        """Call back at `when_s`; a time that is past means as soon as possible, infinity means never.
+        """Call back at `when_s`; a past time means as soon as possible, infinity means never.
 
         Raises:
             ValueError: `when_s` is not a number.
@@ -95,14 +95,14 @@ class SystemClock:
             raise ValueError(f"call_at: the time for {callback!r} is not a number")
         if when_s == math.inf:
             return
-        # A time that is past counts as now, or it would overtake what was asked for before.
+        # A past time counts as now; otherwise it would overtake earlier requests.
         when_s = max(when_s, self.now_s())
         heapq.heappush(self._heap, (when_s, next(self._numbers), callback))
         if when_s < self._timer_due_s:
             self._set_timer()
 
     def _target_s(self) -> float:
-        """What a clock would show that needs no steering."""
+        """The time of a clock without steering."""
         return self._epoch_s + (self._unix_s() - self._epoch_s) * self._speed
 
     def _tell_step(self, moved_s: float) -> None:
@@ -116,14 +116,14 @@ class SystemClock:
         if self._timer is not None:
             self._timer.cancel()
         self._timer_due_s = self._heap[0][0]
-        # While it catches up it is there sooner; to be woken too early is harmless.
+        # While it catches up it gets there sooner; waking too early is harmless.
         pace = self._speed * (1.0 + SLEW_FRAC if self.behind_s > 0.0 else 1.0)
         nap_s = min((self._timer_due_s - self.now_s()) / pace, LOOK_EVERY_S)
         self._timer = self._loop.call_later(max(0.0, nap_s), self._run_due)
 
     def _run_due(self) -> None:
         self._timer, self._timer_due_s = None, math.inf
-        # Only what was due when we began: a callback that asks for "now" must not keep the loop.
+        # Only calls due at the start: a callback that asks for "now" must not block the loop.
         due = (self.now_s(), next(self._numbers))
         try:
             while self._heap and self._heap[0][:2] < due:

@@ -1,4 +1,4 @@
-"""Words of vehicles that a body which does not count remembers, so that one that is said again after a kill is booked once (`dray.body.Book`)."""
+"""Vehicles' own reports, remembered by a body that does not count, so that a repetition after a kill is booked once (`dray.body.Book`)."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from typing import TypeVar
 from dray.body import Book
 
 BOOKED_KEPT = 256
-"""Words that are remembered, the latest: many times the transports that one place has open."""
+"""Maximum reports remembered, the latest: many times the open transports of one place."""
 
 Booked = TypeVar("Booked")
 
 
 def name_of(book: Book) -> str:
-    """What names a word: it is booked once under it, by whichever life."""
+    """The identity of a report: it is booked once under it, over all lives."""
     return f"{book.task} {book.epoch} {'in' if book.change > 0 else 'out'} {book.item}"
 
 
 def with_word(booked: Mapping[str, Booked], book: Book, as_what: Booked) -> dict[str, Booked]:
-    """The words that are remembered with one more, and without the oldest where they are too many.
+    """The remembered reports with a new one; the oldest are dropped above the maximum.
 
     Args:
-        booked: by name, what each was booked as; the oldest first.
-        book: a word that is not among them.
-        as_what: what it was booked as.
+        booked: the bookings by name, the oldest first.
+        book: a new report.
+        as_what: its booking.
     """
     words = {**booked, name_of(book): as_what}
     return dict(list(words.items())[-BOOKED_KEPT:])

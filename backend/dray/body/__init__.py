@@ -1,7 +1,7 @@
-"""What an agent and its body say to one another: instructions down, reports up.
+"""The messages between an agent and its body: instructions down, reports up.
 
 An agent decides, a body acts. Each kind of body has a file: `vehicle`, `workcell` (of a machine), `storage`, `gate` (of the
-delivery warehouses) and `operator`; what several of them have stands in `dock`, `documents` and `words`.
+delivery warehouses) and `operator`; shared parts are in `dock`, `documents` and `words`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What bodies of all kinds are told and tell."""
+"""Instructions and reports of all kinds of bodies."""
 
 from __future__ import annotations
 

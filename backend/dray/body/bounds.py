@@ -1,4 +1,4 @@
-"""What a body may say."""
+"""Bounds of a body's reports and states."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from dray.messages.heartbeat import BodyWait, Pose
 Said = TypeVar("Said", bound=Report | BodyState)
 
 WORDS_MAX = 500
-"""Characters of a body's own words: half of what a message may carry, since its agent says more around them."""
+"""Maximum characters of a body's texts: half of what a message may carry, since its agent adds to them."""
 
 
 def bounded(said: Said) -> Said:
-    """A report or a state of a real body, within what its agent may tell others.
+    """A report or a state of a real body, within the bounds of the wire.
 
-    A message that breaks a bound of the wire is refused by everybody who reads it, so one long word would silence a vehicle.
-    Words are cut, and end with an ellipsis then. Numbers become the nearest that is possible, and what is no number 0.
+    Every reader refuses a message beyond a bound, so one long text would silence a vehicle. Longer texts are cut and end with
+    an ellipsis. Numbers become the nearest allowed one, and NaN becomes 0.
     """
     match said:
         case VehicleState(pose=pose):

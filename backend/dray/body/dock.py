@@ -1,4 +1,4 @@
-"""A dock, of a workcell or a storage, and the loads that vehicles bring to it and take from it."""
+"""The dock of a workcell or a storage, and the loads that vehicles move there."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dray.messages.base import Part
 
 
 class OpenDock(Part, frozen=True):
-    """Let this vehicle load or unload, once. The dock stays shut for everybody else."""
+    """Let this vehicle load or unload, once. The dock stays shut for all others."""
 
     vehicle: str
     item: str
@@ -14,21 +14,22 @@ class OpenDock(Part, frozen=True):
 
 
 class DockReady(Part, frozen=True):
-    """Whoever opens the dock has done so for this vehicle: it may load or unload now. Said by a body that `answers`."""
+    """The dock is open for this vehicle: it may load or unload now. Reported by a body that `answers`."""
 
     vehicle: str
 
 
 class CloseDock(Part, frozen=True):
-    """Shut the dock again for this vehicle; harmless when it was never open. Said again, it has left, and nothing more is told of its load."""
+    """Shut the dock for this vehicle; harmless when it was never open. Sent again: the vehicle has left, without another report."""
 
     vehicle: str
 
 
 class Book(Part, frozen=True):
-    """A vehicle says that it has put pieces down or taken them: the only word there is for a body that does not count.
+    """A vehicle's own report of a transfer, for a body that does not count.
 
-    Answered with `StockChanged`, as if it had been seen. Said again, by this life of its agent or the next, it is answered as before, and books nothing.
+    Answered with `StockChanged`, as if the body had seen it. A repetition, by this or a later life of the agent, gets the same answer
+    and books nothing.
     """
 
     vehicle: str
@@ -36,9 +37,9 @@ class Book(Part, frozen=True):
     change: int
     """Pieces; negative when something was taken."""
     task: str
-    """The transport by which."""
+    """The transport that moved them."""
     epoch: int
-    """Of the transport."""
+    """The epoch of the transport."""
 
 
 class StockChanged(Part, frozen=True):
@@ -48,7 +49,7 @@ class StockChanged(Part, frozen=True):
     change: int
     """Pieces; negative when something was taken."""
     seq: int
-    """Of this change of the stock; see `WorkcellState.seq`."""
+    """The number of this change of the stock; see `WorkcellState.seq`."""
     vehicle: str = ""
     counted: bool = False
-    """A person has counted what lies there: nothing came or went."""
+    """Whether a person's count corrected the stock, without a transfer."""

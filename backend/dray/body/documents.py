@@ -1,4 +1,4 @@
-"""How a machine comes to the documents of a product: what its body is told and tells (see `dray.body`)."""
+"""A machine's access to the documents of a product (see `dray.body`)."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ class ReadDocument(Part, frozen=True):
 
 
 class DocumentRead(Part, frozen=True):
-    """What has come of fetching a document."""
+    """The result of fetching a document."""
 
     document: Document
     state: DocumentState
     """`VERIFIED`, `DIFFERS` or `UNREACHABLE`."""
     detail: Text = ""
-    """What was found, of one that cannot be used."""
+    """The findings, for an unusable document."""
 
 
 class Documents(Protocol):
-    """Where a body has its documents from.
+    """A body's source of documents.
 
     Blocking: no method blocks. `told` is called once for each call, later, on the caller's loop.
     """

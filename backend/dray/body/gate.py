@@ -1,7 +1,7 @@
-"""The gate of the delivery warehouses: what it is told and what it tells (see `dray.body`).
+"""The gate of the delivery warehouses: its instructions and reports (see `dray.body`).
 
-The gate itself (`Admit`, `GoodsArrived`, its `GateState`) is the body of its agent. To a strategist the agent and the gate are one: it has orders held
-there, too (`HoldOrder`, `OrderHeld`), and senses which it holds.
+The gate itself (`Admit`, `GoodsArrived`, its `GateState`) is the body of its agent. A strategist uses the gate, too: it holds orders
+there (`HoldOrder`, `OrderHeld`), and senses which ones it holds.
 """
 
 from __future__ import annotations
@@ -12,56 +12,55 @@ from dray.messages.base import Part
 from dray.messages.gate import GoalOf
 
 EVERY_RELEASE = 2**53
-"""An order that was cancelled or has arrived is not made, however often it is released."""
+"""The release number that closes an order for ever: after its cancellation or arrival no release is made."""
 
 
 class Admit(Part, frozen=True):
-    """Let in as many pieces of this goal, those that have arrived included, and no more.
+    """Admit pieces of this goal up to a total, including those that have arrived.
 
-    The gate is where a goal is fenced: pieces of a goal that was given to another machine meanwhile
-    are not let in, whoever brings them. Answered with `GoodsArrived`, also when nothing changes.
-    Less than have arrived already means: no more.
+    The gate is where a goal is fenced: if the goal was given to another machine meanwhile, the gate refuses its pieces from any
+    vehicle. Answered with `GoodsArrived`, also when nothing changes. A total below the arrived number admits no more.
     """
 
     goal: str
     quantity: int
     of: GoalOf | None = None
-    """Told with a new goal where a plant has several strategists; None where it has one."""
+    """The goal's order, item and machine, told with a new goal if a plant has several strategists; None if it has one."""
     arrived: int = 0
-    """How many are in, as its agent remembers: people's gate takes it up where its own file was damaged. 0 to any other."""
+    """Pieces that have arrived, as its agent remembers. Only a people's gate uses it, when its own file was damaged."""
 
 
 class HoldOrder(Part, frozen=True):
-    """Hold an order, where a plant has several strategists: from now on its goals are admitted on this one's word alone.
+    """Hold an order, where a plant has several strategists: from now on only this strategist may have its goals admitted.
 
-    Granted when nobody holds it, or the holder has it with a lower epoch. Answered with `OrderHeld` either way.
+    Granted when nobody holds it, or when the holder's epoch is lower. Answered with `OrderHeld` either way.
     """
 
     order: str
     epoch: int
     over: int = 0
-    """Releases up to this one have ended: nothing is to be made of them any more, whoever takes the order over. Said by the holder."""
+    """Releases up to this one have ended: no later holder may make anything of them. Sent by the holder."""
 
 
 class GoodsArrived(Part, frozen=True):
-    """How many pieces of a goal are in by now: said after every arrival and every `Admit`."""
+    """The number of arrived pieces of a goal: reported after every arrival and every `Admit`."""
 
     goal: str
     arrived: int
     admitted: int
-    """How many may get in at all; 0 tells that the gate is shut and `arrived` the last word."""
+    """Maximum pieces to admit; 0 means that the gate is shut and `arrived` is final."""
     vehicle: str = ""
-    """Who has brought the last ones; empty after an `Admit`, and where the gate cannot tell."""
+    """The vehicle that brought the last ones; empty after an `Admit`, and where the gate cannot tell."""
     by_people: bool = False
-    """People count, later than goods come."""
+    """Whether people count, later than goods arrive."""
 
 
 class GateState(Part, frozen=True):
-    """What the gate has counted since it was built."""
+    """The gate's counts since it was built."""
 
     arrived: dict[str, int]
-    """Pieces by goal, for every goal that was ever admitted and is not forgotten; of several strategists each has those of its orders."""
+    """Pieces by goal, for every goal ever admitted and not forgotten; each of several strategists sees those of its own orders."""
     held: dict[str, int] = field(default_factory=dict)
     """The orders that this strategist holds, with their epochs; empty where there is one strategist."""
     people: bool = False
-    """Whether it is people, whose words (`dray.body.Word`) it takes."""
+    """Whether it is operated by people, who report with `dray.body.Word`."""

@@ -1,4 +1,4 @@
-"""An operator's body is a person with a tablet: what they are shown and what they say."""
+"""An operator's body is a person with a tablet: the calls shown and the person's answers."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from dray.messages.problem import ProblemKind
 
 
 class DutyState(Part, frozen=True):
-    """What a tablet knows of the person who is on duty at it."""
+    """The tablet's knowledge of the person on duty at it."""
 
     there: bool = True
-    """The tablet is connected; an operator whose tablet is not leaves after a while."""
+    """Whether the tablet is connected; an operator without a connection leaves after a while."""
     on_break: bool = False
     busy_until_s: float | None = None
-    """Busy by the person's own word until then (plant clock); None for not."""
+    """Time until which the person has declared to be busy (plant clock); None for not busy."""
     areas: tuple[str, ...] = ()
     everywhere: bool = False
     station: str = ""
     helps_with: tuple[ProblemKind, ...] = ()
-    """Empty for everything."""
+    """Kinds of problems the person helps with; empty for everything."""
     label: str = ""
-    """What others are shown of the person; empty where names are not told."""
+    """The person's displayed name; empty where names are not told."""
 
 
 class DutyChanged(Part, frozen=True):
-    """The person or the tablet is otherwise than before."""
+    """The state of the person or the tablet has changed."""
 
     state: DutyState
 
@@ -41,7 +41,7 @@ class CallReplied(Part, frozen=True):
 
 
 class CallPart(StrEnum):
-    """What the operator has to do with a call."""
+    """The operator's part in a call."""
 
     ASKED = "asked"
     TAKING = "taking"
@@ -58,7 +58,7 @@ class ShownCall(Part, frozen=True):
 
 
 class ShowCalls(Part, frozen=True):
-    """All calls that concern this operator at this moment; what was shown before and is not here is over."""
+    """All calls that concern this operator at this moment; a shown call that is missing here has ended."""
 
     calls: tuple[ShownCall, ...]
 

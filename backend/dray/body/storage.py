@@ -1,4 +1,4 @@
-"""A storage, which has a dock as a workcell has: what it is told and what it tells."""
+"""A storage with a dock: its instructions and reports."""
 
 from __future__ import annotations
 
@@ -9,32 +9,32 @@ from dray.messages.heartbeat import UnconfirmedLoad
 
 
 class Refill(Part, frozen=True):
-    """More of a material is needed than lies there: have some brought. Harmless when it is on its way already."""
+    """Have more of a material brought, because too little lies there. Harmless when it is on its way already."""
 
     item: str
 
 
 class StorageState(Part, frozen=True):
-    """What a storage senses of itself."""
+    """A storage's state."""
 
     stock: dict[str, int]
     """Pieces of every material."""
     seq: int
-    """How many changes of the stock it has reported since it was built; see `WorkcellState`."""
+    """Number of stock changes reported since it was built; see `WorkcellState`."""
     opened: tuple[str, ...]
-    """Vehicles for which the dock is open, or is being opened: they have not taken yet what they may take."""
+    """Vehicles for which the dock is open or opening: they have not taken their load yet."""
     answers: bool = False
     """Whether its dock takes time to open; see `WorkcellState`."""
     counts: bool = True
     """Whether it counts what vehicles bring and take; see `WorkcellState`."""
     uncounted: tuple[str, ...] = ()
-    """Materials of which nobody knows how many pieces lie there, until somebody has counted: `stock` says what has come since, at least."""
+    """Materials with an unknown count until somebody counts: their `stock` is a lower bound, of later arrivals only."""
     people: bool = False
-    """Whether it is people, whose words (`Word`) it takes."""
+    """Whether it is operated by people, who report with `Word`."""
     loads: tuple[UnconfirmedLoad, ...] = ()
-    """Of people; see `WorkcellState`."""
+    """Unconfirmed loads, where people operate it; see `WorkcellState`."""
     gone: tuple[str, ...] = ()
-    """Of people; see `WorkcellState`."""
+    """Expected reports of vehicles without permission, where people operate it; see `WorkcellState`."""
 
 
 StorageInstruction = OpenDock | CloseDock | Book | Refill | Word

@@ -1,10 +1,10 @@
-"""A vehicle's body, simulated or a real vehicle behind VDA 5050: what it is told and what it tells.
+"""A vehicle's body, simulated or a real vehicle behind VDA 5050: its instructions and reports.
 
-A way is given as nodes of which a first part is released (VDA 5050's base and horizon), picking and dropping are actions at a
-node, holding and going on work at once, and every step comes back as a report.
+A way is a list of nodes whose first part is released (VDA 5050's base and horizon). Picking and dropping are actions at a
+node. Holding and resuming take effect at once, and every step is reported.
 
-Every way and action has an `order` number that its agent chose; reports carry it back, so that a report about something that
-was replaced meanwhile is recognised and ignored.
+Every way and action has an `order` number that its agent chose. Reports carry it, so that a report about a replaced
+instruction is recognised and ignored.
 """
 
 from __future__ import annotations
@@ -17,24 +17,24 @@ from dray.messages.problem import NOTHING_KNOWN, Problem
 
 
 class Drive(Part, frozen=True):
-    """Follow a way. Replaces the way before it; ends charging.
+    """Follow a way. Replaces the previous way; ends charging.
 
-    A moving vehicle finishes the lane that it is on and turns off there: `nodes[0]` must be the
-    `VehicleState.next_node` of this moment. A standing vehicle stands at `nodes[0]`.
+    A moving vehicle finishes its lane and turns off there: `nodes[0]` must be the `VehicleState.next_node` of this moment. A
+    standing vehicle stands at `nodes[0]`.
     """
 
     order: int
     nodes: tuple[str, ...]
     """At least one; each joined to the next by a lane."""
     released: int
-    """How many of `nodes` may be driven to by now, from 1 to all: the vehicle brakes at the last one."""
+    """Number of `nodes` that are released, from 1 to all: the vehicle brakes at the last one."""
     limits_mps: tuple[float | None, ...] = ()
-    """The highest speed on each lane of the way, where people have made it slow; None where the plant's holds, and empty where
-    it does everywhere."""
+    """Maximum speed on each lane of the way, where people have limited it; None where the plant's limit holds. Empty where it
+    holds everywhere."""
 
 
 class ReleaseWay(Part, frozen=True):
-    """More of the way may be driven."""
+    """Release more of the way."""
 
     order: int
     released: int
@@ -55,11 +55,11 @@ class Drop(Part, frozen=True):
     order: int
     station: str
     goal: str = ""
-    """At a delivery warehouse, the goal whose pieces these are; without one they are set aside there."""
+    """At a delivery warehouse, the goal of the pieces; pieces without one are set aside there."""
 
 
 class Charge(Part, frozen=True):
-    """Charge at the charger where the vehicle stands, until the next instruction or full."""
+    """Charge at the charger where the vehicle stands, until full or the next instruction."""
 
     order: int
     charger: str
@@ -70,18 +70,18 @@ class Hold(Part, frozen=True):
 
 
 class Unhold(Part, frozen=True):
-    """Go on with what was held."""
+    """Resume what was held."""
 
 
 SLOWEST_FRAC = 0.01
-"""No limit is lower: a vehicle that is to stand is stopped."""
+"""The lowest limit: a vehicle that must stand is stopped instead."""
 
 
 class LimitSpeed(Part, frozen=True):
-    """Keep below this part of the vehicle's own top speed."""
+    """Keep below this fraction of the vehicle's own top speed."""
 
     speed_frac: float
-    """Above 0, at most 1; below SLOWEST_FRAC the vehicle keeps that."""
+    """Above 0, at most 1; lower values than SLOWEST_FRAC count as that."""
 
 
 VehicleInstruction = Drive | ReleaseWay | Pick | Drop | Charge | Hold | Unhold | LimitSpeed
@@ -93,7 +93,7 @@ class NodePassed(Part, frozen=True):
     order: int
     node: str
     index: int
-    """Its place in `Drive.nodes`."""
+    """The node's index in `Drive.nodes`."""
     battery_frac: float
 
 
@@ -118,19 +118,19 @@ class ActionFailed(Part, frozen=True):
 
 
 class ProblemRaised(Part, frozen=True):
-    """Something keeps the vehicle from going on. Another one on top of it replaces it; the worst should be said last.
+    """Something blocks the vehicle. A later problem replaces the earlier one; report the worst last.
 
-    How long its task waits follows from `problem` (`dray.protocol.people.patience`): say what is known, and no more.
+    The timeout of its task follows from `problem` (`dray.protocol.people.patience`): report only what is known.
     """
 
     reason: str
-    """In words, for people; not empty."""
+    """A text for people; not empty."""
     problem: Problem = NOTHING_KNOWN
-    """Its kind, and what is known of it."""
+    """Its kind, and the known details."""
 
 
 class ProblemCleared(Part, frozen=True):
-    """It is gone."""
+    """The problem is gone."""
 
 
 class LinkNoticed(Part, frozen=True):
@@ -138,7 +138,7 @@ class LinkNoticed(Part, frozen=True):
 
     link: Link
     access_point: str = ""
-    """Of a loss: over which it was on the WLAN last; empty where the modem does not know."""
+    """After a loss, the last access point; empty where the modem does not know."""
 
 
 _OnTheWay = NodePassed | WayDone | WayBlocked | WayFree
@@ -146,30 +146,30 @@ VehicleReport = _OnTheWay | ActionDone | ActionFailed | ProblemRaised | ProblemC
 
 
 class VehicleState(Part, frozen=True):
-    """Everything a vehicle can sense of itself at one moment."""
+    """The vehicle's state at one moment."""
 
     pose: Pose
     node: str
-    """The last node that was passed."""
+    """The last node passed."""
     next_node: str
-    """Where a new way may begin: the end of the lane it is on, or `node` when it stands there."""
+    """The possible start of a new way: the end of the current lane, or `node` for a standing vehicle."""
     next_node_s: float
-    """Seconds until `next_node` at the present speed; 0 when it stands there."""
+    """Seconds until `next_node` at the present speed; 0 for a standing vehicle."""
     speed_mps: float
     battery_frac: float
     load: str
-    """Empty for nothing."""
+    """The load on board; empty for nothing."""
     load_quantity: int
     held: bool
     charging: bool
     link: Link = Link.WLAN
     problem: str = ""
-    """What keeps it from going on; empty for nothing."""
+    """The problem that blocks it, as text; empty for none."""
     about_problem: Problem = NOTHING_KNOWN
-    """Its kind, and what is known of it; says nothing where there is none."""
+    """Its kind, and the known details; `NOTHING_KNOWN` where there is none."""
     battery_reckoned: bool = False
-    """It is not known how full it is: `battery_frac` is reckoned by time and metres."""
+    """Whether `battery_frac` is only estimated by time and metres."""
     wait: BodyWait | None = None
-    """What it waits for at this moment; None for nothing, and where it does not tell."""
+    """What it waits for at present; None for nothing, and where it does not tell."""
     base_end: str = ""
-    """The node up to which the way that it was given last is released; empty when it has come there, or has none."""
+    """The last released node of its latest way; empty when the vehicle has reached it, or has no way."""

@@ -1,4 +1,4 @@
-"""People as a body: their words, and what became of them."""
+"""People as a body: their reports of events, and the answers."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from dray.messages.reason import CommandRefusal
 
 
 class Word(Part, frozen=True):
-    """What a person says has happened; only for a body that is people. It is answered with `WordTaken`, each time that it is said."""
+    """A person's report of an event, for a body operated by people. `WordTaken` answers it, each time that it is sent."""
 
     key: str
-    """Names the word for ever: one that is said again under its key is not counted again."""
+    """A permanent name: a repetition under the same key is not counted again."""
     kind: MachineCommandKind
     """One of `WORDS`."""
     item: str
-    """Empty for the product that is being made."""
+    """The item; empty for the product in work."""
     quantity: int
     vehicle: str = ""
     sure: bool = False
-    """The number is right, however far it is from the expected one."""
+    """The number is confirmed, however far it is from the expected one."""
 
 
 class WordTaken(Part, frozen=True):
-    """What became of a `Word`. One that was not refused is on the disk."""
+    """The answer to a `Word`. An accepted one is on the disk."""
 
     key: str
     refused: CommandRefusal | None = None
     detail: str = ""
-    """The number that was expected, where that is why."""
+    """The expected number, where that is the reason."""
     again: bool = False
-    """It was said before."""
+    """It is a repetition."""

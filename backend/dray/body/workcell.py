@@ -1,4 +1,4 @@
-"""A machine's body is its workcell, cycles, buffers and a dock: what it is told and what it tells."""
+"""A machine's body is its workcell (cycles, buffers and a dock): its instructions and reports."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from dray.messages.product import BillLine
 
 
 class StartCycle(Part, frozen=True):
-    """Make one piece: takes the bill of material out of the buffers, puts a piece into the goods."""
+    """Make one piece: take the bill of material out of the buffers, and put a piece into the goods."""
 
     product: str
     bill: tuple[BillLine, ...] = ()
-    """What it takes; empty for what the workcell was set up with."""
+    """The bill of material; empty for the configured one."""
     cycle_s: float = 0.0
-    """How long a piece takes at full speed, for a product that the workcell was not set up for; 0 where nobody says it."""
+    """Seconds per piece at full speed, for a product that is not configured; 0 where unknown."""
 
 
 class ResetFault(Part, frozen=True):
-    """A person says that the fault is gone: work again, if the sensors find nothing wrong."""
+    """A person reports that the fault is gone: resume work, if the sensors find nothing wrong."""
 
 
 class SetPace(Part, frozen=True):
-    """Work at a part of the own speed, from the next cycle on."""
+    """Work at a fraction of the top speed, from the next cycle on."""
 
     speed_frac: float
     """Above 0, and at most 1."""
@@ -36,13 +36,13 @@ WorkcellInstruction = StartCycle | OpenDock | CloseDock | Book | ResetFault | Se
 
 
 class CycleDone(Part, frozen=True):
-    """A piece was made and lies in the goods, or was bad and is gone."""
+    """A piece is finished and lies in the goods, or was bad and is gone."""
 
     product: str
     seq: int
-    """Of this change of the stock, of nothing for a bad piece; see `WorkcellState.seq`."""
+    """The number of this change of the stock, without effect for a bad piece; see `WorkcellState.seq`."""
     bad: bool = False
-    """The piece is no good: it lies nowhere, and what the cycle has taken is used up."""
+    """The piece is bad: it lies nowhere, and its material is used up."""
 
 
 class CycleFailed(Part, frozen=True):
@@ -53,17 +53,17 @@ class CycleFailed(Part, frozen=True):
 
 
 class Broken(Part, frozen=True):
-    """The machine has stopped; a running cycle pauses. Said again when more is known."""
+    """The machine has stopped; a running cycle pauses. Reported again when more is known."""
 
     reason: str
     problem: Problem = NOTHING_KNOWN
-    """Its kind, and what is known of it: say what is known, and no more."""
+    """Its kind, and the known details: report only what is known."""
     resettable: bool = False
-    """The sensors find nothing wrong any more; it stands until `ResetFault`."""
+    """The sensors find nothing wrong any more; the machine waits for `ResetFault`."""
 
 
 class Repaired(Part, frozen=True):
-    """The machine works again; a paused cycle goes on."""
+    """The machine works again; a paused cycle resumes."""
 
 
 WorkcellReport = (
@@ -72,37 +72,36 @@ WorkcellReport = (
 
 
 class WorkcellState(Part, frozen=True):
-    """What a workcell senses of itself.
+    """A workcell's state.
 
-    A state may be sensed before reports that explain it are heard, or told after them. So the changes of the stock
-    that are reported have numbers: whoever has heard another last one than `seq` knows that this stock is of another
-    moment.
+    A state may be sensed before the agent hears the reports that explain it, or told after them. So the reported changes of the
+    stock have numbers: if the agent has not heard exactly up to `seq`, this stock belongs to another moment.
     """
 
     stock: dict[str, int]
-    """Pieces at hand of every material and product, those in a running cycle not counted."""
+    """Pieces of every material and product, without those in a running cycle."""
     seq: int
-    """How many changes of the stock the workcell has reported since it was built; all of them are in `stock`."""
+    """Number of stock changes reported since it was built; `stock` contains all of them."""
     cycling: str
     """The product of the running cycle; empty for none."""
     broken: str
-    """Why it stands; empty when it works."""
+    """Why it is stopped; empty when it works."""
     counts: bool = True
-    """Whether it counts what vehicles bring and take. One that does not tells of no transfer by itself: its agent
-    lets it `Book` what vehicles say, and its stock is as good as their word."""
+    """Whether it counts what vehicles bring and take. Otherwise it reports no transfer by itself: its agent sends `Book` for each
+    report of a vehicle, and the stock is as reliable as these."""
     about_problem: Problem = NOTHING_KNOWN
-    """What is known of why it stands; says nothing where it works."""
+    """The known details of why it is stopped; `NOTHING_KNOWN` where it works."""
     resettable: bool = False
-    """It stands, and waits for `ResetFault` only."""
+    """It is stopped, and waits only for `ResetFault`."""
     paces: bool = False
-    """Whether it can work at a part of its speed."""
+    """Whether it can work at reduced speed."""
     answers: bool = False
-    """Whether its dock takes time to open: `OpenDock` is answered with `DockReady`, once for each time that it is said."""
+    """Whether its dock takes time to open: each `OpenDock` is answered with a `DockReady`."""
     people: bool = False
-    """Whether it is people, whose words (`Word`) it takes."""
+    """Whether it is operated by people, who report with `Word`."""
     loads: tuple[UnconfirmedLoad, ...] = ()
-    """Of people: what vehicles have brought and taken by their own word, and nobody has confirmed yet; the oldest first."""
+    """Loads moved by vehicles' own reports and not confirmed by people yet, the oldest first; only where people operate it."""
     opened: tuple[str, ...] = ()
-    """Vehicles for which its dock is open, or is being opened, where it remembers them over its agent's lives."""
+    """Vehicles for which its dock is open or opening, where it remembers them over its agent's lives."""
     gone: tuple[str, ...] = ()
-    """Of people: vehicles that are not wanted there any more, and whose own word of their loads is still awaited."""
+    """Vehicles without permission whose own report of their loads is still expected; only where people operate it."""

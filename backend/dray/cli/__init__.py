@@ -3,30 +3,31 @@
     dray up             the simulated factory, the gateway and the panels in one process
     dray fleet ...      a whole factory as processes on this computer
     dray agent ...      one agent of a plant, as a process of its own
-    dray strategist     the strategist, likewise
+    dray strategist     the strategist, as a process of its own
     dray gateway        panels and API for a plant whose agents are processes
-    dray historian      writes what happens there to the database
+    dray historian      writes the plant's events to the database
     dray floor          the simulated floor, for agents without bodies of their own
     dray sim ...        named scenarios in virtual time
-    dray fault ...      let something go wrong in a running `dray up`
+    dray fault ...      inject faults into a running `dray up`
     dray bench          benchmarks
-    dray shut-out       let nobody hear an agent any more; `dray readmit` takes it back
-    dray carried-away   say that a vehicle is off the floor: what it held is free
-    dray user ...       who may log in, and by what
-    dray key ...        keys by which other systems use the API
+    dray shut-out       exclude an agent; `dray readmit` ends that
+    dray carried-away   report that a vehicle is off the floor: its places become free
+    dray user ...       people and their logins
+    dray key ...        API keys of other systems
     dray link ...       customers' links to their orders
     dray plant ...      plant files
     dray machine ...    real machines: commissioning
     dray vehicle ...    real vehicles: commissioning, dialogues
     dray certs ...      certificates for agents on many computers
-    dray wire ...       what agents say, as schemas
+    dray wire ...       the agents' messages, as schemas
     dray db ...         the database
 
-`commands` has one module per group, Typer only; `runtime` is what a process in service is made of, `fleet` keeps many
-processes, `compose` writes them down as containers, and `simulation` runs what is simulated: beside its commands the only
-room that imports `dray_sim`. What a command needs is imported when it runs, so that `dray --help` answers at once. What a command prints on stdout is its result; everything else goes to stderr.
+`commands` has one module per group, with Typer only. `runtime` contains the parts of a process in service. `fleet` supervises many
+processes, `compose` writes them as containers, and `simulation` runs simulated parts: beside its commands it is the only room that
+imports `dray_sim`. Each command imports its modules when it runs, so that `dray --help` answers at once. Results are printed on stdout,
+everything else on stderr.
 
-Exit codes: 0 done; 1 a broken invariant, or something outside is not there; 2 input that cannot be used.
+Exit codes: 0 done; 1 a broken invariant, or something outside is unavailable; 2 unusable input.
 """
 
 from __future__ import annotations
@@ -95,7 +96,7 @@ def dray(
 
 
 def main() -> None:
-    """Run the command line; an error of ours becomes one clear line on stderr and an exit code."""
+    """Run the command line; our own errors become one clear line on stderr and an exit code."""
     try:
         app()
     except DrayError as error:

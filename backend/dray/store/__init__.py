@@ -1,8 +1,8 @@
-"""The store: what outlives a process, in SQL.
+"""The store: durable data, in SQL.
 
-`tables` are the shapes. One repository per table or subject holds every query on it: `orders`, `access`, `history`,
-`factory`. `database` opens, serialises and brings the tables up to date; `historian` writes what agents tell. Whoever
-needs rows asks a `Store` for a `Work`, which is all repositories in one transaction.
+`tables` defines the tables. One repository per table or subject contains all its queries: `orders`, `access`, `history`,
+`factory`. `database` opens the database, serialises transactions and migrates the tables. `historian` writes what agents report.
+A caller gets a `Work` from a `Store`: all repositories in one transaction.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""The historian: listens on the bus and writes into SQL what agents tell.
+"""The historian: it listens on the bus and writes agents' reports into SQL.
 
-Nobody waits for it. Events are gathered in a bounded queue and written in batches, one transaction
-each; the same event twice is one row. From the facts it keeps goals and orders up to date. When the
-database fails it tries again later; when the queue is full the newest events are dropped and counted.
+Nobody waits for it. Events are gathered in a bounded queue and written in batches, one transaction each; a repeated event is
+one row. From the facts it updates goals and orders. When the database fails it retries later; when the queue is full the newest
+events are dropped and counted.
 
-What it has not heard, for whatever reason and also while it was away, it asks the agents for: they keep
-their newest events (`dray.store.history.gaps` decides whom to ask for what). So a history has holes only where
-an agent forgot what was not fetched in time; those are counted and logged.
+It asks the agents for all events that it has missed, also while it was down: agents keep their newest events
+(`dray.store.history.gaps` decides on the questions). So a history has holes only where an agent deleted events before
+they were fetched; those are counted and logged.
 """
 
 from __future__ import annotations
@@ -33,23 +33,23 @@ from dray.store.work import Store, Work
 from dray.supervision import Supervisor
 
 QUEUE_EVENTS = 50_000
-"""Events that wait to be written, some 25 MB: a minute of 1,000 vehicles while the disk is busy."""
+"""Maximum waiting events, some 25 MB: a minute of 1,000 vehicles while the disk is busy."""
 
 QUEUE_SAMPLES = 5_000
-"""Heartbeat samples that wait; they are worth less than events, so they have their own small queue."""
+"""Maximum waiting heartbeat samples; they matter less than events, so they have their own small queue."""
 
 BATCH_EVENTS = 2_000
-"""Events per transaction: some 50 ms, so that orders do not wait long for their turn."""
+"""Maximum events per transaction: some 50 ms, so that orders do not wait long."""
 
 SAMPLE_EVERY_S = 30.0
-"""Factory seconds between two kept heartbeats of one agent: batteries and ways change slower."""
+"""Factory seconds between two stored heartbeats of one agent: batteries and ways change slower."""
 
 ASK_EVERY_S = 1.0
-"""Wall seconds between two looks at what is missing. A gap waits about as long before it is asked for, so
-that looking costs nothing beside hearing."""
+"""Wall seconds between two checks for missing events. A gap waits about as long before the first question, so that
+checking costs little beside receiving."""
 
 RETRY_S = (0.5, 30.0)
-"""Wall seconds before the first and between later attempts on a failing database, doubling."""
+"""Wall seconds before the first and between later retries on a failing database, doubling."""
 
 _log = logging.getLogger(__name__)
 
@@ -58,19 +58,19 @@ class Historian:
     """Writes history.
 
     Args:
-        store: where to.
-        bus: where the agents are heard.
+        store: the store.
+        bus: the bus of the agents.
         keys: the plant's.
         to_wall_s: plant clock to wall clock.
         life: its incarnation: the latest historian stays.
-        agents: who is asked for history even when nobody has heard of them.
+        agents: agents that are asked for history even before they are heard.
         linger_s: wall seconds in which events are gathered for one write.
-        retention: forgets what is too old; None where all is kept.
-        queue_events: events that may wait.
+        retention: deletes old data; None to keep all.
+        queue_events: maximum waiting events.
         retry_s: see `RETRY_S`.
         wall_s: the wall clock.
-        clocks: what is known of agents' clocks: times by one that is wrong are kept as the right one tells them. None
-            where all of them are believed.
+        clocks: the agents' clock errors: times by a wrong clock are stored corrected. None to believe all
+            clocks.
         to_plant_s: wall clock to plant clock; needed with `clocks`.
     """
 
@@ -100,9 +100,9 @@ class Historian:
         self.supervisor = Supervisor()
         self._queue_events, self._retry_s = queue_events, retry_s
         self._events: deque[tuple[float, Event]] = deque()
-        """With the time at which each was heard."""
+        """Waiting events, each with its time of reception."""
         self._writing_since_s: float | None = None
-        """When the oldest event was heard of those that are being written."""
+        """The reception time of the oldest event being written."""
         self._samples: deque[Heartbeat] = deque(maxlen=QUEUE_SAMPLES)
         self._sampled_at_s: dict[str, float] = {}
         self._gaps = Gaps()
@@ -110,30 +110,30 @@ class Historian:
         self._arrived, self._written, self._closing = asyncio.Event(), asyncio.Event(), asyncio.Event()
         self._written.set()
         self.kept = 0
-        """Events that were written, or had been before."""
+        """Number of events written now or before."""
         self.lost = 0
-        """Events that found the queue full and are asked for again, or that the database refused."""
+        """Events that found the queue full, to be asked for again, or that the database refused."""
         self.failing = False
-        """True while the database cannot be written."""
+        """Whether the database is not writable."""
 
     @property
     def missing(self) -> int:
-        """Numbers in agents' histories that have not arrived yet."""
+        """The count of event numbers that have not arrived yet."""
         return self._gaps.missing
 
     @property
     def gone(self) -> int:
-        """Numbers in agents' histories that will never arrive: the holes since it has started."""
+        """The count of event numbers that will never arrive: the holes since its start."""
         return self._gaps.gone
 
     @property
     def waiting(self) -> int:
-        """Events that have been heard and wait for their turn to be written."""
+        """The number of received events that are not being written yet."""
         return len(self._events)
 
     @property
     def behind_s(self) -> float:
-        """How long the oldest event has waited that was heard and is not written yet; 0 for none."""
+        """The age of the oldest received event that is not written yet; 0 for none."""
         since_s = self._writing_since_s
         if since_s is None and self._events:
             since_s = self._events[0][0]
@@ -141,11 +141,11 @@ class Historian:
 
     @asynccontextmanager
     async def running(self, recovered: Callable[[Event], object] | None = None) -> AsyncIterator[None]:
-        """Listen, ask and write; at the end, write what has been heard.
+        """Listen, ask and write; at the end, write all received events.
 
         Args:
-            recovered: called with every event that was fetched again; whoever listens beside the
-                historian has missed it too.
+            recovered: called with every event that was fetched later; other listeners in the process have missed it,
+                too.
         """
         self._recovered = recovered
         async with self._store.read() as work:
@@ -191,17 +191,17 @@ class Historian:
                 pass
 
     async def written(self) -> None:
-        """Wait until everything that has been heard is written."""
+        """Wait until all received events are written."""
         await self._written.wait()
 
     def _take_event(self, event: Event) -> None:
         if len(self._events) >= self._queue_events:
-            # Its number is not noted, so that it is missing, and asked for when there is room.
+            # Its number is not noted, so it counts as missing and is asked for when there is room.
             self._gaps.note_alive(event.agent, event.incarnation, self._now_s())
             self.lost += 1
             return
         was_missed = self._gaps.note(event.agent, event.incarnation, event.number, self._now_s())
-        # First this: its number is noted, so that nobody asks for it again, whatever the other listener makes of it.
+        # First note its number, so that it is not asked for again, even if the other listener raises.
         self._events.append((self._now_s(), event))
         self._wake()
         if was_missed and self._recovered is not None:
@@ -209,7 +209,7 @@ class Historian:
 
     def _take_heartbeat(self, agent: str, heartbeat: Heartbeat) -> None:
         last_s = self._sampled_at_s.get(agent)
-        # A clock that went back is a new life of the plant.
+        # A clock that went back means a new life of the plant.
         if last_s is None or not last_s <= heartbeat.at_s < last_s + SAMPLE_EVERY_S:
             self._sampled_at_s.pop(agent, None)
             self._sampled_at_s[agent] = heartbeat.at_s
@@ -227,7 +227,7 @@ class Historian:
 
     async def _ask_on(self, session: Session) -> None:
         while True:
-            # Not while the database is away: what cannot be kept is better left where it is.
+            # Not while the database is down: events that cannot be stored stay with their agents.
             if not self.failing:
                 for agent, question in self._gaps.due(self._now_s()):
                     session.send(agent, question)
@@ -283,7 +283,7 @@ class Historian:
                 await self._write_one_by_one(events, str(error.orig))
                 return
             except Exception as error:  # noqa: BLE001 - whatever it is, it is about one of them
-                # Our own bug: the others are kept all the same.
+                # Our own bug: store the others nevertheless.
                 _log.exception("%d events could not be written at once", len(events))
                 await self._write_one_by_one(events, repr(error))
                 return
@@ -293,7 +293,7 @@ class Historian:
                 return
 
     async def _write_one_by_one(self, events: list[Event], reason: str) -> None:
-        """Save what can be saved of a batch in which something can never be written."""
+        """Store the good part of a batch that contains an event that can never be written."""
         if len(events) <= 1:
             self.lost += len(events)
             _log.warning("an event was refused by the database: %s: %r", reason, events)
@@ -312,7 +312,7 @@ class Historian:
             await work.tasks.follow(events, self._to_wall_s)
 
     async def _follow(self, work: Work, events: Sequence[Event]) -> None:
-        """Bring goals and orders up to date with what these events tell."""
+        """Update goals and orders by these events."""
         lives: dict[str, int] = {}
         for event in events:
             if accepted := accepted_order(event):

@@ -1,4 +1,4 @@
-"""What is there: since when something of each kind of history is kept. What is forgotten when is said in `retention`."""
+"""The extent of stored history: the oldest of each kind. `retention` defines the deletion."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dray.store.tables import audit, events, heartbeat_samples, kpi_samples, ord
 
 
 class Oldest(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """When the oldest of each kind happened or began, in wall seconds since 1970; None where there is none."""
+    """The time of the oldest of each kind, in wall seconds since 1970; None where there is none."""
 
     orders_s: float | None
     events_s: float | None
@@ -30,11 +30,11 @@ class Oldest(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     alerts_s: float | None
     audit_s: float | None
     events: int
-    """Rows of the log of events."""
+    """Rows of the event log."""
 
 
 class Kept:
-    """The oldest of everything, inside one transaction. Each is looked up by an index, however much there is."""
+    """The oldest of each kind, inside one transaction. Each look-up uses an index, so its cost does not depend on the size."""
 
     def __init__(self, connection: AsyncConnection) -> None:
         self._connection = connection
@@ -60,7 +60,7 @@ class Kept:
         return (await self._connection.execute(select(func.min(at)))).scalar()
 
     async def _at_first(self, position: Column[int], at: Column[float]) -> float | None:
-        """Of the row that was kept first: of what is told late it may not be the oldest, by seconds."""
+        """The time of the first stored row; with late events it may not be the oldest, by seconds."""
         return (await self._connection.execute(select(at).order_by(position).limit(1))).scalar()
 
     async def _position(self, which: Callable[[Column[int]], ColumnElement[int]]) -> int:

@@ -1,7 +1,7 @@
-"""Retention: what is kept for how long. Everything is forgotten by its age, in small transactions with pauses, so that others wait little.
+"""Retention: old data is deleted by its age, in small transactions with pauses, so that other writers wait little.
 
-What the pages of an order and of its customer need is kept with the order before the log forgets it. There is a bound on rows,
-too, so that no plant fills its disk; it is meant to be out of reach, and when it is reached that is told.
+Data for the pages of an order and of its customer is stored with the order before the log deletes it. There is a bound on rows, too,
+so that no plant fills its disk. It should never be reached, and reaching it is reported.
 """
 
 from __future__ import annotations
@@ -20,25 +20,25 @@ from dray.supervision import keep_looking
 DAY_S = 86_400.0
 
 LOOK_EVERY_S = 60.0
-"""Wall seconds between two looks at what has become too old."""
+"""Wall seconds between two checks for old data."""
 
 AT_ONCE = 200
-"""Rows that one transaction forgets: some milliseconds, in which nobody else writes."""
+"""Maximum rows deleted in one transaction: some milliseconds, in which nobody else writes."""
 
 PAUSE_S = 0.02
-"""Wall seconds between two of these at least, for whoever waits to write."""
+"""Minimum wall seconds between two of these, for other writers."""
 
 REST = 2.0
-"""Pauses take so many times as long as the work before them: a third of a processor at most. Nobody rests while there are too many rows for the disk."""
+"""Pauses as a multiple of the work before them: a third of a processor at most. Above the maximum of rows there are no such pauses."""
 
 TURN = 50
-"""Transactions after which what else is too old has its turn: a log that grows as fast as it is forgotten must not keep all else."""
+"""Transactions per kind before the next kind: a log that grows as fast as it is deleted must not block the others."""
 
 _log = logging.getLogger(__name__)
 
 
 class KeptFor(msgspec.Struct, frozen=True, kw_only=True):
-    """For how many wall seconds what is kept, since it happened or ended."""
+    """Retention of each kind in wall seconds, since the event or the end."""
 
     events_s: float
     samples_s: float
@@ -48,16 +48,16 @@ class KeptFor(msgspec.Struct, frozen=True, kw_only=True):
     alerts_s: float
     audit_s: float
     events_most: int
-    """Rows of the log of events, of whatever age."""
+    """Maximum rows of the event log, of any age."""
 
 
 class Forgotten(NamedTuple):
-    """What one transaction has forgotten.
+    """The result of one transaction.
 
     Attributes:
-        rows: how many; fewer than `AT_ONCE` where no more are too old.
-        worked_s: how long it took.
-        too_many: how many of them before their time, because there were too many.
+        rows: number of deleted rows; fewer than `AT_ONCE` when no more are too old.
+        worked_s: its duration.
+        too_many: number of rows deleted before their time, because there were too many.
     """
 
     rows: int
@@ -66,22 +66,22 @@ class Forgotten(NamedTuple):
 
 
 class Retention:
-    """Forgets what is too old.
+    """Deletes old data.
 
     Args:
-        store: where.
-        kept_for: how long what is kept.
+        store: the store.
+        kept_for: the retention of each kind.
         wall_s: the wall clock.
     """
 
     def __init__(self, store: Store, kept_for: KeptFor, wall_s: Callable[[], float]) -> None:
         self._store, self._kept_for, self._wall_s = store, kept_for, wall_s
         self.too_many = 0
-        """Events that were forgotten before their time, because there were too many."""
+        """Number of events deleted before their time, because there were too many."""
         self._clock = time.monotonic
 
     async def run(self) -> None:
-        """Forget until cancelled."""
+        """Delete until cancelled."""
         await keep_looking(
             self.forget,
             LOOK_EVERY_S,
@@ -89,10 +89,10 @@ class Retention:
         )
 
     async def forget(self) -> None:
-        """Forget all that is too old now.
+        """Delete all that is too old now.
 
         Raises:
-            UnavailableError: the database cannot be written; what was forgotten by then stays so.
+            UnavailableError: writing failed; earlier deletions stay.
         """
         has_more = True
         while has_more:
@@ -108,7 +108,7 @@ class Retention:
                 )
 
     def _kinds(self, now_s: float) -> tuple[Callable[[], Awaitable[Forgotten]], ...]:
-        """What forgets some of each kind."""
+        """Functions that each delete some rows of one kind."""
         kept = self._kept_for
         return (
             lambda: self._events(now_s - kept.events_s, now_s),
@@ -124,7 +124,7 @@ class Retention:
         )
 
     async def _turn(self, some: Callable[[], Awaitable[Forgotten]]) -> bool:
-        """Forget some of one kind; whether there may be more."""
+        """Delete rows of one kind; returns whether there may be more."""
         for _ in range(TURN):
             done = await some()
             rest_s = 0.0 if done.too_many else REST * done.worked_s
@@ -135,13 +135,13 @@ class Retention:
 
     async def _rows(self, prune: Callable[[Work], Awaitable[int]]) -> Forgotten:
         async with self._store.write() as work:
-            # Waiting for others who write is no work.
+            # Waiting for other writers does not count as work.
             begun_s = self._clock()
             rows = await prune(work)
         return Forgotten(rows, self._clock() - begun_s)
 
     async def _events(self, before_s: float, now_s: float) -> Forgotten:
-        # What stays with the orders is put together while others may write.
+        # The orders' histories are built while others may write.
         async with self._store.read() as work:
             begun_s = self._clock()
             found = await work.events.oldest(before_s, self._kept_for.events_most, AT_ONCE, now_s)
@@ -152,7 +152,7 @@ class Retention:
         read_s = self._clock() - begun_s
         async with self._store.write() as work:
             begun_s = self._clock()
-            # Another historian has forgotten them meanwhile, and perhaps more: what was read here is older than what is kept by now.
+            # Another historian may have deleted them meanwhile, and more: then the histories read here are outdated.
             if await work.events.first() == first:
                 await work.order_histories.put(histories)
                 await work.events.forget(first, last)

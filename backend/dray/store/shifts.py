@@ -1,4 +1,4 @@
-"""What a shift report reads: sums over a time, and the worst of it. Each query reads what lies in the time, and answers with little."""
+"""The data of a shift report: sums over a time, and the worst cases. Each query reads the rows of the time, and returns few."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class OrderCounts(msgspec.Struct, frozen=True, gc=False):
 
     delivered: int
     late: int
-    """Of these: after their due time."""
+    """Delivered orders that were late."""
     open: int
     """Released, and neither delivered nor cancelled at the end of the time."""
     overdue: int
-    """Of these: their due time was over."""
+    """Open orders that were overdue."""
 
 
 class LateOrder(msgspec.Struct, frozen=True, gc=False):
@@ -40,7 +40,7 @@ class LateOrder(msgspec.Struct, frozen=True, gc=False):
 
 
 class Use(msgspec.Struct, frozen=True, gc=False):
-    """How long one agent did one thing in a time, in wall seconds, and how often."""
+    """One agent's total time of one activity in a time, in wall seconds, and the number of spells."""
 
     agent: str
     doing: str
@@ -55,7 +55,7 @@ class Shifts:
         self._connection = connection
 
     async def orders(self, since_s: float, until_s: float) -> OrderCounts:
-        """How many were delivered in a time, and how many were open at its end."""
+        """The numbers of orders delivered in a time, and open at its end."""
         c = orders.c
         query = select(func.count(), func.count(case((c.delivered_at_s > c.due_at_s, 1)))).where(
             c.status == OrderStatus.DELIVERED.value, _in(c.delivered_at_s, since_s, until_s)
@@ -66,7 +66,7 @@ class Shifts:
         return OrderCounts(delivered, late, still_open, overdue)
 
     async def late_orders(self, since_s: float, until_s: float, limit: int) -> list[LateOrder]:
-        """Those that were delivered late, or were overdue at the end; the latest first."""
+        """Orders that were delivered late, or were overdue at the end; the latest first."""
         c = orders.c
         columns = c.id, c.reference, c.due_at_s, c.delivered_at_s
         late_s = case((c.delivered_at_s < until_s, c.delivered_at_s), else_=until_s) - c.due_at_s
@@ -88,13 +88,13 @@ class Shifts:
     async def transport_times_s(
         self, since_s: float, until_s: float, longest_s: float, parts: Sequence[float]
     ) -> list[float]:
-        """In how many wall seconds these parts of the transports were handed over that were so in a time; empty where none was.
+        """Quantiles of the duration of transports that were handed over in a time, in wall seconds; empty without any.
 
         Args:
-            since_s: from when.
-            until_s: to when.
-            longest_s: none that was announced so long before is counted.
-            parts: 0.5 is the median. Each is the time of one of the transports (nearest rank).
+            since_s: the beginning of the time.
+            until_s: its end.
+            longest_s: transports announced longer before the beginning are left out.
+            parts: the quantiles; 0.5 is the median. Each is the duration of one of the transports (nearest rank).
         """
         c = tasks.c
         took_s = c.closed_at_s - c.opened_at_s
@@ -114,7 +114,7 @@ class Shifts:
     async def interventions(
         self, since_s: float, until_s: float, actions: Sequence[str], limit: int
     ) -> tuple[int, list[tuple[AuditRow, str]]]:
-        """How often people have done one of these, and the last of them with the role of each, oldest first."""
+        """The number of people's actions of these kinds, and the last of them with the role of each, oldest first."""
         c = audit.c
         done = (
             _in(c.at_s, since_s, until_s),
@@ -138,12 +138,12 @@ class Shifts:
         return count, told[::-1]
 
     async def uses(self, since_s: float, until_s: float, longest_s: float) -> list[Use]:
-        """What every vehicle and machine did, by agent and doing.
+        """The activities of every vehicle and machine, by agent and activity.
 
         Args:
-            since_s: from when.
-            until_s: to when.
-            longest_s: no spell is longer.
+            since_s: the beginning of the time.
+            until_s: its end.
+            longest_s: maximum length of a spell.
         """
         c = spells.c
         begin_s = case((c.from_at_s > since_s, c.from_at_s), else_=since_s)
@@ -159,7 +159,7 @@ class Shifts:
     async def worst(
         self, doing: str, since_s: float, until_s: float, longest_s: float, limit: int
     ) -> list[Spell]:
-        """The longest spells of one doing, the longest first."""
+        """The longest spells of one activity, the longest first."""
         c = spells.c
         columns = [c[name] for name in Spell.__struct_fields__]
         query = (
@@ -178,7 +178,7 @@ def _in(
 
 
 def _open_at(until_s: float) -> ColumnElement[bool]:
-    """Whether an order was with the factory then; what is so now, or has changed since, alone can have been."""
+    """The condition that an order was open then: only open orders, and those changed since, can have been."""
     c = orders.c
     return and_(
         or_(c.status.in_([each.value for each in OPEN]), c.updated_at_s >= until_s),

@@ -1,8 +1,8 @@
-"""Tables: the shapes of what is kept. Queries live in the repositories, in the rooms beside this module.
+"""Tables: the definitions. Queries are in the repositories, in the folders beside this module.
 
-Times are seconds since 1970 on the wall clock, as double precision numbers: SQLite has no type for
-a moment, and PostgreSQL's would read back differently. `plant_s` is a time on the plant's clock.
-The migrations write these very tables; a test compares the two.
+Times are seconds since 1970 on the wall clock, as double precision numbers: SQLite has no type for times, and
+PostgreSQL's would read back differently. `plant_s` is a time on the plant's clock. The migrations create the same tables;
+a test compares them.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ metadata = MetaData(
 )
 
 Position = BigInteger().with_variant(Integer, "sqlite")
-"""A row number that grows: SQLite numbers rows by itself only in a plain INTEGER."""
+"""An ascending row number: SQLite assigns numbers itself only in a plain INTEGER."""
 
 Id = String(128)
-"""Ids of agents have 32 characters at most; those of tasks and goals are made of up to three ids."""
+"""Ids of agents have 32 characters at most; those of tasks and goals contain up to three ids."""
 
 _counter = partial(Column, type_=Integer, nullable=False, server_default="0")
 
@@ -113,7 +113,7 @@ tracking_links = Table(
     comment="Who has the token may see the order's page; token_hash is its SHA-256.",
 )
 
-# No foreign key to orders: facts come from the bus, in any order, and may be of another database.
+# No foreign key to orders: facts come from the bus, in any order, and may belong to another database.
 goals = Table(
     "goals",
     metadata,
@@ -148,12 +148,12 @@ events = Table(
     UniqueConstraint("agent", "incarnation", "number"),
     Index(None, "kind", "position"),
     Index(None, "agent", "position"),
-    # Whoever asks about one thing mostly asks for one kind: by both, no database is tempted to read all of a kind.
+    # Queries about one thing mostly ask for one kind: an index on both keeps the database from reading all of a kind.
     Index(None, "task", "kind", "at_s"),
     Index(None, "goal", "kind", "at_s"),
     Index(None, "order_id", "kind", "at_s"),
     Index(None, "kind", "plant_s"),
-    # Numbers of pruned rows must never be given again: readers go on after the last one they saw.
+    # Numbers of deleted rows must never be reused: readers continue after the last one they saw.
     sqlite_autoincrement=True,
     comment="Agents' numbered histories; fact is the JSON of what happened.",
 )
@@ -332,7 +332,7 @@ api_keys = Table(
     Column("scopes", Text, nullable=False),
     Column("created_at_s", Double, nullable=False),
     *(Column(name, Double) for name in ("expires_at_s", "revoked_at_s", "used_at_s")),
-    # Which transports it may call for; names with spaces between them, empty for all.
+    # The transports that it may call for; names separated by spaces, empty for all.
     *(Column(name, Text, nullable=False, server_default="") for name in ("places", "items")),
     Column("open_max", Integer, nullable=False, server_default="50"),
     Column("open_each_max", Integer, nullable=False, server_default="20"),

@@ -97,12 +97,12 @@ class Work:
         self.signing_keys = SigningKeys(connection)
 
     async def ping(self) -> None:
-        """Do nothing, in the database."""
+        """Run an empty query."""
         await self._connection.execute(text("SELECT 1"))
 
 
 class Store:
-    """Hands out transactions over one open database."""
+    """Provides transactions over one open database."""
 
     def __init__(self, database: Database) -> None:
         self.database = database
@@ -125,18 +125,18 @@ class Store:
             return await work.incarnations.next(plant)
 
     async def close(self) -> None:
-        """Close the database; harmless when done twice."""
+        """Close the database; harmless when repeated."""
         await self.database.close()
 
 
 async def open_store(url: str) -> Store:
-    """Open the database and bring its tables up to date.
+    """Open the database and migrate its tables.
 
     Args:
         url: as `Settings.database_url`.
 
     Raises:
-        UnavailableError: with a remedy, when it cannot be opened, written or upgraded.
+        UnavailableError: opening, writing or migrating failed; contains a remedy.
     """
     database = await Database.open(url)
     try:

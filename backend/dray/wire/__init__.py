@@ -1,5 +1,5 @@
-"""The wire, published: schemas and an AsyncAPI document for those who write agents of their own.
+"""The published wire format: schemas and an AsyncAPI document for authors of other agents.
 
-All of it is made from the code (`dray wire write`), and a test compares it with what is in `docs/wire`.
-`compatibility` says what a change would break for agents of the last version.
+All of it is generated from the code (`dray wire write`), and a test compares it with `docs/wire`.
+`compatibility` tells how a change would break agents of the last version.
 """

@@ -1,4 +1,4 @@
-"""Where what is said: the keys of the bus, and the messages on each of them."""
+"""The channels of the bus: its keys, and the messages on each of them."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ class Channel:
     """A key, or a family of keys.
 
     Attributes:
-        name: of the channel in documents.
-        address: of the key; what varies is in braces.
-        about: who listens there, and why.
-        messages: all that is said there.
+        name: the channel's name in documents.
+        address: the key, with variable parts in braces.
+        about: the listeners and their purpose.
+        messages: all messages on it.
     """
 
     name: str
@@ -197,4 +197,4 @@ CHANNELS = (
         tuple(kind for kind in get_args(AnyMessage) if kind not in _BROADCAST_ONLY),
     ),
 )
-"""All of them. Who may say which message is in `dray.messages.speakers`."""
+"""All channels. `dray.messages.speakers` tells who may send which message."""

@@ -1,7 +1,7 @@
-"""What a change of the wire would break for agents of the last version, and for this one with them.
+"""Changes of the wire that break communication with agents of the last version.
 
-Both sides must read each other, since agents are replaced one at a time. So of what both know, a field must
-be the same; a field that only one knows must be one that may be left out.
+Both versions must read each other, since agents are replaced one at a time. So a field that both know must be the same,
+and a field that only one knows must be optional.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from typing import Any
 from dray.wire.schemas import Schema
 
 _WORDS = frozenset({"title", "description", "default"})
-"""What a schema tells people, and nothing that a reader checks."""
+"""Schema entries for people, which no reader checks."""
 
 
 def breaks(old: dict[str, Schema], new: dict[str, Schema]) -> list[str]:
-    """What keeps agents of the two versions from reading each other; empty when nothing does.
+    """The reasons why agents of the two versions cannot read each other; empty when there are none.
 
     Args:
         old: all schemas of the last version by name, as `dray.wire.schemas.parts` gives them.
-        new: those of this one.
+        new: all schemas of this version.
     """
     return [fault for name, schema in old.items() for fault in _part_breaks(name, schema, new.get(name))]
 
@@ -55,7 +55,7 @@ def _field_breaks(name: str, old: Schema, new: Schema) -> Iterator[str]:
 
 
 def _agree(old: Schema, new: Schema) -> bool:
-    """Whether a field means the same; of several sorts of a thing, the new version may know more."""
+    """Whether a field means the same; the new version may add variants of a type."""
     if "discriminator" in old and "discriminator" in new:
         choices = [{choice["$ref"] for choice in schema["anyOf"]} for schema in (old, new)]
         return choices[0] <= choices[1]

@@ -10,19 +10,19 @@ from dray.wire import asyncapi
 from dray.wire.schemas import MESSAGES, Schema, message_schema, parts
 
 RELEASED = f"released-v{WIRE_VERSION}.json"
-"""The parts of all messages, as the last release speaks them."""
+"""The file with the parts of all messages as of the last release."""
 
 _REFERENCE = "#/{name}"
 
 
 def documents() -> dict[str, str]:
-    """What the code says now, by path in the folder; the same code always gives the same bytes."""
+    """The current documents, by path in the folder; the same code always gives the same bytes."""
     schemas = {f"schemas/{kind.__name__}.json": _text(message_schema(kind)) for kind in MESSAGES}
     return {"asyncapi.json": _text(asyncapi.document()), **schemas}
 
 
 def released() -> str:
-    """What the next version will be compared with, once this one is released."""
+    """The reference for the next version, once this one is released."""
     return _text(current())
 
 

@@ -18,17 +18,17 @@ DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def parts(reference: str) -> dict[str, Schema]:
-    """The schemas of all messages and of what they are made of, by name.
+    """The schemas of all messages and of their parts, by name.
 
     Args:
-        reference: how they refer to one another, with `{name}`.
+        reference: the form of references between them, with `{name}`.
     """
     _, found = msgspec.json.schema_components(MESSAGES, ref_template=reference)
     return dict(sorted(found.items()))
 
 
 def envelope(message: Schema) -> Schema:
-    """The schema of a whole message on the wire: its envelope, and what is in it."""
+    """The schema of a whole message on the wire, with its envelope."""
     (sender, context), _ = msgspec.json.schema_components([Id, Context])
     return {
         "type": "object",
@@ -43,7 +43,7 @@ def envelope(message: Schema) -> Schema:
 
 
 def message_schema(kind: type[Message]) -> Schema:
-    """One message's schema, complete in itself."""
+    """One message's self-contained schema."""
     inner = msgspec.json.schema(kind)
     definitions = inner.pop("$defs")
     return {

@@ -1,1 +1,1 @@
-"""The asyncio shell of one agent, and the inbox of what waits for it."""
+"""The asyncio shell of one agent, and its inbox."""

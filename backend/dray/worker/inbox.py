@@ -1,4 +1,4 @@
-"""The inbox of one agent: what has come and waits for the agent's turn, in its order, and what is dropped when it is crowded."""
+"""The inbox of one agent: its waiting events in order, and the rules for dropping messages when it is crowded."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from dray.protocol.runtime.events import Event
 
 INBOX = 4096
-"""Events that wait for an agent. Ten seconds of a plant of 300 agents that all talk to this one; an agent
-that is further behind has lost touch anyway, and its peers repeat what matters."""
+"""Maximum waiting events: ten seconds of a plant of 300 agents that all talk to this one. An agent further behind has lost touch
+anyway, and its peers repeat what matters."""
 
 CROWDED = INBOX // 8
-"""From this filling on it is counted whose messages wait: below, nobody is in anybody's way. Of every sender only
-the newest heartbeat waits from then on: it says all that the older ones have said."""
+"""The filling above which messages are counted by sender. From then on only the newest heartbeat of each sender waits, because it
+contains all that the older ones said."""
 
 SENDER_ROOM = INBOX // 4
-"""Messages of one sender that wait in a crowded inbox. What is beyond that is the sender's own loss: nobody fills
-an inbox alone, and nobody pushes out what others have said."""
+"""Maximum waiting messages of one sender in a crowded inbox. More are dropped, so that no sender fills an inbox alone or
+displaces the messages of others."""
 
 
 class _Newest:
-    """A heartbeat that waits; a newer one of the same sender takes its place."""
+    """A waiting heartbeat; a newer one of the same sender replaces it."""
 
     __slots__ = ("heard",)
 
@@ -37,10 +37,10 @@ class _Newest:
 
 
 class _Crowd:
-    """Whose messages wait in a crowded inbox.
+    """The senders of the messages in a crowded inbox.
 
     Args:
-        inbox: what waits already.
+        inbox: the events that wait already.
     """
 
     __slots__ = ("beats", "count")
@@ -48,16 +48,16 @@ class _Crowd:
     def __init__(self, inbox: Iterable[Event | _Newest]) -> None:
         self.count: Counter[str] = Counter(event.sender for event in inbox if type(event) is Heard)
         self.beats: dict[str, _Newest] = {}
-        """The heartbeats that have come since it is crowded, by sender."""
+        """Heartbeats received since the inbox became crowded, by sender."""
 
 
 class Inbox:
-    """Events that wait for one agent, `INBOX` messages at most.
+    """The waiting events of one agent, `INBOX` messages at most.
 
     Attributes:
-        waiting: they, in their order; to look at.
-        dropped_heartbeats: heartbeats that a newer one of their sender has replaced, or that found the inbox full.
-        dropped_messages: other messages that were beyond their sender's room, or pushed out of a full inbox.
+        waiting: the events in their order, for inspection.
+        dropped_heartbeats: heartbeats that a newer one of their sender replaced, or that found the inbox full.
+        dropped_messages: other messages beyond their sender's limit, or displaced from a full inbox.
     """
 
     __slots__ = ("_crowd", "_waiter", "dropped_heartbeats", "dropped_messages", "waiting")
@@ -67,17 +67,17 @@ class Inbox:
         self.dropped_messages = 0
         self.waiting: list[Event | _Newest] = []
         self._crowd: _Crowd | None = None
-        """Who fills the inbox, once it is crowded; None until then, and when the agent's turn comes."""
+        """The senders in a crowded inbox; None below that, and after each turn of the agent."""
         self._waiter: asyncio.Future[None] | None = None
 
     def put(self, event: Event) -> None:
-        """Take in what is never dropped: a report of the body, a wake-up, the wish to leave."""
+        """Add an event that is never dropped: a report of the body, a wake-up, a request to leave."""
         self.waiting.append(event)
         if self._waiter is not None:
             self.wake()
 
     def on_message(self, sender: str, message: messages.Message) -> None:
-        """Take in a message, or drop it, or drop another one for it."""
+        """Add a message, drop it, or drop another one for it."""
         heard = Heard(sender, message)
         if len(self.waiting) < CROWDED:
             self.waiting.append(heard)
@@ -87,7 +87,7 @@ class Inbox:
             self.wake()
 
     def next_event(self, loop: asyncio.AbstractEventLoop) -> asyncio.Future[None]:
-        """Done when something has come, or at `wake`. One at a time."""
+        """A future that ends at the next event, or at `wake`. Only one may be open."""
         waiter = self._waiter = loop.create_future()
         return waiter
 
@@ -98,7 +98,7 @@ class Inbox:
             waiter.set_result(None)
 
     def turn(self) -> list[Event]:
-        """Take out all that waits now, in its order; what comes in meanwhile waits for the next turn."""
+        """Remove and return all waiting events in their order; later ones wait for the next turn."""
         waiting, self.waiting = self.waiting, []
         if self._crowd is not None:
             self._crowd = None
@@ -106,7 +106,7 @@ class Inbox:
         return cast("list[Event]", waiting)
 
     def _queue_up(self, heard: Heard) -> Heard | _Newest | None:
-        """Decide what a crowded inbox does with a message that has just come; None where it does not wait in its own place."""
+        """Place a new message in a crowded inbox; None where it replaces another one or is dropped."""
         crowd = self._crowd
         if crowd is None:
             crowd = self._crowd = _Crowd(self.waiting)
@@ -131,7 +131,7 @@ class Inbox:
         return None
 
     def _push_out(self, crowd: _Crowd) -> bool:
-        """Drop the oldest message of whoever has most of them here; False when nobody has any."""
+        """Drop the oldest message of the sender with the most; False when there is none."""
         self.dropped_messages += 1
         if not crowd.count:
             return False
@@ -145,6 +145,6 @@ class Inbox:
 
 
 def _is_newer(heartbeat: messages.Message, other: messages.Message) -> bool:
-    """Whether a heartbeat was said after another one of the same agent."""
+    """Whether a heartbeat is newer than another one of the same agent."""
     said, before = cast("messages.AtvHeartbeat", heartbeat), cast("messages.AtvHeartbeat", other)
     return (said.incarnation, said.seq) > (before.incarnation, before.seq)

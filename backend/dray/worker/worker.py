@@ -1,15 +1,14 @@
-r"""The asyncio shell of one agent: an inbox, a timer, and the carrying out of effects.
+r"""The asyncio shell of one agent: an inbox, a timer, and the execution of effects.
 
-The agent decides, the worker acts. The worker owns what an agent must not touch: the bus, the clock,
-the body, the task that it all runs in. One worker is one asyncio task; it sleeps until something has
-come, and then handles all that has come.
+The agent decides, the worker acts. The worker owns what an agent must not touch: the bus, the clock, the body and the
+task. One worker is one asyncio task. It sleeps until an event comes, and then handles all events that have come.
 
     bus ----Heard----\                           /-- first ---> journal: Commit, Record
     clock --Woke------> inbox -> agent.handle() -+--- then --+-> bus:  Publish, Send, Record, Subscribe ...
     body ---Reported-/                                       \-> body: Instruct
 
-What an agent must do is none of this module's business: that is `dray.protocol`. What it has told and
-somebody missed is: the worker itself answers from the journal (`EventsAsked`), whoever the agent is.
+`dray.protocol` decides what an agent does. The worker itself answers requests for missed events (`EventsAsked`) from
+the journal, for agents of all kinds.
 """
 
 from __future__ import annotations
@@ -61,10 +60,10 @@ _SENSED = frozenset(
         messages.HoldsAsked,
     }
 )
-"""What a vehicle answers by where it is at that moment."""
+"""Messages that a vehicle answers by its position at that moment."""
 
 _WOKEN = Woke(None)
-"""Stands in the inbox for a wake-up: the body is sensed when the agent's turn comes, not before."""
+"""The wake-up event in the inbox: the worker senses the body at the agent's turn, not before."""
 
 
 class Worker:
@@ -76,13 +75,13 @@ class Worker:
         clock: the plant's clock.
         keys: the plant's keys; facts are published on the agent's own.
         body: what the agent acts with; None for an agent that only talks.
-        journal: where its commitments and its history are written down.
+        journal: the store of its commitments and its history.
 
     Attributes:
         handled: events handled so far.
-        inbox: what has come and waits; it tells what it has dropped.
-        ignored: messages that changed nothing, by the agent's reason; reasons are few and fixed.
-        left: how the agent has ended its graceful shutdown; None while it has not.
+        inbox: the waiting events, and the counts of dropped ones.
+        ignored: messages without effect, by the agent's reason; reasons are few and fixed.
+        left: the result of the agent's graceful shutdown; None before.
     """
 
     def __init__(
@@ -107,13 +106,13 @@ class Worker:
         self._journal = journal
         self._facts = 0
         self._wakes_s: list[float] = []
-        """When the clock will call: each time is earlier than the one before it, so the last is next."""
+        """Times of the requested clock calls, latest first, so the last is next."""
         self._woken = False
-        """A wake-up waits in the inbox; until its turn no other is needed."""
+        """A wake-up waits in the inbox; no other is needed until its turn."""
         self._late_s = 0.0
-        """How much later than asked for the clock has called since the agent was woken last, at most."""
+        """The largest delay of a clock call since the agent's last wake-up."""
         self._session: Session | None = None
-        """Its place on the bus while it lives."""
+        """Its session on the bus while it lives."""
         self._stopping = False
         self._killed = False
         self._ended = False
@@ -122,7 +121,7 @@ class Worker:
         """Live: join the bus, handle events until the agent leaves, `stop`, `kill` or cancellation; leave the bus.
 
         Raises:
-            whatever the agent raises: an agent with a bug ends, and says so.
+            Exception: any that the agent raises: an agent with a bug ends, and says so.
         """
         if self._killed:
             return
@@ -137,13 +136,13 @@ class Worker:
                     await self.inbox.next_event(loop)
                 self._handle_inbox(session)
                 if self.inbox.waiting:
-                    # Let others have their turn before whatever came in meanwhile.
+                    # Let other tasks run before the events that came in meanwhile.
                     await asyncio.sleep(0)
         finally:
             self._end()
 
     def leave(self) -> None:
-        """Ask the agent to shut down gracefully; `run` returns when nothing holds it any more. Twice is harmless."""
+        """Ask the agent to shut down gracefully; `run` returns once nothing holds it. Twice is harmless."""
         self.inbox.put(Leaving())
 
     def stop(self) -> None:
@@ -157,17 +156,17 @@ class Worker:
         return self._ended
 
     def kill(self) -> None:
-        """End now, as a process does that is killed: between two effects, if need be.
+        """End now, as a killed process does: between two effects, if need be.
 
-        After the return nothing more is said, instructed or written, and another worker may run the
-        agent's next life; `run` returns in its own time. Twice is harmless.
+        After the return this life says, instructs and writes nothing more, and another worker may run the agent's next life. `run`
+        returns later. Twice is harmless.
         """
         self._killed = True
         self._end()
         self.inbox.wake()
 
     def _end(self) -> None:
-        """Leave bus and body; what is left already may belong to the next life."""
+        """Leave bus and body, unless they belong to the next life already."""
         self._stopping = self._ended = True
         session, self._session = self._session, None
         if session is not None:
@@ -178,7 +177,7 @@ class Worker:
     # --- what comes in ---------------------------------------------------------------------------
 
     def _report(self, report: Report) -> None:
-        # Never dropped: a body says things once. It cannot flood either, for it answers to instructions.
+        # Never dropped: a body reports each thing once. It cannot flood either, because it answers instructions.
         self.inbox.put(Reported(report))
 
     def _wake(self) -> None:
@@ -188,7 +187,7 @@ class Worker:
         now_s = self._clock.now_s()
         self._late_s = max(self._late_s, now_s - due_s)
         if now_s < self.agent.wake_at_s:
-            # The agent has thought better of it since this call was asked for.
+            # The agent has chosen a later time since it requested this call.
             self._arm()
         elif not self._woken:
             self._woken = True
@@ -215,7 +214,7 @@ class Worker:
     def _handle(self, event: Event, session: Session) -> None:
         effects = self.agent.handle(event, self._clock.now_s())
         self.handled += 1
-        if effects:  # Most of what an agent hears changes nothing.
+        if effects:  # Most messages change nothing.
             written = self._write_down(effects)
             for effect in effects:
                 if self._killed:
@@ -224,10 +223,10 @@ class Worker:
         self._arm()
 
     def _write_down(self, effects: list[Effect]) -> Iterator[messages.Event]:
-        """Write all that a step wants kept, at once and before any of it is told.
+        """Write all records of a step at once, and before any of them is published.
 
-        So the next life knows either the whole step or nothing of it: neither a memory whose fact nobody
-        will ever hear, nor a number that was told and is given again.
+        So the next life knows either the whole step or nothing of it. Otherwise a note could lack its published fact, or a
+        published number could be used twice.
         """
         events: list[messages.Event] = []
         changes: dict[str, Note | None] = {}
@@ -251,7 +250,7 @@ class Worker:
         )
 
     def _carry_out(self, effect: Effect, written: Iterator[messages.Event], session: Session) -> None:
-        # The most frequent first: this runs for everything that any agent does.
+        # The most frequent first: this runs for every effect of every agent.
         if isinstance(effect, Publish):
             session.publish(effect.key, effect.message)
         elif isinstance(effect, Send):
@@ -273,7 +272,7 @@ class Worker:
             assert_never(effect)
 
     def _tell_again(self, asker: str, asked: messages.EventsAsked, session: Session) -> None:
-        """Answer from the journal, whichever of the agent's lives is asked about."""
+        """Answer from the journal, for any life of the agent."""
         life = asked.incarnation
         first, last = self._journal.kept(life)
         start = max(first, asked.first)
@@ -291,15 +290,15 @@ class Worker:
         return None if self._body is None else self._body.sense()
 
     def _arm(self) -> None:
-        """Ask the clock for one more call, if the agent wants to be woken before all that are asked for."""
+        """Request another clock call, if the agent wants to wake before all requested ones."""
         wake_s = self.agent.wake_at_s
         if self._woken or wake_s == NEVER_S:
             return
         if not self._wakes_s or wake_s < self._wakes_s[-1]:
-            # What is past already is asked for now: nothing was late then but the agent's own wish.
+            # A past wake time is requested for now, so that it does not count as a late clock.
             self._wakes_s.append(max(wake_s, self._clock.now_s()))
             self._clock.call_at(wake_s, self._wake)
 
 
 def _turn_a_deaf_ear(report: Report) -> None:
-    """Where a body reports to when its agent has gone."""
+    """Ignore the reports of a body whose agent has gone."""

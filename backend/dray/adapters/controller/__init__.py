@@ -1,1 +1,1 @@
-"""The body of a station, or of the delivery gate, that a controller at the dock has: a PLC or a small computer, behind a broker."""
+"""The body of a station or of the delivery gate: a PLC or small computer at the dock, behind a broker."""

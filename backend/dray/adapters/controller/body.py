@@ -20,15 +20,15 @@ _log = logging.getLogger(__name__)
 class ControllerBody(ExchangedBody):
     """Implements `dray.ports.Body` and the listener of a link.
 
-    What a controller says that cannot be understood changes nothing: it is logged, and said again by the controller as long as it is not heard.
+    A controller's unreadable message changes nothing: it is logged, and the controller repeats it until it is confirmed.
 
     Args:
-        life: of its agent, higher than that of any life before.
-        senses: what it tells of itself.
+        life: the agent's life, higher than all before.
+        senses: the type of its state.
         publish: called with a topic's last chunk and bytes.
 
     Attributes:
-        refused: letters that could not be understood.
+        refused: number of unreadable letters.
     """
 
     def __init__(
@@ -43,25 +43,25 @@ class ControllerBody(ExchangedBody):
         self.refused = 0
 
     async def known(self) -> None:
-        """Wait until the controller has taken this life, and has said how it is."""
+        """Wait until the controller has accepted this life and sent its state."""
         await self._known.wait()
 
     async def lost(self) -> None:
-        """Wait until nothing is heard of it any more, it has begun anew, or another life has it."""
+        """Wait until the controller is silent, has restarted, or serves another life."""
         await self._silence()
 
     # --- the listener of a link ---
 
     def on_link(self) -> None:
-        """The broker is there: say which life this is."""
+        """Tell the controller this life's number when the broker is connected."""
         self._write()
 
     def on_link_lost(self, reason: str) -> None:
-        """The broker is away."""
+        """The connection to the broker is lost."""
         _log.warning("no controller: %s", reason)
 
     def on_message(self, topic: str, data: bytes) -> None:
-        """The controller tells something."""
+        """Read a letter of the controller."""
         if topic != TOLD:
             return
         try:
@@ -69,7 +69,7 @@ class ControllerBody(ExchangedBody):
             state = from_part((told.state.type, told.state.about))
             if type(state) is not self._senses:
                 raise msgspec.ValidationError(f"a state is a {self._senses.__name__}")
-            # All of it, before any of it counts as heard.
+            # Check all of it before any of it counts as heard.
             for part in told.parts:
                 from_part((part.type, part.about))
         except msgspec.DecodeError as error:
@@ -77,7 +77,7 @@ class ControllerBody(ExchangedBody):
             _log.error("a letter of the controller is no letter: %s", error)
             return
         if told.life != self._life:
-            # One that has begun anew lacks what it had heard; another life of ours may have it by now.
+            # A restarted controller has lost what it heard; or another life of ours has it now.
             self._given_up = self._known.is_set() or told.life > self._life
             if not self._given_up:
                 self._write()

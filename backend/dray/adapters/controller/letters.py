@@ -1,10 +1,10 @@
-"""What goes between an agent and a controller: letters in JSON, on two topics (docs/stations.md).
+"""The messages between an agent and a controller: letters in JSON, on two topics (docs/stations.md).
 
     dray/PLANT/AGENT/do      the agent's:      {"life": 7, "heard": 12, "first": 4, "parts": [{"type": "OpenDock", "about": {...}}]}
     dray/PLANT/AGENT/told    the controller's: likewise, with "state": {"type": "StorageState", "about": {...}}
 
-`parts` are what is said and not heard yet, numbered on from `first`; `heard` is the number of the last part of the other side that was heard. A
-letter that is lost is therefore no loss (`dray.adapters.remote_body.exchange`).
+`parts` are the unconfirmed parts, numbered from `first`; `heard` is the number of the last part received from the other side. A lost
+letter does no harm (`dray.adapters.remote_body.exchange`).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _KINDS: dict[str, Any] = {
 
 
 class Said(msgspec.Struct, frozen=True):
-    """One thing that is said: an instruction, a report or a state (`dray.body`)."""
+    """One part: an instruction, a report or a state (`dray.body`)."""
 
     type: str
     about: msgspec.Raw
@@ -51,14 +51,14 @@ class Done(msgspec.Struct, frozen=True):
     """A letter of an agent."""
 
     life: int
-    """Only that of the highest is obeyed."""
+    """The agent's life; the controller obeys only the highest."""
     heard: int
     first: int
     parts: tuple[Said, ...] = ()
 
     @property
     def letter(self) -> Letter:
-        """For an exchange."""
+        """The letter for an exchange."""
         return Letter(self.heard, self.first, tuple((part.type, part.about) for part in self.parts))
 
 
@@ -72,20 +72,20 @@ encode = msgspec.json.Encoder().encode
 
 
 def prefix(plant: str, agent: str) -> str:
-    """Of an agent's topics."""
+    """The prefix of an agent's topics."""
     return f"dray/{plant}/{agent}"
 
 
 def to_part(what: object) -> Part:
-    """As it goes into a letter."""
+    """Encode an object for a letter."""
     return type(what).__name__, msgspec.Raw(encode(what))
 
 
 def from_part(part: Part) -> Any:
-    """As it was before it went into a letter.
+    """Decode an object from a letter.
 
     Raises:
-        msgspec.ValidationError: it is nothing that a controller or its agent says.
+        msgspec.ValidationError: it is not a message of a controller or its agent.
     """
     name, about = part
     if name not in _KINDS:

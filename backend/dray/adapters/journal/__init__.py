@@ -1,1 +1,1 @@
-"""What an agent keeps on its own computer: its journal in SQLite, and the count of its lives."""
+"""An agent's data on its own computer: its journal in SQLite, and the count of its lives."""

@@ -1,8 +1,8 @@
-"""How often an agent has been started, in a small file beside its journal, so that a lost journal loses no life.
+"""The count of an agent's starts, in a small file beside its journal, so that a lost journal loses no life.
 
-The number marks the names of an agent's tasks and goals and the numbers of its events, and a later life of an
-agent is the one that counts. So it must never fall, whatever becomes of the journal. The file is replaced as a
-whole at every start, and says whether it is whole.
+The count is part of the names of an agent's tasks and goals, and of its events' numbers. An agent's latest life
+prevails. So it must never fall, even if the journal is lost. Every start replaces the whole file. The file shows
+whether it is complete.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ class Lives:
     """The count of one agent's lives.
 
     Args:
-        file: where it is kept; it need not be there.
+        file: the file; it need not exist.
 
     Attributes:
-        count: 0 when there is no such file; None when there is one that is not whole.
+        count: 0 without a file; None for a damaged one.
 
     Raises:
-        OSError: there is something that is no file, or may not be read.
+        OSError: the path is no file, or may not be read.
     """
 
     def __init__(self, file: Path) -> None:
@@ -38,10 +38,10 @@ class Lives:
             self.count = None
 
     def next(self, journal: int) -> int:
-        """The number of a life that begins now.
+        """The number of a new life.
 
         Args:
-            journal: the number of the last one by the journal; 0 when that does not know.
+            journal: the last life's number in the journal; 0 when unknown.
         """
         if self.count is None and not journal:
             # Unix time in seconds: no agent has ever been started once a second.
@@ -52,7 +52,7 @@ class Lives:
         """Replace the file; the number is on the disk when the call returns.
 
         Raises:
-            OSError: that cannot be done.
+            OSError: writing failed.
         """
         self.count = count
         new = self._file.with_name(f"{self._file.name}.new")
@@ -65,7 +65,7 @@ class Lives:
 
 
 def flush_folder(folder: Path) -> None:
-    """See to it that what was renamed in a folder outlives a power failure, where the system can do so."""
+    """Make renames in a folder survive a power failure, where the system supports it."""
     with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:
@@ -75,10 +75,10 @@ def flush_folder(folder: Path) -> None:
 
 
 def _read(text: str) -> int:
-    """The number.
+    """The number in the file.
 
     Raises:
-        ValueError: it is not whole.
+        ValueError: the file is damaged.
     """
     count, _, checksum = text.rstrip("\n").partition(" ")
     if checksum != f"{crc32(count.encode()):08x}":

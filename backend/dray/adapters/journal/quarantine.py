@@ -1,4 +1,4 @@
-"""Quarantine: a damaged database file is moved aside, so that its owner can begin without it and people can look at it."""
+"""Quarantine: a damaged database file is moved aside, so that its owner can start without it and people can inspect it."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from pathlib import Path
 from dray.adapters.journal.lives import flush_folder
 
 KEPT = 3
-"""Damaged files of one name that are kept, the newest: some 5 MB each, and a disk that damages them again and
-again must not be filled by it."""
+"""Maximum damaged files kept per name, the newest: some 5 MB each. A disk that damages files repeatedly must not be
+filled by them."""
 
 DAMAGED = ".damaged-"
-"""Between the old name and what tells of the time."""
+"""The separator between the old name and the time."""
 
 COMPANIONS = ("", "-wal", "-shm")
-"""What SQLite writes beside its file; without them the file is not whole."""
+"""Suffixes of the files that SQLite writes; without them the file is incomplete."""
 
 
 def set_aside(file: Path) -> Path:
-    """Move a SQLite file with all that belongs to it to a name that tells when it was.
+    """Move a SQLite file and its companions to a name with the present time.
 
-    The file goes first: SQLite throws away what belongs to a file that is not there.
+    The file goes first: SQLite deletes companions of a missing file.
 
     Returns:
-        Its new name.
+        The new name.
 
     Raises:
-        OSError: that cannot be done.
+        OSError: moving failed.
     """
     before = _set_aside_before(file)
     number = int(before[-1].name.rpartition("-")[2]) + 1 if before else 1
@@ -46,7 +46,7 @@ def set_aside(file: Path) -> Path:
 
 
 def _set_aside_before(file: Path) -> list[Path]:
-    """Damaged files of this name, in the order of their numbers: clocks may have been set between them."""
+    """Damaged files of this name, in the order of their numbers: clocks may have been changed between them."""
     numbered = re.compile(re.escape(f"{file.name}{DAMAGED}") + r"\w+-(\d{1,9})")
     found = [(numbered.fullmatch(each.name), each) for each in file.parent.iterdir()]
     return [each for _, each in sorted((int(match[1]), each) for match, each in found if match)]

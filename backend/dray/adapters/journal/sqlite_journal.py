@@ -1,11 +1,11 @@
 """An agent's journal in service: a small SQLite file of its own on the agent's computer.
 
-Opening it begins a life. Every write is on the disk when it returns, and is there wholly or not at all,
-also when the power fails in the middle.
+Opening it begins a life. Every write is on the disk when it returns, and is atomic even when the power fails in the
+middle.
 
-A file with flipped bytes, half a file, or an older copy that somebody has put back is worse than none: an agent
-would go on with what it is not bound by. So a journal is read through when it is opened. A damaged one is
-moved aside, and the agent begins without it as after a loss, and says so.
+A file with flipped bytes, half a file, or a restored older copy is worse than none: the agent would follow outdated
+commitments. So a journal is checked completely when it is opened. A damaged one is moved aside; the agent starts without
+it, as after a loss, and reports that.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from dray.messages import Event
 from dray.messages.history import HISTORY_KEPT
 
 BUSY_S = 5.0
-"""Wait for another process that has the file open: a backup, or this agent's last life as it ends."""
+"""Longest wait for another process that has the file open: a backup, or this agent's last life as it ends."""
 
 LAYOUT = 1
-"""Of the tables."""
+"""The version of the tables."""
 
 _TABLES = f"""
 CREATE TABLE IF NOT EXISTS life (
@@ -66,7 +66,7 @@ _log = logging.getLogger(__name__)
 
 
 def read_events(file: Path) -> list[Event]:
-    """All that a journal still has of its agent's history, in order; begins no life.
+    """All events still in a journal, in order; begins no life.
 
     Raises:
         UnavailableError: the file cannot be read, or is no journal.
@@ -77,7 +77,7 @@ def read_events(file: Path) -> list[Event]:
 
 
 def read_memory(file: Path) -> dict[str, Note]:
-    """What binds a journal's agent, by name; begins no life.
+    """The notes in a journal, by name; begins no life.
 
     Raises:
         UnavailableError: the file cannot be read, or is no journal.
@@ -90,15 +90,15 @@ class SqliteJournal:
     """Implements `dray.ports.Journal`.
 
     Args:
-        file: made when it is not there; named after its agent. Beside it, `lives` counts.
-        events_kept: its bound, over all lives.
+        file: created when missing; named after its agent. `lives` counts beside it.
+        events_kept: maximum number of events, over all lives.
 
     Attributes:
-        writes: that were done in this life.
-        writing_s: how long they took, all together.
+        writes: number of writes in this life.
+        writing_s: total duration of the writes.
 
     Raises:
-        UnavailableError: the file cannot be read or written, or is another agent's; also from every write.
+        UnavailableError: the file cannot be read or written, or belongs to another agent; also from every write.
     """
 
     def __init__(self, file: Path, *, events_kept: int = HISTORY_KEPT) -> None:
@@ -140,7 +140,7 @@ class SqliteJournal:
                 "INSERT OR REPLACE INTO life VALUES (1, ?, ?, ?, ?)",
                 (agent, life, self._lost, _checksum(f"{agent} {life} {self._lost}".encode())),
             )
-        # What the journal says is never less than what is counted beside it: a journal that says less is an old copy.
+        # The journal's count is never lower than the one beside it: a lower count means an old copy.
         with self._transaction():
             (life,) = self._base.execute("SELECT incarnation FROM life").fetchone()
             lives.write(life)
@@ -198,12 +198,12 @@ class SqliteJournal:
             return [_read_event.decode(line) for (line,) in rows]
 
     def forget(self) -> None:
-        """Forget the memory, and keep the history: what the agent was bound by is no more."""
+        """Delete the memory, and keep the history: the agent's commitments are void."""
         with self._told():
             self._base.execute("DELETE FROM note")
 
     def close(self) -> None:
-        """Let go of the file. Twice is harmless."""
+        """Close the file. Twice is harmless."""
         self._base.close()
 
     def _write_note(self, name: str, note: Note | None) -> None:
@@ -218,7 +218,7 @@ class SqliteJournal:
         )
 
     def _note_told(self) -> None:
-        """The first events of a life tell of a loss before it: no later life need do so."""
+        """The first events of a life report an earlier loss: no later life needs to."""
         if self._lost:
             self._lost = ""
             told = _checksum(f"{self._file.stem} {self._incarnation} ".encode())
@@ -243,21 +243,21 @@ class SqliteJournal:
 
 
 class _Damaged(Exception):
-    """A journal that nobody should go on with; says why."""
+    """A journal that must not be used; gives the reason."""
 
 
 def _open(file: Path, lives: int | None) -> sqlite3.Connection:
-    """Open a journal, make it when there is none, and read it through.
+    """Open a journal, create it when missing, and check it completely.
 
     Args:
         file: the journal.
-        lives: so many its agent has had at least; None when nobody knows.
+        lives: the least number of its agent's lives; None when unknown.
 
     Raises:
-        _Damaged: it is not as it was written.
-        sqlite3.Error: it cannot be used at present.
+        _Damaged: it differs from what was written.
+        sqlite3.Error: it is not usable at present.
     """
-    # Autocommit: transactions begin and end where it is written.
+    # Autocommit: transactions begin and end explicitly.
     base = sqlite3.connect(file, timeout=BUSY_S, isolation_level=None)
     try:
         base.execute("PRAGMA journal_mode = WAL")
@@ -268,7 +268,7 @@ def _open(file: Path, lives: int | None) -> sqlite3.Connection:
         else:
             _read_through(base, lives)
     except (TypeError, ValueError) as error:
-        # The driver reads names, values and even complaints that are no text, or of another type.
+        # Wrong types or text can make the driver itself fail on names, values and error texts.
         base.close()
         raise _Damaged("it is damaged: it holds what was never written") from error
     except sqlite3.DatabaseError as error:
@@ -283,15 +283,15 @@ def _open(file: Path, lives: int | None) -> sqlite3.Connection:
 
 
 _DAMAGES = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_MISMATCH)
-"""What SQLite says of a file whose bytes are wrong; of one whose tables are wrong it says that our SQL is."""
+"""SQLite's error codes for wrong bytes; for wrong tables it reports an SQL error."""
 
 
 def _read_through(base: sqlite3.Connection, lives: int | None) -> None:
-    """See whether every byte is as it was written.
+    """Check that every byte is as it was written.
 
     Raises:
         _Damaged: one is not.
-        sqlite3.Error: something cannot be read.
+        sqlite3.Error: reading failed.
     """
     (layout,) = base.execute("PRAGMA user_version").fetchone()
     if layout != LAYOUT:
@@ -333,7 +333,7 @@ def _checksum(line: bytes) -> int:
 
 @contextmanager
 def _told(file: Path) -> Iterator[None]:
-    """Tell what is wrong with the file in words of ours."""
+    """Report errors of the file in our own words."""
     try:
         yield
     except (sqlite3.Error, OSError, msgspec.MsgspecError) as error:

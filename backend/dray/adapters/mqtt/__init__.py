@@ -1,1 +1,1 @@
-"""Machines and docks whose sensors and controllers say single values on topics of an MQTT broker."""
+"""Machines and docks whose sensors and controllers publish single values on topics of an MQTT broker."""

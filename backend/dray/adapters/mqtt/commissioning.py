@@ -1,4 +1,4 @@
-"""Commissioning of a machine or a storage whose sensors are topics of a broker: each is waited for, and shown with what it says."""
+"""Commissioning of a machine or a storage with sensors on a broker: it waits for each topic and shows its value."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 
 HEAR_S = 60.0
-"""Longest wait for a word on each topic: let the machine work, or press its sensors, meanwhile."""
+"""Longest wait for a message on each topic: meanwhile let the machine work, or press its sensors."""
 
 CLIENT = "dray-check"
 
 
 @dataclass
 class MqttCommissioning:
-    """Of one machine or storage.
+    """The commissioning of one machine or storage.
 
     Args:
         mapping: its topics.
-        broker: where they are.
-        spec: which.
-        plant: where it is.
+        broker: the address of their broker.
+        spec: the machine or storage.
+        plant: its plant.
         clock: the plant's.
-        wanted: how far to go.
-        hear_s: longest wait for a word on each topic.
+        wanted: the extent.
+        hear_s: longest wait for a message on each topic.
 
     Attributes:
-        steps: what came of them so far.
+        steps: the results so far.
     """
 
     mapping: MqttMapping
@@ -51,7 +51,7 @@ class MqttCommissioning:
     steps: Steps = field(default_factory=Steps)
 
     async def run(self) -> AsyncIterator[Step]:
-        """Walk through all steps; a step on which others stand ends it when it fails."""
+        """Run all steps; a failed step on which others depend ends them."""
         ear = _Ear()
         told = {name: tag for name, tag in self.mapping.tags.items() if is_told(name)}
         topics = tuple(dict.fromkeys(tag.topic for tag in told.values()))
@@ -85,12 +85,12 @@ class MqttCommissioning:
             yield step
 
     def report(self) -> str:
-        """All of it, to be kept: Markdown."""
+        """The whole report, in Markdown."""
         return "\n".join([f"# {self.spec.id}, {self.broker}", "", *self.steps.lines, ""])
 
 
 class _Ear:
-    """Hears all topics."""
+    """Listens to all topics."""
 
     def __init__(self) -> None:
         self.linked = asyncio.Event()
@@ -120,7 +120,7 @@ def _heard(name: str, tag: Tag, ear: _Ear, hear_s: float) -> Step:
     where = f"{tag.topic} {tag.path}".strip()
     if tag.topic not in ear.said:
         kept = ", only what the broker has kept" if tag.topic in ear.kept else ""
-        # Who only says what changes may have had nothing to say, but a count has to be seen once.
+        # A sensor that publishes only changes may have been silent, but a count must be seen once.
         passed = False if name in (Signal.PIECES, Signal.BAD) else None
         return Step(name, passed, f"{where}: nothing was said within {hear_s:g} s{kept}")
     sample = sample_of(ear.said[tag.topic], tag.path)

@@ -1,7 +1,7 @@
-"""The link to sensors and controllers behind a broker: it hears their topics, and says what they are to be told, once a second anew.
+"""The link to sensors and controllers on a broker: it subscribes to their topics, and publishes the outputs once a second.
 
-What a broker has kept (a retained message) is of an unknown time. Faults and states are taken from it, for they can only make careful; counts,
-levels and `dock_ready` are not: an old count would be counted twice, and an old `dock_ready` would let somebody in.
+A retained message is of unknown age. Faults and states are accepted from it, because they can only make us more careful. Counts, levels and
+`dock_ready` are not: an old count would be counted twice, and an old `dock_ready` would let a vehicle in.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from dray.adapters.vda5050.link import BrokerAddress, MqttLink
 from dray.supervision import Failures
 
 LOOK_S = 1.0
-"""How often it is said again what is to be told, and looked whether something was heard."""
+"""Seconds between publications of the outputs, and between checks for silence."""
 
 ALIVE_MODULUS = 30_000
 
 CAREFUL = (Signal.FAULT, Signal.FAULT_TEXT, Signal.STATE)
-"""Those that are believed though they are of an unknown time."""
+"""Signals that are accepted from retained messages."""
 
 
 class SignalsOverMqtt:
     """Signals on topics.
 
     Args:
-        mapping: which they are.
-        broker: where they are said.
-        client: our name at the broker.
+        mapping: the signals and their topics.
+        broker: the broker's address.
+        client: our client name at the broker.
 
     Attributes:
-        linked: set once they could be heard for the first time.
-        failures: what the listener could not deal with, by topic.
+        linked: set at the first connection.
+        failures: errors of the listener, by topic.
     """
 
     def __init__(self, mapping: MqttMapping, broker: BrokerAddress, client: str) -> None:
@@ -49,7 +49,7 @@ class SignalsOverMqtt:
         self._changed = asyncio.Event()
         self._listener: LinkListener
         self._there, self._heard_s, self._beat = False, 0.0, 0
-        """Whether the listener was told that the link is there; when something was heard last; seconds of our life."""
+        """Whether the listener knows that the link is up; the time of the last message; the seconds of our life."""
         self.linked = asyncio.Event()
         self.failures = Failures(str(broker))
         self._mqtt.failures = self.failures
@@ -59,10 +59,10 @@ class SignalsOverMqtt:
         self._changed.set()
 
     async def run(self, listener: LinkListener) -> None:
-        """Be linked until cancelled, whatever one message makes of the listener.
+        """Stay linked until cancelled, whatever errors a message causes in the listener.
 
         Raises:
-            UnavailableError: the listener has.
+            UnavailableError: raised by the listener.
         """
         self._listener = listener
         saying = asyncio.create_task(self._say_all())
@@ -80,18 +80,18 @@ class SignalsOverMqtt:
     # --- what the link to the broker tells ---
 
     def on_link(self) -> None:
-        """The broker is there. Who says something at times has to say something first."""
+        """The broker is connected; with `silent_after_s` a message must come first."""
         if self._mapping.silent_after_s is None:
             self._begin()
         self._changed.set()
 
     def on_link_lost(self, reason: str) -> None:
-        """The broker is away."""
+        """The connection to the broker is lost."""
         self._there = False
         self._listener.on_link_lost(reason)
 
     def on_message(self, topic: str, data: bytes) -> None:
-        """Something is said now."""
+        """A message of the present."""
         self._heard_s = asyncio.get_running_loop().time()
         if not self._there:
             self._begin()
@@ -99,7 +99,7 @@ class SignalsOverMqtt:
             self._listener.on_sample(name, sample_of(data, tag.path))
 
     def _on_retained(self, topic: str, data: bytes) -> None:
-        """Something was said at some time."""
+        """A message of unknown age."""
         for name, tag in self._told.get(topic, ()):
             if name in CAREFUL:
                 self._listener.on_sample(name, sample_of(data, tag.path))

@@ -1,4 +1,4 @@
-"""The file that says on which topics which signals of a machine or a dock are (docs/machines.md)."""
+"""The file that maps topics to the signals of a machine or a dock (docs/machines.md)."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from dray.adapters.signals.signal import SignalMapping, is_told
 
 
 class MqttMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
-    """A machine, or a dock, on topics of a broker. Where that is the settings say (DRAY_BROKER).
+    """A machine, or a dock, on topics of a broker. The settings give its address (DRAY_BROKER).
 
     Raises:
-        ValueError: a signal cannot be what is said of it.
+        ValueError: a signal's mapping is impossible.
     """
 
     silent_after_s: Annotated[float, Meta(gt=0)] | None = None
-    """Something is said at least so often; when it is not, its controller is away. None where it only says what changes: then nobody can tell."""
+    """Seconds of silence after which the controller counts as away. None where it publishes only changes, so absence is undetectable."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

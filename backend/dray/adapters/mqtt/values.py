@@ -10,11 +10,11 @@ import msgspec
 from dray.adapters.signals.signal import Quality, Sample, Value
 
 LARGEST_BYTES = 65_536
-"""No sensor says more."""
+"""Maximum size of a message; no sensor sends more."""
 
 
 def sample_of(data: bytes, path: str) -> Sample:
-    """The value that a message has for one signal.
+    """The value of one signal in a message.
 
     Args:
         data: the message: JSON, or a plain word where there is no path.

@@ -1,6 +1,6 @@
-"""Commissioning of the controller of a machine, or of a storage's dock: it is walked through all that its agent will want of it, and each step is written down.
+"""Commissioning of the controller of a machine or a storage's dock: it tries all that the agent will need, and records each step.
 
-Nothing moves before it is asked for: the first steps only read. What is found out becomes a mapping.
+The first steps only read: nothing moves without being asked for. The findings become a mapping.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ LINK_S = 15.0
 """Longest wait for the controller."""
 
 NODES_MAX = 2_000
-"""Nodes that are looked at for a suggestion: a controller may have a hundred thousand."""
+"""Maximum nodes inspected for a suggestion: a controller may have a hundred thousand."""
 
 HINTS = {
     Signal.PIECES: ("good", "piece", "part", "count", "produced"),
@@ -41,24 +41,24 @@ HINTS = {
     Signal.DOCK_PERMIT: ("agvhere", "permit", "agvrequest"),
     Signal.SPEED: ("override", "speed"),
 }
-"""What names of nodes look like, the likeliest first."""
+"""Typical parts of node names, the likeliest first."""
 
 
 @dataclass
 class Commissioning:
-    """Of one machine or storage.
+    """The commissioning of one machine or storage.
 
     Args:
-        mapping: where its controller is, and its nodes.
-        folder: of the mapping file.
-        password: of its user.
-        spec: which.
-        plant: where it is.
+        mapping: its controller's address, and its nodes.
+        folder: the mapping file's folder.
+        password: its user's password.
+        spec: the machine or storage.
+        plant: its plant.
         clock: the plant's.
-        wanted: how far to go.
+        wanted: the extent.
 
     Attributes:
-        steps: what came of them so far.
+        steps: the results so far.
     """
 
     mapping: OpcUaMapping
@@ -72,7 +72,7 @@ class Commissioning:
     _guesses: dict[Signal, str] = field(default_factory=dict)
 
     async def run(self) -> AsyncIterator[Step]:
-        """Walk through all steps; a step on which others stand ends it when it fails.
+        """Run all steps; a failed step on which others depend ends them.
 
         Raises:
             SettingsError: a certificate cannot be used.
@@ -108,7 +108,7 @@ class Commissioning:
             yield step
 
     def report(self) -> str:
-        """All of it, to be kept: Markdown."""
+        """The whole report, in Markdown."""
         lacking = {
             signal: node for signal, node in self._guesses.items() if signal not in self.mapping.signals
         }
@@ -158,7 +158,7 @@ class Commissioning:
         return Step(name, True, shown)
 
     async def _guess(self, client: Client) -> None:
-        """Look for nodes whose names look like signals."""
+        """Search for nodes whose names resemble signals."""
         seen, left, found = 0, [client.nodes.objects], dict[str, str]()
         while left and seen < NODES_MAX:
             node = left.pop(0)
@@ -169,7 +169,7 @@ class Commissioning:
             for child in children:
                 seen += 1
                 if child.nodeid.NamespaceIndex == 0:
-                    continue  # The server's own.
+                    continue  # A node of the server itself.
                 left.append(child)
                 if await child.read_node_class() is ua.NodeClass.Variable:
                     name = (await child.read_browse_name()).Name or ""

@@ -1,4 +1,4 @@
-"""The link to a controller that is an OPC UA server: it subscribes to what the controller tells, and writes what it is to be told."""
+"""The link to a controller with an OPC UA server: it subscribes to the inputs, and writes the outputs."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from dray.errors import SettingsError, UnavailableError
 from dray.supervision import Failures
 
 ANSWER_S = 4.0
-"""A controller that does not answer for so long is away."""
+"""Seconds without an answer after which a controller counts as away."""
 
 LOOK_S = 1.0
-"""How often it is asked whether it lives, and told that we do (`Signal.ALIVE`)."""
+"""Seconds between checks of the server, and between our signs of life (`Signal.ALIVE`)."""
 
 PERIOD_MS, SAMPLING_MS, QUEUE = 200.0, ua.Duration(50.0), 100
-"""How often the controller sends what has changed, how often it looks, and how many changes it keeps in between: each pulse is one."""
+"""The server's publishing interval, sampling interval, and queue size; the queue is needed because each pulse is a change."""
 
 AGAIN_S = (0.5, 1.0, 2.0, 4.0)
-"""Waits between attempts; the last one repeats."""
+"""Delays between attempts; the last one repeats."""
 
 REFUSED_AGAIN_S = 5.0
-"""A value that was refused is written again after this."""
+"""Delay before a refused value is written again."""
 
 ALIVE_MODULUS = 30_000
-"""It fits into every type of number but a byte, where it is cut to 100."""
+"""It fits into every numeric type but a byte, where it is cut to 100."""
 
 _POLICIES: dict[str, type[Any]] = {
     "Basic256Sha256": security_policies.SecurityPolicyBasic256Sha256,
@@ -54,25 +54,25 @@ _INTEGERS = {
     ua.VariantType.Int64: (63, 64),
     ua.VariantType.UInt64: (64,),
 }
-"""Bits of a counter of each type: one with a sign begins anew at 0, or goes on below it."""
+"""Bits of a counter of each type: a signed one restarts at 0, or continues below it."""
 
 _FLOATS = frozenset({ua.VariantType.Float, ua.VariantType.Double})
 
-# It tells each request at INFO, and what its caller is told anyway at WARNING.
+# It logs each request at INFO, and at WARNING what its caller is told anyway.
 logging.getLogger("asyncua").setLevel(logging.ERROR)
 
 
 class OpcUaLink:
-    """One session, begun again whenever it is lost.
+    """A session that is reopened after each loss.
 
     Args:
-        mapping: where the controller is, and its nodes.
-        folder: of the mapping file, for its certificates.
-        password: of its user.
+        mapping: the controller's address, and its nodes.
+        folder: the mapping file's folder, for its certificates.
+        password: its user's password.
 
     Attributes:
-        linked: set once the controller has told its values for the first time.
-        failures: what the listener could not deal with, by signal.
+        linked: set at the first reception of all values.
+        failures: errors of the listener, by signal.
     """
 
     def __init__(self, mapping: OpcUaMapping, folder: Path, password: str = "") -> None:
@@ -86,11 +86,11 @@ class OpcUaLink:
         self._changed.set()
 
     async def run(self, listener: LinkListener) -> None:
-        """Be linked until cancelled, whatever one value makes of the listener.
+        """Stay linked until cancelled, whatever errors a value causes in the listener.
 
         Raises:
             SettingsError: a certificate cannot be used.
-            UnavailableError: the listener has.
+            UnavailableError: raised by the listener.
         """
         attempt = 0
         while True:
@@ -114,9 +114,9 @@ async def connection(mapping: OpcUaMapping, folder: Path, password: str) -> Clie
     """A client that is not connected yet.
 
     Args:
-        mapping: where the controller is.
-        folder: of the mapping file, for its certificates.
-        password: of its user.
+        mapping: the controller's address.
+        folder: the mapping file's folder, for its certificates.
+        password: its user's password.
 
     Raises:
         SettingsError: a certificate cannot be used.
@@ -144,12 +144,12 @@ async def find(client: Client, node: str) -> Node:
     """The node of a tag.
 
     Args:
-        client: that is connected.
+        client: a connected client.
         node: a node id, also with `nsu=` for a namespace's address; or a path of browse names from Objects.
 
     Raises:
-        UaError: there is none.
-        ValueError: it is neither.
+        UaError: there is no such node.
+        ValueError: the text has neither form.
     """
     if "=" not in node:
         return await client.nodes.objects.get_child(node.split("/"))
@@ -160,7 +160,7 @@ async def find(client: Client, node: str) -> Node:
 
 
 class _Session:
-    """From one connection to its loss."""
+    """One connection, until its loss."""
 
     def __init__(
         self,
@@ -174,7 +174,7 @@ class _Session:
         self._linked = linked
         self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._signals: dict[ua.NodeId, list[str]] = {}
-        """Several where one node is several signals."""
+        """Signals by node; one node may carry several."""
         self._outputs: dict[str, tuple[Node, ua.VariantType]] = {}
         self._written: dict[str, Value] = {}
         self._again_s: dict[str, float] = {}
@@ -182,10 +182,10 @@ class _Session:
         self.was_linked = False
 
     async def serve(self, client: Client) -> str:
-        """Be linked; why it is over.
+        """Stay linked, and return the reason of the loss.
 
         Raises:
-            OSError, TimeoutError, UaError: the controller is not there, or does not have what the mapping names.
+            OSError, TimeoutError, UaError: the controller is unreachable, or lacks a node of the mapping.
         """
         client.connection_lost_callback = self._on_lost
         await client.connect()
@@ -266,7 +266,7 @@ class _Session:
                 await asyncio.wait_for(self._changed.wait(), LOOK_S)
 
     async def _find_all(self, client: Client) -> list[Node]:
-        """Find every node of the mapping; those that are read."""
+        """Find every node of the mapping; return those to be read."""
         told: list[Node] = []
         for signal, tag in self._tags.items():
             try:
@@ -290,7 +290,7 @@ class _Session:
 
 
 def sample_of(data: ua.DataValue) -> Sample:
-    """A value as the controller tells it."""
+    """A value of the controller."""
     status = data.StatusCode
     if status is not None and not status.is_good():
         quality = Quality.UNCERTAIN if status.is_uncertain() else Quality.BAD
@@ -308,7 +308,7 @@ def sample_of(data: ua.DataValue) -> Sample:
 
 
 def words(error: BaseException) -> str:
-    """An error of the library for people."""
+    """A library error as a text for people."""
     text = str(error).strip()
     name = type(error).__name__
     if isinstance(error, TimeoutError | asyncio.TimeoutError):
@@ -317,10 +317,10 @@ def words(error: BaseException) -> str:
 
 
 def _as(value: Value, kind: ua.VariantType) -> Value:
-    """A value in the type of its node.
+    """Convert a value to its node's type.
 
     Raises:
-        ValueError: it cannot be.
+        ValueError: conversion is impossible.
     """
     if kind is ua.VariantType.Boolean:
         return bool(value)
@@ -334,7 +334,7 @@ def _as(value: Value, kind: ua.VariantType) -> Value:
 
 
 async def _leave(client: Client) -> None:
-    """End a session, whatever is left of it."""
+    """Close a session in any state."""
     with contextlib.suppress(Exception):
         async with asyncio.timeout(ANSWER_S):
             await client.disconnect()

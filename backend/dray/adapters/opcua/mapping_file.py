@@ -1,4 +1,4 @@
-"""The file that says where a machine's controller is, and which of its nodes are which signals (docs/machines.md)."""
+"""The file with the address of a machine's controller, and its nodes by signal (docs/machines.md)."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ class OpcUaMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_
     """A machine's controller.
 
     Raises:
-        ValueError: a certificate is missing that its security needs, or a signal cannot be what is said of it.
+        ValueError: the security needs a missing certificate, or a signal's mapping is impossible.
     """
 
     url: Annotated[str, Meta(pattern=r"^opc\.tcp://[^\s@]+$")]
-    """As `opc.tcp://press-1.plant:4840`; no name and no password in it."""
+    """The address, as `opc.tcp://press-1.plant:4840`; without name and password."""
     user: str = ""
-    """Its password is DRAY_OPCUA_PASSWORD."""
+    """The user name; DRAY_OPCUA_PASSWORD is its password."""
     security: Literal["none", "Basic256Sha256", "Aes128Sha256RsaOaep", "Aes256Sha256RsaPss"] = "none"
-    """Anything but `none` signs and encrypts."""
+    """The security policy; all but `none` sign and encrypt."""
     certificate: str = ""
-    """The agent's own, PEM or DER; beside the mapping file, as `key` and `server`."""
+    """The agent's own certificate, PEM or DER; its path, as `key` and `server`, starts at the mapping file's folder."""
     key: str = ""
     server: str = ""
-    """The controller's certificate, so that nobody else is believed to be it."""
+    """The controller's certificate, which proves its identity."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

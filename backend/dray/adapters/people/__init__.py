@@ -1,1 +1,1 @@
-"""A machine without a controller: people work it, and say what has happened."""
+"""A machine without a controller: people operate it and report the events."""

@@ -1,13 +1,13 @@
-"""The body of the delivery warehouses' gate that is people: they say how many pieces of which goal have arrived.
+"""The body of a people's gate of the delivery warehouses: people report how many pieces of which goal have arrived.
 
     word                is reported as                     is refused
     arrived N of a goal GoodsArrived, N more than before   unlikely: more than is to come, or far from that and from the last load;
                                                            not admitted, also when it is sure: more than is to come
 
-A goal stands on the label of each container. What is unlikely is taken when it is said to be sure; more than is admitted never counts. A word with a
-key that was heard before is answered as it was. Nobody waits for people: a carrier goes on by its own word, and the order counts what they say
-when they say it. Every word is remembered before it is reported, and reported before it is answered. Of what is lost here its agent tells how many
-of each goal are in (`Admit.arrived`).
+The label of each container shows its goal. An unlikely number is accepted after confirmation; more than the admitted number never counts. A
+repeated key gets the same answer. Nobody waits for people: a carrier goes on by its own report, and the order counts the people's report
+when it comes. Every report is stored before it is passed on, and passed on before it is answered. After a loss of data the agent gives the
+arrived number of each goal (`Admit.arrived`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from dray.body import Admit, GateState, GoodsArrived, Instruction, Report, Word,
 from dray.messages import CommandRefusal, MachineCommandKind
 
 KEPT_GOALS = 4096
-"""Goals that are kept in mind, as by any gate: one that is finished is remembered for hours."""
+"""Maximum goals remembered, as by any gate: a finished one is remembered for hours."""
 
 
 class KeptGoal(Struct, frozen=True, omit_defaults=True):
@@ -31,20 +31,20 @@ class KeptGoal(Struct, frozen=True, omit_defaults=True):
     admitted: int
     arrived: int = 0
     last: int = 0
-    """How many came with the last word."""
+    """Pieces in the last report."""
 
 
 class KeptGate(Struct, frozen=True):
-    """What one life of the agent leaves to the next of the gate's body."""
+    """The gate's memory for the agent's next life."""
 
     goals: dict[str, KeptGoal] = {}
-    """The quietest first."""
+    """Goals, the longest unchanged first."""
     answered: tuple[Answered, ...] = ()
-    """The last words, the oldest first."""
+    """Answers to the last reports, the oldest first."""
 
 
 DAMAGED_GATE = KeptGate()
-"""What is known where a life has left something that cannot be read: nothing, until its agent tells how many of each goal are in."""
+"""The memory after unreadable data: empty, until the agent gives the arrived number of each goal."""
 
 
 class PeopleGate:
@@ -52,8 +52,8 @@ class PeopleGate:
 
     Args:
         world: the disk.
-        kept: what the last life has left; None for the first one.
-        kept_goals: how many goals are kept in mind.
+        kept: the last life's memory; None for the first one.
+        kept_goals: maximum goals remembered.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class PeopleGate:
         self._report(WordTaken(word.key, refused, detail))
 
     def _judge(self, word: Word) -> tuple[CommandRefusal | None, str]:
-        """Why a word is not taken, with the expected number."""
+        """The reason to refuse a report, with the expected number."""
         if word.kind is not MachineCommandKind.ARRIVED:
             return CommandRefusal.NOT_SUPPORTED, ""
         goal = self._kept.goals.get(word.item)
@@ -126,7 +126,7 @@ class PeopleGate:
         return None, ""
 
     def _with(self, name: str, goal: KeptGoal) -> dict[str, KeptGoal]:
-        """All goals with this one as it is now, and the last; of too many a finished one is forgotten first."""
+        """All goals with this changed one as the last; above the limit a finished one is forgotten first."""
         goals = {each: known for each, known in self._kept.goals.items() if each != name} | {name: goal}
         if len(goals) > self._most:
             finished = (each for each, known in goals.items() if known.arrived >= known.admitted)

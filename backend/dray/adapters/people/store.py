@@ -1,4 +1,4 @@
-"""The body of a storage's or a warehouse's station that is people: they say what has arrived, was taken, and lies there."""
+"""The body of a people's storage or warehouse station: people report arrivals, removals and counts."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from dray.plant.model import Storage as StorageSpec
 
 
 class KeptStore(KeptStock, frozen=True):
-    """What one life of the agent leaves to the next of a storage's body."""
+    """A storage's memory for the agent's next life."""
 
     uncounted: tuple[str, ...] = ()
-    """Materials of which nobody knows how many pieces lie there; `stock` says what has come since."""
+    """Materials with an unknown count; `stock` contains only their later changes."""
     damaged: bool = False
 
 
 DAMAGED_STORE = KeptStore({}, damaged=True)
-"""What is known where a life has left something that cannot be read: all of it has to be counted."""
+"""The memory after unreadable data: all materials must be counted."""
 
 
 class PeopleStore:
     """Implements `dray.ports.Body`.
 
     Args:
-        spec: what is kept there.
+        spec: the storage.
         world: the disk.
-        kept: what the last life has left; None for the first one, when nothing lies there until somebody has counted.
+        kept: the last life's memory; None for the first one, when the stock is empty until somebody has counted.
     """
 
     def __init__(self, spec: StorageSpec, world: World[KeptStore], kept: KeptStore | None = None) -> None:
@@ -45,7 +45,7 @@ class PeopleStore:
         self._words = Words(kept, world, room, lambda kind, _item: kind in its)
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What people are not told here is ignored: they see on the tablet what is short."""
+        """See `dray.ports.Body`. Unneeded instructions are ignored: the tablet shows people what is short."""
         match instruction:
             case OpenDock():
                 self._words.let_in(instruction)
@@ -77,7 +77,7 @@ class PeopleStore:
         self._words.report = report
 
     def _judge(self, word: Word) -> Judged[KeptStore]:
-        """As anywhere; the first count of what nobody knows is far from nothing that is believed."""
+        """The verdict on a report; the first count of an uncounted material is always likely."""
         uncounted = self._words.kept.uncounted
         if word.kind is not MachineCommandKind.STOCK_IS or word.item not in uncounted:
             return self._words.judge(word)

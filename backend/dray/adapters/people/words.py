@@ -1,21 +1,21 @@
-"""Words of people about what lies at a place, be it a machine or a storage: what has arrived, was taken, or was counted.
+"""People's reports about the stock of a machine or a storage: arrivals, removals and counts.
 
     word                          is reported as                     is refused
     arrived N, a load waits       the difference to what was booked  unlikely: far from what was booked
     arrived N of V at the dock    nothing; V's load is booked as N   unlikely: far from what V was let in for
-    the same, V is wanted no more StockChanged by N; what V says     the same, and as by hand
-                                  of it changes nothing then
-    arrived N of V, no such load  nothing                            no load: V has brought none that waits for a word
-    arrived N, by hand            StockChanged by N                  unlikely: more than finds room (no vehicle is named, and none
-                                                                     stands there with it)
+    the same, V has no permission StockChanged by N; V's own later   the same, and as by hand
+                                  report changes nothing
+    arrived N of V, no such load  nothing                            no load: V has no load that waits for a report
+    arrived N, by hand            StockChanged by N                  unlikely: more than there is room for (no vehicle is named, and
+                                                                     none stands there with it)
     taken N                       the same, out                      unlikely: more than lies there
-    stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it, or is wanted no more and nobody
-                                                                     has said yet what became of its load; unlikely: far from what is believed
+    stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it, or has lost its
+                                                                     permission and its load is not reported; unlikely: far from the booked stock
 
-What is unlikely is taken when it is said to be sure. A word with a key that was heard before is answered as it was, and nothing else happens.
+An unlikely number is accepted after confirmation. A repeated key gets the same answer and has no other effect.
 
-Nobody waits for people: what a vehicle says that it has brought or taken is booked at once, and shown until somebody confirms or corrects it. Every
-word is remembered before it is reported, and reported before it is answered.
+Nobody waits for people: a vehicle's own report is booked at once, and shown until somebody confirms or corrects it. Every report is stored
+before it is passed on, and passed on before it is answered.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from dray.messages import THING, CommandRefusal, MachineCommandKind, Unconfirmed
 from dray.messages.base import COUNT_MAX
 
 FAR_FRAC, FAR_PIECES = 0.5, 5
-"""A number is far from the expected one when it differs by more than this part of it, and by more than so many pieces."""
+"""The difference from the expected number above which a number is far: this fraction and these pieces, both."""
 
 WORDS_KEPT = 1_000
-"""Words that are known when they come again: more than all tablets of a place have under way."""
+"""Maximum reports whose repetition is recognised: more than all tablets of a place have under way."""
 
 LOADS_KEPT = 50
-"""Loads that wait for a word. Of more the oldest are taken to be as their vehicles have said."""
+"""Maximum loads that wait for confirmation. Beyond that the vehicles' reports of the oldest are accepted."""
 
 
 class Answered(Struct, frozen=True, omit_defaults=True):
-    """A word, and what became of it."""
+    """A report, and its answer."""
 
     key: str
     refused: CommandRefusal | None = None
@@ -50,63 +50,63 @@ class Answered(Struct, frozen=True, omit_defaults=True):
 
 
 class Visit(Struct, frozen=True, omit_defaults=True):
-    """A vehicle at the dock, whose load is not booked yet."""
+    """A vehicle at the dock whose load is not booked yet."""
 
     vehicle: str
     item: str
     quantity: int
     said: int | None = None
-    """What people say that it was; None while they have said nothing."""
+    """The people's number; None before their report."""
     goes: bool | None = None
-    """Whether they say that it was taken, else that it has arrived; None where that was not remembered: what its vehicle says it has done."""
+    """Whether people report a removal, not an arrival; None where that was not stored: then the vehicle's report decides."""
     shut: bool = False
-    """Its vehicle is not wanted there any more. Until it has left it may still say that it has brought or taken the load."""
+    """Whether its permission has ended. Until it has left it may still report its load."""
 
 
 class KeptStock(Struct, frozen=True):
-    """What one life of an agent leaves to the next of what lies there."""
+    """A place's stock, as memory for the agent's next life."""
 
     stock: dict[str, int]
     seq: int = 0
     loads: tuple[UnconfirmedLoad, ...] = ()
     visits: tuple[Visit, ...] = ()
     answered: tuple[Answered, ...] = ()
-    """The last words, the oldest first."""
+    """Answers to the last reports, the oldest first."""
     booked: dict[str, tuple[int, int]] = {}
-    """The latest words of vehicles (`dray.body.Book`), each with the change of the stock and its number: an agent that was killed says them again."""
+    """The vehicles' latest reports (`dray.body.Book`), each with the stock change and its number: a restarted agent repeats them."""
 
 
 K = TypeVar("K", bound=KeptStock)
 K_contra = TypeVar("K_contra", bound=Struct, contravariant=True)
 
 Judged = tuple[CommandRefusal | None, str, list[Report], K]
-"""Why a word is not taken, with the expected number; what is to be reported of it, and what is known then."""
+"""The reason to refuse a report with the expected number, the reports to pass on, and the new memory."""
 
 
 class World(Protocol[K_contra]):
-    """What a body of people needs beside a clock."""
+    """The surroundings of a people's body, beside its clock."""
 
     def remember(self, kept: K_contra) -> None:
-        """Keep it: on the disk at the return."""
+        """Store the memory: on the disk at the return."""
 
 
 class AnsweredWords:
-    """The last words, by their keys: one that comes again is answered as it was.
+    """The last reports, by key: a repeated one gets the same answer.
 
     Args:
-        kept: the last ones, the oldest first.
+        kept: the last answers, the oldest first.
     """
 
     def __init__(self, kept: tuple[Answered, ...]) -> None:
         self._answers = {each.key: each for each in kept}
 
     def again(self, word: Word) -> WordTaken | None:
-        """The answer to a word that was heard before; None for a new one."""
+        """The answer to a repeated report; None for a new one."""
         before = self._answers.get(word.key)
         return None if before is None else WordTaken(word.key, before.refused, before.detail, again=True)
 
     def note(self, answer: Answered) -> tuple[Answered, ...]:
-        """Another one was answered; returns those that are kept."""
+        """Add an answer; returns those kept."""
         self._answers[answer.key] = answer
         while len(self._answers) > WORDS_KEPT:
             del self._answers[next(iter(self._answers))]
@@ -114,17 +114,17 @@ class AnsweredWords:
 
 
 class Words(Generic[K]):
-    """What vehicles and people say of one place.
+    """Vehicles' and people's reports at one place.
 
     Args:
-        kept: what the last life has left.
+        kept: the last life's memory.
         world: the disk.
-        room: by item, the most that finds room.
-        is_its: whether a word of a kind about an item, that names no vehicle, means the load of the vehicle that stands there with it.
+        room: maximum pieces by item.
+        is_its: whether an item's report that names no vehicle means the load of the vehicle at the dock, by kind of report.
 
     Attributes:
-        kept: what is known now; changed by `keep`.
-        report: who hears what has happened.
+        kept: the present memory; changed by `keep`.
+        report: receives the reports.
     """
 
     def __init__(
@@ -140,7 +140,7 @@ class Words(Generic[K]):
         self.report: Callable[[Report], None] = nobody_hears
 
     def keep(self, **changes: object) -> None:
-        """Something is otherwise than before: on the disk at the return."""
+        """Change the memory: on the disk at the return."""
         self.kept = replace(self.kept, **changes)
         self._world.remember(self.kept)
 
@@ -148,16 +148,16 @@ class Words(Generic[K]):
 
     @property
     def opened(self) -> tuple[str, ...]:
-        """Those that were let in and are wanted there."""
+        """Vehicles with permission at the dock."""
         return tuple(visit.vehicle for visit in self.kept.visits if not visit.shut)
 
     @property
     def gone(self) -> tuple[str, ...]:
-        """Those that are not wanted there any more, and whose word is still awaited."""
+        """Vehicles without permission whose own report is still expected."""
         return tuple(visit.vehicle for visit in self.kept.visits if visit.shut)
 
     def let_in(self, opened: OpenDock) -> None:
-        """A vehicle stands at the dock; harmless when it does already."""
+        """A vehicle gets permission at the dock; harmless when it has it."""
         visit = Visit(opened.vehicle, opened.item, opened.quantity)
         visits = self.kept.visits
         if all(each.shut or (each.vehicle, each.item) != (visit.vehicle, visit.item) for each in visits):
@@ -165,7 +165,7 @@ class Words(Generic[K]):
             self.keep(visits=(*others, visit))
 
     def let_out(self, vehicle: str) -> None:
-        """It is not wanted there any more: what people have said of its load is kept for its word. Said again, it has left, and says no more of it."""
+        """End its permission: people's report of its load is kept for its own report. Repeated: it has left, and will report nothing."""
         visits = tuple(
             replace(each, shut=True) if each.vehicle == vehicle else each
             for each in self.kept.visits
@@ -175,7 +175,7 @@ class Words(Generic[K]):
             self.keep(visits=visits)
 
     def book(self, book: Book) -> None:
-        """A vehicle says what it has brought or taken: it is so until people say otherwise."""
+        """Book a vehicle's own report of a transfer; people may correct it later."""
         by_hand = 0 if name_of(book) in self.kept.booked else self._take_in(book)
         change, seq = self.kept.booked[name_of(book)]
         self.report(StockChanged(item=book.item, change=change, seq=seq, vehicle=book.vehicle))
@@ -183,13 +183,13 @@ class Words(Generic[K]):
             self.report(StockChanged(item=book.item, change=by_hand, seq=seq + 1))
 
     def _take_in(self, book: Book) -> int:
-        """Book it; returns what was moved by hand meanwhile."""
+        """Book it; returns the pieces moved by hand meanwhile."""
         kept, change = self.kept, book.change
         visit = next((each for each in kept.visits if _is_of(each, book.vehicle, book.item)), None)
         loads = kept.loads
         goes = change < 0 if visit is None or visit.goes is None else visit.goes
         said = 0 if visit is None or visit.said is None else -visit.said if goes else visit.said
-        # A word of the other direction was not of this load.
+        # A report of the other direction was not about this load.
         is_of_it = visit is not None and visit.said is not None and goes is (change < 0)
         by_hand = 0 if is_of_it else said
         if is_of_it:
@@ -207,11 +207,11 @@ class Words(Generic[K]):
     # --- people ---
 
     def on_word(self, word: Word, judge: Callable[[Word], Judged[K]] | None = None) -> None:
-        """Take a word, or answer why not.
+        """Accept a report, or refuse it with a reason.
 
         Args:
-            word: what is said.
-            judge: what becomes of it; by default `judge`.
+            word: the report.
+            judge: its check; by default `judge`.
         """
         if (before := self._answers.again(word)) is not None:
             self.report(before)
@@ -224,7 +224,7 @@ class Words(Generic[K]):
         self.report(WordTaken(word.key, refused, detail))
 
     def judge(self, word: Word) -> Judged[K]:
-        """What becomes of a word about what lies there."""
+        """The verdict on a report about the stock."""
         kept = self.kept
         if word.item not in kept.stock:
             return CommandRefusal.NOT_HANDLED, "", [], kept
@@ -239,12 +239,12 @@ class Words(Generic[K]):
     def _judge_count(self, word: Word) -> Judged[K]:
         kept, item = self.kept, word.item
         if any(visit.item == item and (not visit.shut or visit.said is None) for visit in kept.visits):
-            # Whether its load is counted as well nobody knows: its vehicle's word would count it again.
+            # It is unknown whether the count includes its load: its own report would count it again.
             return CommandRefusal.DOCK_OPEN, "", [], kept
         believed = kept.stock[item]
         if not word.sure and is_far(word.quantity, believed):
             return CommandRefusal.UNLIKELY, str(believed), [], kept
-        # What is counted settles what vehicles have brought and taken before, and what people have said of loads that are not booked yet.
+        # A count settles earlier transfers of vehicles, and early reports of loads that are not booked yet.
         loads = tuple(load for load in kept.loads if load.item != item)
         visits = tuple(
             replace(each, said=0, goes=None) if each.item == item else each for each in kept.visits
@@ -258,7 +258,7 @@ class Words(Generic[K]):
             if load.goes is goes and _is_of(load, word.vehicle, word.item):
                 return self._confirmed(word, load)
         is_its = self._is_its(word.kind, word.item)
-        # Those that stand there come first: of a vehicle that has left long ago this may be no word.
+        # Vehicles at the dock come first: the report may not mean a vehicle that left long ago.
         for visit in sorted(kept.visits, key=lambda each: each.shut):
             vehicle = word.vehicle or (visit.vehicle if is_its else "")
             if not _is_of(visit, vehicle, word.item) or visit.said is not None:
@@ -272,7 +272,7 @@ class Words(Generic[K]):
         return self._by_hand(word)
 
     def _by_hand(self, word: Word) -> Judged[K]:
-        """It is so at once, as far as it can be."""
+        """Book a report at once, as far as possible."""
         kept = self.kept
         there = kept.stock[word.item]
         goes = word.kind is MachineCommandKind.TAKEN
@@ -285,7 +285,7 @@ class Words(Generic[K]):
         return None, "", [report], replace(kept, stock=self.moved(word.item, change), seq=seq)
 
     def _confirmed(self, word: Word, load: UnconfirmedLoad) -> Judged[K]:
-        """A load that is booked: it was so, or it was another number."""
+        """Confirm or correct a booked load."""
         kept = self.kept
         if not word.sure and is_far(word.quantity, load.quantity):
             return CommandRefusal.UNLIKELY, str(load.quantity), [], kept
@@ -294,7 +294,7 @@ class Words(Generic[K]):
         return None, "", *self._corrected(after, load.item, -more if load.goes else more)
 
     def _said_early(self, word: Word, visit: Visit) -> Judged[K]:
-        """Of a vehicle at the dock: its load is booked by this when it says that it is done. Of one that may never say so it is booked at once."""
+        """Keep people's number for a vehicle at the dock: its own report books it. If the vehicle may never report, book it at once."""
         if not word.sure and is_far(word.quantity, visit.quantity):
             return CommandRefusal.UNLIKELY, str(visit.quantity), [], self.kept
         refused, detail, reports, kept = self._by_hand(word) if visit.shut else (None, "", [], self.kept)
@@ -309,7 +309,7 @@ class Words(Generic[K]):
     # --- stock ---
 
     def _corrected(self, kept: K, item: str, change: int) -> tuple[list[Report], K]:
-        """There is another number than was believed."""
+        """Correct the stock by a difference."""
         stock = self.moved(item, change)
         change = stock[item] - kept.stock[item]
         if not change:
@@ -318,7 +318,7 @@ class Words(Generic[K]):
         return [report], replace(kept, stock=stock, seq=report.seq)
 
     def moved(self, item: str, change: int) -> dict[str, int]:
-        """The stock after a change; what nobody counts is in none."""
+        """The stock after a change; things without master data are not counted."""
         stock = self.kept.stock
         if item == THING:
             return stock
@@ -330,9 +330,9 @@ def _is_of(load: UnconfirmedLoad | Visit, vehicle: str, item: str) -> bool:
 
 
 def is_far(said: int, expected: int) -> bool:
-    """Whether a number is asked about once."""
+    """Whether a number needs a confirmation."""
     return abs(said - expected) > max(FAR_PIECES, FAR_FRAC * expected)
 
 
 def nobody_hears(report: Report) -> None:
-    """What a body reports before its agent listens; its state tells it all the same."""
+    """Ignore a body's reports before its agent listens; its state contains them."""

@@ -1,11 +1,11 @@
-"""The body of a machine whose controller is people: what they say becomes reports.
+"""The body of a machine operated by people: their reports become the body's reports.
 
     word                          is reported as                     is refused
-    made N                        N times CycleDone                  unlikely: more than can have been made since the last
+    made N                        N times CycleDone                  unlikely: more than possible since the last report
     scrapped N                    N times CycleDone, bad             likewise
-    any other                     what has come, gone or was counted see `words`
+    any other                     arrivals, removals, counts: see `words`
 
-What is unlikely is taken when it is said to be sure.
+An unlikely number is accepted after confirmation.
 """
 
 from __future__ import annotations
@@ -38,39 +38,39 @@ from dray.plant.model import MachineSpec
 from dray.ports import Clock
 
 PIECES_MAX = 100
-"""Finished pieces in one word: each is a report of its own."""
+"""Maximum finished pieces in one report: each causes its own `CycleDone`."""
 
 ROOM_FRAC, ROOM_PIECES = 1.5, 2
-"""What can have been made in a time: so many times what the cycle allows, and a few more, since people say several at once."""
+"""Maximum pieces in a time: this factor times the cycle's rate, plus a few, since people report several at once."""
 
 _KIND = MachineCommandKind
 
 
 class Taught(Struct, frozen=True):
-    """A product as its orders say it is made."""
+    """A product's production data, as its orders define them."""
 
     bill: dict[str, int]
     """Material -> pieces."""
     cycle_s: float
-    """0.0 for what the plant file says."""
+    """Seconds per piece; 0.0 for the plant file's value."""
 
 
 class Kept(KeptStock, frozen=True):
-    """What one life of an agent leaves to the next of a machine's body."""
+    """A machine's memory for the agent's next life."""
 
     cycling: str = ""
     last: str = ""
-    """The product that was wanted last: pieces that nobody has asked for are taken for some of it."""
+    """The product last asked for: pieces made without an instruction count as this."""
     made_s: float = 0.0
-    """When somebody last said that a piece was finished, else when all began (plant clock)."""
+    """The time of the last report of a finished piece, or of the start (plant clock)."""
     doubt: str = ""
-    """Why counts may be wrong, until a person says that they were seen to."""
+    """Why counts may be wrong, until a person has checked them."""
     taught: dict[str, Taught] = field(default_factory=dict)
-    """Products that the plant file does not know, or knows with another bill of material."""
+    """Products that the plant file lacks, or defines with another bill of material."""
 
 
 DAMAGED = Kept({}, doubt="what was remembered of it is damaged: count what lies there")
-"""What is known where a life has left something that cannot be read."""
+"""The memory after unreadable data."""
 
 _SOFTWARE = Problem(kind=ProblemKind.SOFTWARE, needs_person=True)
 
@@ -83,7 +83,7 @@ class PeopleWorkcell:
         plant: for bills of material, and sizes of buffers.
         clock: the plant's.
         world: the disk.
-        kept: what the last life has left; None for the first one, when nothing lies there until somebody has counted.
+        kept: the last life's memory; None for the first one, when the stock is empty until somebody has counted.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class PeopleWorkcell:
     # --- Body ---
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What people cannot do is ignored."""
+        """See `dray.ports.Body`. Instructions that people cannot follow are ignored."""
         match instruction:
             case StartCycle():
                 self._start(instruction)
@@ -174,7 +174,7 @@ class PeopleWorkcell:
             self._cycle_s.setdefault(product, taught.cycle_s)
 
     def _why_not(self, product: str) -> str:
-        """Why a piece cannot be begun; empty when it can."""
+        """The reason why a piece cannot be begun; empty for none."""
         kept = self._kept
         if product not in self._cycle_s:
             return "not made here"
@@ -223,6 +223,6 @@ class PeopleWorkcell:
         return None, "", reports, replace(kept, stock=stock, cycling=cycling, seq=seq, made_s=now_s)
 
     def _used(self, stock: dict[str, int], product: str) -> dict[str, int]:
-        """The material of one piece is used up."""
+        """The stock without the material of one piece."""
         bill = self._bills.get(product, {})
         return stock | {item: max(0, stock.get(item, 0) - pieces) for item, pieces in bill.items()}

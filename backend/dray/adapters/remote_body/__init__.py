@@ -1,26 +1,25 @@
-"""A body that is elsewhere on the bus, as its agent uses it: the port `dray.ports.Body` over Zenoh.
+"""A body elsewhere on the bus, from its agent's side: the port `dray.ports.Body` over Zenoh.
 
     agent's process                                process of the bodies
     Body.instruct --> {plant}/body/@{agent}/do --> Body.instruct
     Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, ten times a second
-    Body.sense   is the state that was told last
-    put_down      -- query {plant}/floor/@joining: a body that the plant file does not know
+    Body.sense   is the last received state
+    put_down      -- query {plant}/floor/@joining: a body that the plant file lacks
     tell_moved    -- query {plant}/floor/@moved: a transfer of a vehicle that is not simulated, to be counted
-    connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
+    connect       -- query {plant}/body/@{agent} -> the state now; from then on only this life is obeyed
 
-A real vehicle has its body on its own computer, and wires lose nothing. The bus may: who passes on what others
-say may be killed. So instructions and reports are said until they are heard (`Exchange`), and whichever side has
-too much to say lets go of the other: no part is left out, and the next life begins with the state of the body. A
-killed agent leaves its body behind as hardware is left behind: a loaded vehicle stays loaded, and drives its way
-to the end.
+A real vehicle has its body on its own computer, and wires lose nothing. The bus may lose messages, because a relaying process may be
+killed. So instructions and reports are repeated until they are confirmed (`Exchange`). A side with too many unconfirmed parts gives up
+the connection: no part is skipped, and the next life begins with the state of the body. A killed agent leaves its body as hardware is
+left: a loaded vehicle stays loaded, and drives its way to the end.
 
-What comes in crosses to the loop by a bounded queue (`Crossing`). A letter that finds no room there is said again; a
-question is refused.
+Incoming messages cross to the loop by a bounded queue (`Crossing`). A letter without room there is repeated; a question
+is refused.
 
-There is no seal on these keys: whoever is on the bus may move bodies.
+These keys have no seal: any participant of the bus may move bodies.
 
-`body` is the agent's side, `counted` that of a vehicle that is not simulated and works at places that are, `wire` is what goes between the two sides; `questions` asks what is answered, and
-`exchange` sees to it that what is said is heard. Simulated bodies have their side in `dray_sim.remote`.
+`body` is the agent's side. `counted` is the side of a vehicle that is not simulated at places that are. `wire` defines the messages,
+`questions` asks questions, and `exchange` confirms and repeats. Simulated bodies have their side in `dray_sim.remote`.
 """
 
 from __future__ import annotations

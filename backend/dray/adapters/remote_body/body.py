@@ -1,4 +1,4 @@
-"""A body on a floor elsewhere, as its agent has it."""
+"""A body on a floor elsewhere, from its agent's side."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class RemoteBody(ExchangedBody):
     """Implements `dray.ports.Body` for a body that is on a floor elsewhere.
 
     Args:
-        session: of the agent's process.
+        session: the Zenoh session of the agent's process.
         plant: the plant's id.
-        agent: whose body it is.
-        life: a higher number than that of any life before; only the highest is obeyed.
+        agent: the body's agent.
+        life: a higher number than any life before; only the highest is obeyed.
 
     Attributes:
-        is_new: no earlier life has had it; what such a life was bound by is about another body.
+        is_new: whether no earlier life had this body; then an earlier life's commitments were about another body.
     """
 
     def __init__(self, session: zenoh.Session, plant: str, agent: str, life: int) -> None:
@@ -38,7 +38,7 @@ class RemoteBody(ExchangedBody):
         session.declare_subscriber(f"{self._key}/told", Callback(self._on_sample, indirect=False))
 
     async def connect(self) -> None:
-        """Take over the body, and learn how it is.
+        """Take over the body, and learn its state.
 
         Raises:
             UnavailableError: there is no floor, or no such body on it.
@@ -50,9 +50,9 @@ class RemoteBody(ExchangedBody):
         self._state, self.is_new = from_part(taken.state), not taken.known
 
     async def lost(self) -> None:
-        """Wait until it is there no more: its floor has ended or has begun anew, or one has given the other up.
+        """Wait until it is lost: its floor has ended or restarted, or one side has given up.
 
-        A floor that is only busy, or to which a link is cut for a while, answers when it is asked.
+        A busy floor, or one whose link is cut for a while, answers when asked.
         """
         while True:
             await self._silence()
@@ -60,11 +60,11 @@ class RemoteBody(ExchangedBody):
                 return
 
     async def _is_there(self) -> bool:
-        """Whether the floor still has the body, and this life has it there."""
+        """Whether the floor still has the body, for this life."""
         try:
             answer = await ask(self._session, self._key, str(NO_LIFE).encode())
         except UnavailableError:
-            return True  # It has no time for questions, and is there to say so.
+            return True  # The answer that it is busy shows that it is there.
         return answer is not None and msgspec.msgpack.decode(answer, type=Taken).life == self._life
 
     def _part(self, instruction: Instruction) -> Part:

@@ -1,11 +1,11 @@
-"""A body elsewhere whose places are simulated: a floor is told what it has picked and dropped, and counts that.
+"""A real body at simulated places: a floor is told its picks and drops, and counts them.
 
 A vehicle behind VDA 5050 picks and drops by itself, and no simulated place sees it. So its agent's process tells the floor each
-transfer that the vehicle has reported as done, before its agent hears of it: what the floor has not counted by then, nobody can have counted.
+reported transfer before the agent hears of it: a transfer that the floor has not counted by then is counted nowhere.
 
-The floor decides. It counts for vehicles that it was started for (`DRAY_FOREIGN`), opens no dock for a word, and lets nothing be put down
-that was not picked up there. What it refuses is told in the log; the agent hears the vehicle's report all the same, and
-the handover is disputed.
+The floor decides. It counts for the vehicles of its start option (`DRAY_FOREIGN`), and opens no dock on request. It accepts only
+drops of loads that were picked up there. Refusals are logged; the agent hears the vehicle's report all the same, and the handover
+is disputed.
 """
 
 from __future__ import annotations
@@ -19,29 +19,29 @@ from dray.body import ActionDone, ActionFailed, BodyState, Drop, Instruction, Pi
 from dray.ports import Body
 
 Tell = Callable[[Pick | Drop], Awaitable[str]]
-"""Tells the floor of a transfer; returns why that does not count it, empty when it does."""
+"""Tells the floor of a transfer; returns the reason why it is not counted, empty when it is."""
 
 WAITING_MAX = 1_000
-"""Reports that wait for the floor: many more than come while a floor is waited for."""
+"""Maximum reports that wait for the floor: many more than come during an outage of the floor."""
 
 _log = logging.getLogger(__name__)
 
 
 class CountedBody:
-    """Implements `dray.ports.Body`: the body of one vehicle, whose transfers are counted before they are reported.
+    """Implements `dray.ports.Body` for one vehicle whose transfers are counted before they are reported.
 
     Args:
         vehicle: its id, for the log.
-        body: the vehicle's own.
-        tell: the floor.
+        body: the vehicle's own body.
+        tell: tells the floor.
     """
 
     def __init__(self, vehicle: str, body: Body, tell: Tell) -> None:
         self._vehicle, self._body, self._tell = vehicle, body, tell
         self._action: Pick | Drop | None = None
-        """Under way: a vehicle has one at a time."""
+        """The transfer under way: a vehicle has one at a time."""
         self._waiting: deque[tuple[Report, Pick | Drop | None]] = deque(maxlen=WAITING_MAX)
-        """Reports in their order, and what the floor is to be told before each."""
+        """Reports in order, each with the transfer to tell the floor first."""
         self._came = asyncio.Event()
         self._report: Callable[[Report], None] = lambda _: None
         body.attach(self._on_report)
@@ -53,7 +53,7 @@ class CountedBody:
         self._body.instruct(instruction)
 
     def sense(self) -> BodyState:
-        """See `dray.ports.Body`: how it is now; a report of it may still wait for the floor."""
+        """See `dray.ports.Body`: the present state; its reports may still wait for the floor."""
         return self._body.sense()
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -64,7 +64,7 @@ class CountedBody:
         """Tell the floor and then the agent, until cancelled.
 
         Raises:
-            UnavailableError: there is no floor any more, or it does not count for this vehicle.
+            UnavailableError: the floor is gone, or does not count for this vehicle.
         """
         while True:
             await self._came.wait()
@@ -80,7 +80,7 @@ class CountedBody:
         self._came.set()
 
     def _ended(self, report: Report) -> Pick | Drop | None:
-        """The transfer that a report tells to be done; None for none."""
+        """The transfer that a report completes; None for none."""
         action = self._action
         if action is None or not isinstance(report, ActionDone | ActionFailed):
             return None

@@ -1,8 +1,8 @@
-"""An exchange between two sides over a way that loses, doubles and delays: what is said is heard once, and in order.
+"""An exchange between two sides over an unreliable channel: every part is received once, and in order.
 
-Each side numbers what it says and keeps it until the other has heard it. A letter carries everything that is
-kept, and how far its writer has heard the other. Nothing here looks at a clock: whoever gets a letter that tells
-nothing new, or has something kept, writes again. A letter that is lost is therefore no loss.
+Each side numbers its parts and keeps them until the other confirms them. A letter carries all unconfirmed parts, and the
+number of the last part received. This module uses no clock: a side writes again when a letter tells it nothing new, or when it
+has unconfirmed parts. A lost letter therefore does no harm.
 """
 
 from __future__ import annotations
@@ -12,23 +12,23 @@ import msgspec
 from dray.errors import ProtocolViolation
 
 Part = tuple[str, msgspec.Raw]
-"""What is said, and of which kind it is."""
+"""A part's type name, and its content."""
 
 PARTS_PER_LETTER = 50
-"""Far more than wait where letters arrive; the rest is in the next one."""
+"""Maximum parts in a letter, far more than usually wait; the rest goes into the next one."""
 
 KEPT_MAX = 1000
-"""Parts that wait to be heard: a side that lacks so many is dead or cut off. What it lacks cannot be left out, so
-whoever has more to say lets go of it."""
+"""Maximum unconfirmed parts: a side that lacks so many is dead or cut off. Parts cannot be skipped, so a writer with more
+gives up the connection."""
 
 
 class Letter(msgspec.Struct, array_like=True, frozen=True):
-    """What one side says.
+    """One message of the exchange.
 
     Attributes:
-        heard: number of the last part that its writer has heard.
+        heard: number of the last part received by the writer.
         first: number of the first of `parts`, from 1 on.
-        parts: in the order in which they were said.
+        parts: the parts in their order.
     """
 
     heard: int
@@ -37,11 +37,11 @@ class Letter(msgspec.Struct, array_like=True, frozen=True):
 
 
 class Exchange:
-    """One side of it.
+    """One side of an exchange.
 
     Attributes:
-        heard: how many parts of the other side have been heard.
-        again: how often a part was written that had been written before.
+        heard: number of parts received.
+        again: number of parts written more than once.
     """
 
     def __init__(self) -> None:
@@ -50,41 +50,41 @@ class Exchange:
         self._first = 1
         self._kept: list[Part] = []
         self._written = 0
-        """Number of the last part that was written."""
+        """Number of the last part written."""
         self._repeated = False
 
     @property
     def said(self) -> int:
-        """How many parts were said."""
+        """Number of parts said."""
         return self._first - 1 + len(self._kept)
 
     @property
     def kept(self) -> int:
-        """How many parts the other side has not heard yet, as far as is known here."""
+        """Number of unconfirmed parts."""
         return len(self._kept)
 
     @property
     def full(self) -> bool:
-        """Whether so many parts are kept that no more may be said."""
+        """Whether the maximum of unconfirmed parts is reached."""
         return len(self._kept) >= KEPT_MAX
 
     @property
     def due(self) -> bool:
-        """Whether a letter is to be written: the other side lacks something, or does not know that we have heard it."""
+        """Whether a letter must be written: a part or a confirmation is open."""
         return self._repeated or bool(self._kept)
 
     def say(self, part: Part) -> None:
-        """Keep this until the other side has heard it.
+        """Add a part, and keep it until the other side confirms it.
 
         Raises:
-            ProtocolViolation: it is full.
+            ProtocolViolation: the exchange is full.
         """
         if self.full:
             raise ProtocolViolation(f"{KEPT_MAX} parts are not heard yet; let go of the other side")
         self._kept.append(part)
 
     def write(self) -> Letter:
-        """What the other side is to get now."""
+        """The next letter to the other side."""
         self._repeated = False
         parts = tuple(self._kept[:PARTS_PER_LETTER])
         last = self._first + len(parts) - 1
@@ -93,14 +93,14 @@ class Exchange:
         return Letter(self.heard, self._first, parts)
 
     def read(self, letter: Letter) -> tuple[Part, ...]:
-        """What is new in a letter."""
+        """The new parts of a letter."""
         known = letter.heard + 1 - self._first
         if known > 0:
             del self._kept[:known]
             self._first += known
         old = self.heard + 1 - letter.first
         if old < 0:
-            return ()  # What is between has been lost; its writer keeps it.
+            return ()  # Parts in between are lost; the writer keeps them.
         new = letter.parts[old:]
         self._repeated |= bool(letter.parts[:old])
         self.heard += len(new)

@@ -1,4 +1,4 @@
-"""A body elsewhere as its agent has it, whatever the way there: what is said is heard once and in order, and silence is noticed."""
+"""A body elsewhere, from its agent's side, over any channel: parts arrive once and in order, and silence is noticed."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from dray.body import BodyState, Instruction, Report, bounded
 
 LOOK_EVERY_S = 1.0
 SILENT_LOOKS = 10
-"""A body is asked whether it is there when so many looks one after the other find that it has told nothing, which
-it does ten times between two of them. A cut link is gone round sooner."""
+"""Consecutive checks without a message before the body is asked whether it is there; it sends ten between two checks. A cut
+link is bypassed sooner."""
 
 
 class ExchangedBody(ABC):
-    """Implements `dray.ports.Body` for a body that is elsewhere. Whoever derives from it writes letters, and tells what came in one."""
+    """Implements `dray.ports.Body` for a body elsewhere. A subclass writes the letters, and passes on their content."""
 
     def __init__(self) -> None:
         self._exchange = Exchange()
@@ -24,17 +24,17 @@ class ExchangedBody(ABC):
         self._state: BodyState
         self._silent = False
         self._given_up = False
-        """The other side lacks as many instructions as are kept; it is told no more."""
+        """The maximum of instructions is unconfirmed; the body gets no more."""
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. After an instruction that could not be kept, all are in vain: the body is lost."""
+        """See `dray.ports.Body`. Once an instruction could not be kept, all later ones are dropped: the body is lost."""
         self._given_up |= self._exchange.full
         if not self._given_up:
             self._exchange.say(self._part(instruction))
             self._write()
 
     def sense(self) -> BodyState:
-        """See `dray.ports.Body`: how it was when its side told it last."""
+        """See `dray.ports.Body`: the last received state."""
         return self._state
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -43,14 +43,14 @@ class ExchangedBody(ABC):
 
     @abstractmethod
     def _part(self, instruction: Instruction) -> Part:
-        """An instruction as it goes into a letter."""
+        """Encode an instruction for a letter."""
 
     @abstractmethod
     def _write(self) -> None:
-        """Send what the other side is to get now."""
+        """Send the next letter."""
 
     def _told(self, state: BodyState, reports: Iterable[Report]) -> None:
-        """A letter has come: how the body is, and what is new."""
+        """Take a letter's content: the body's state and the new reports."""
         self._silent, self._state = False, bounded(state)
         for report in reports:
             self._report(bounded(report))
@@ -58,7 +58,7 @@ class ExchangedBody(ABC):
             self._write()
 
     async def _silence(self) -> None:
-        """Wait until it has told nothing for a while, in looks and not in seconds: we may be held up ourselves."""
+        """Wait until the body has been silent for a while, in checks and not in seconds: our own process may have been delayed."""
         looks = 0
         while looks < SILENT_LOOKS and not self._given_up:
             self._silent = True
@@ -67,4 +67,4 @@ class ExchangedBody(ABC):
 
 
 def _nobody_hears(report: Report) -> None:
-    """What a body reports before its agent listens; its state tells it all the same."""
+    """Ignore a body's reports before its agent listens; its state contains them."""

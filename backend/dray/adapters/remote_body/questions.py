@@ -1,4 +1,4 @@
-"""Questions to the process of a body, and how long it is waited for an answer."""
+"""Questions to the process of a body, and their timeouts."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from dray.body import Drop, Pick
 from dray.errors import UnavailableError
 
 PATIENCE_S = 30.0
-"""Longest wait for a floor, which may be starting too. On a busy computer a router that comes back may learn nothing of
-what others have declared, for as long as its session lasts (eclipse-zenoh/zenoh#1886): whoever ends then, and is
-started again, finds the floor."""
+"""Longest wait for a floor, which may be starting, too. On a busy computer a restarted router may miss other processes'
+declarations for the whole session (eclipse-zenoh/zenoh#1886). A process that gives up and is restarted finds the
+floor."""
 
 ANSWER_S = 3.0
-"""Longest wait for one answer: the floor may be busy, or who passes questions on may just have been killed."""
+"""Longest wait for one answer: the floor may be busy, or a relaying process may just have been killed."""
 
 ASKED_TIMES = 10
-"""Who is there and has not answered is asked so often: as long as it is waited for a floor."""
+"""Maximum attempts at a reachable floor without an answer: as long as the wait for a missing floor."""
 
 AGAIN_S = 0.25
-"""A floor that is not there is asked so often."""
+"""Delay between attempts at a missing floor."""
 
 REFUSED = zenoh.Encoding.TEXT_PLAIN
-"""Of a refusal that is the floor's own; Zenoh's, that nobody has answered in time, say, are of other encodings."""
+"""The encoding of the floor's own refusals; Zenoh's errors, such as a timeout, have other encodings."""
 
 
 async def ask_until_answered(session: zenoh.Session, key: str, question: bytes, what: str) -> bytes:
-    """The answer of a floor, which may be starting too.
+    """The answer of a floor, which may be starting, too.
 
     Raises:
         UnavailableError: nobody answers, or the floor refuses.
@@ -49,10 +49,9 @@ async def ask_until_answered(session: zenoh.Session, key: str, question: bytes, 
 
 
 async def ask(session: zenoh.Session, key: str, question: bytes) -> bytes | None:
-    """What is answered; None when nobody is there, or nothing is heard of who is, however often it is asked.
+    """The answer; None when nobody is there, or when every attempt failed.
 
-    A question may be lost like everything else that others pass on, and so may its answer: to be asked twice must
-    change nothing.
+    A question or its answer may be lost like any relayed message, so a repeated question must change nothing.
 
     Raises:
         UnavailableError: the floor refuses.
@@ -72,7 +71,7 @@ async def ask(session: zenoh.Session, key: str, question: bytes) -> bytes | None
 
 
 async def _reply(session: zenoh.Session, key: str, question: bytes) -> zenoh.Reply | None:
-    """The one reply to a question, which may be Zenoh's own that none came in time; None when nobody is there."""
+    """The one reply to a question, possibly Zenoh's timeout error; None when nobody is there."""
     loop, end = asyncio.get_running_loop(), asyncio.Event()
     replies: list[zenoh.Reply] = []
     taken = Callback(replies.append, lambda: loop.call_soon_threadsafe(end.set), indirect=False)
@@ -85,7 +84,7 @@ async def put_down(session: zenoh.Session, plant: str, spec: BodySpec) -> None:
     """Put a vehicle or a machine on a floor elsewhere, unless it stands there already.
 
     Raises:
-        UnavailableError: there is no floor, or it does not fit there.
+        UnavailableError: there is no floor, or the body does not fit there.
     """
     await ask_until_answered(session, added_key(plant), encode(to_part(spec)), "the floor")
 
@@ -93,17 +92,17 @@ async def put_down(session: zenoh.Session, plant: str, spec: BodySpec) -> None:
 async def tell_moved(
     session: zenoh.Session, plant: str, vehicle: str, life: int, action: Pick | Drop | None = None
 ) -> str:
-    """Tell a floor elsewhere what a vehicle has picked or dropped that is not simulated there.
+    """Tell a floor elsewhere about a pick or drop of a vehicle that is not simulated there.
 
     Args:
-        session: of the agent's process.
+        session: the session of the agent's process.
         plant: the plant's id.
         vehicle: its id.
-        life: of its agent.
-        action: what it has done; None only asks whether the floor counts for this vehicle.
+        life: its agent's life.
+        action: the transfer; None only asks whether the floor counts for this vehicle.
 
     Returns:
-        Why the place does not count it; empty when it does.
+        The reason why it is not counted; empty when it is.
 
     Raises:
         UnavailableError: there is no floor, or it does not count for this vehicle.

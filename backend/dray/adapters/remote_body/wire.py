@@ -1,4 +1,4 @@
-"""What goes between a floor and the agents that are elsewhere: keys, and what is said on them."""
+"""The messages between a floor and agents elsewhere, with their keys."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from dray.body import BodyState, Instruction, Report
 from dray.plant.model import MachineSpec, VehicleSpec
 
 BodySpec = VehicleSpec | MachineSpec
-"""What may be put down on a floor that runs already."""
+"""The bodies that may be added to a running floor."""
 
 NO_LIFE = 0
-"""Lives count from 1. This one asks how a body is and takes nothing over, and has the body that nobody has."""
+"""Lives count from 1. This number asks for a body's state without taking it over; a body without a life has it, too."""
 
 _KINDS: dict[str, Any] = {
     kind.__name__: kind for union in (Instruction, Report, BodyState, BodySpec) for kind in get_args(union)
@@ -29,7 +29,7 @@ class Do(msgspec.Struct, array_like=True, frozen=True):
 
 
 class Taken(msgspec.Struct, array_like=True, frozen=True):
-    """How a body is, which life has it now, and whether any life has had it before."""
+    """A body's state, its present life, and whether an earlier life had it."""
 
     state: Part
     life: int
@@ -37,7 +37,7 @@ class Taken(msgspec.Struct, array_like=True, frozen=True):
 
 
 class Told(msgspec.Struct, array_like=True, frozen=True):
-    """What a body tells the life that has it: reports, and how it is after them."""
+    """A body's message to its present life: reports, and the state after them."""
 
     life: int
     letter: Letter
@@ -45,40 +45,40 @@ class Told(msgspec.Struct, array_like=True, frozen=True):
 
 
 class Moved(msgspec.Struct, array_like=True, frozen=True):
-    """A vehicle that is not simulated has picked or dropped at a place that is."""
+    """A pick or drop of a vehicle that is not simulated, at a place that is."""
 
     vehicle: str
     life: int
-    """Of its agent."""
+    """The life of its agent."""
     action: Part | None
-    """Numbered in its life by `order`; None only asks whether the floor counts for this vehicle."""
+    """The transfer, numbered in its life by `order`; None only asks whether the floor counts for this vehicle."""
 
 
 encode = msgspec.msgpack.Encoder().encode
 
 
 def to_part(what: object) -> Part:
-    """As it goes into a letter."""
+    """Encode an object for a letter."""
     return type(what).__name__, msgspec.Raw(encode(what))
 
 
 def from_part(part: Part) -> Any:
-    """As it was before it went into a letter."""
+    """Decode an object from a letter."""
     kind, raw = part
     return msgspec.msgpack.decode(raw, type=_KINDS[kind])
 
 
 def added_key(plant: str) -> str:
-    """Where a floor is asked to take one more body in."""
+    """The key for adding a body to a floor."""
     return f"{plant}/floor/@joining"
 
 
 def moved_key(plant: str) -> str:
-    """Where a floor is told what a vehicle has picked or dropped that is not simulated there; it answers why that is not counted."""
+    """The key for telling a floor a transfer of a vehicle that is not simulated there; the reply says why it is not counted."""
     return f"{plant}/floor/@moved"
 
 
 def body_key(plant: str, agent: str) -> str:
-    """Where a body is asked how it is; below it goes what is said to it and by it."""
-    # No wildcard matches a chunk with an @, so nobody hears this by listening to everything.
+    """The key for asking a body's state; the keys of its messages are below it."""
+    # No wildcard matches a chunk with an @, so listening to everything does not include it.
     return f"{plant}/body/@{agent}"

@@ -1,8 +1,8 @@
-"""Certificates: an authority for one plant, and what it says about who is who.
+"""Certificates: an authority for one plant, and the identities that it certifies.
 
-A certificate names agents, each as the URI ``dray:{plant}/{kind}/{agent}`` in its alternative names. A
-process that runs several agents has one that names them all. Keys are P-256: what TLS and signatures of
-single messages both do quickly.
+A certificate names agents, each as the URI ``dray:{plant}/{kind}/{agent}`` in its alternative names. A process with
+several agents has one certificate that names them all. Keys are P-256, which is fast in TLS and in signatures of
+single messages.
 """
 
 from __future__ import annotations
@@ -29,45 +29,45 @@ AUTHORITY = "authority"
 """The name of the authority's files."""
 
 REVOKED = "revoked"
-"""The name of the list of certificates that were called back (`dray.adapters.security.revocations`)."""
+"""The name of the list of revoked certificates (`dray.adapters.security.revocations`)."""
 
 ISSUED = f"{AUTHORITY}.issued"
-"""Beside the authority's key: a line of JSON for each certificate that it has issued."""
+"""The file beside the authority's key with a line of JSON for each issued certificate."""
 
 AUTHORITY_DAYS = 3650
-"""As long as a plant's control computers are in service."""
+"""Validity in days: as long as a plant's control computers are in service."""
 
 DAYS = 397
-"""A year and a month: whoever renews once a year is never late. Lost keys end with it."""
+"""Validity in days: a year and a month, so that a yearly renewal is never late. It also limits the use of lost keys."""
 
 CLOCKS_APART = dt.timedelta(hours=1)
-"""A certificate is valid from a little earlier on: a computer's first clock may be wrong."""
+"""Start of validity before the time of issue: a computer's first clock may be wrong."""
 
 _KINDS = frozenset[str](Kind)
 
 _URI = re.compile(r"dray:([^/]+)/([^/]+)/([^/]+)")
 
 _OF = "Dray authority of "
-"""Before the plant's id, in the name of an authority."""
+"""The prefix of the plant's id in an authority's name."""
 
 
 class Issued(msgspec.Struct, frozen=True):
-    """One certificate that was issued, as the authority remembers it: to call it back when its file is gone."""
+    """One issued certificate in the authority's records, so that it can be revoked without its file."""
 
     serial: str
-    """Hexadecimal: it has 160 bits."""
+    """The serial number in hexadecimal: it has 160 bits."""
     agents: tuple[str, ...]
     until_s: float
-    """Until when it is valid (unix time)."""
+    """The end of its validity (unix time)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Authority:
-    """Who signs a plant's certificates. Its key belongs on no computer of the plant.
+    """The signer of a plant's certificates. Its key belongs on no computer of the plant.
 
     Attributes:
-        certificate: what all agents must know of it.
-        key: what nobody else may have.
+        certificate: the public part, which all agents must know.
+        key: the private key, which must stay secret.
     """
 
     certificate: x509.Certificate
@@ -75,7 +75,7 @@ class Authority:
 
     @classmethod
     def make(cls, plant: str) -> Authority:
-        """A new one."""
+        """Create a new authority."""
         key = ec.generate_private_key(ec.SECP256R1())
         name = _name(_OF + plant)
         builder = (
@@ -88,10 +88,10 @@ class Authority:
 
     @classmethod
     def load(cls, folder: Path) -> Authority:
-        """Read it from its files.
+        """Read an authority from its files.
 
         Raises:
-            SettingsError: they are not there, or hold something else.
+            SettingsError: the files are missing, or contain something else.
         """
         certificate, key = (_read(folder / f"{AUTHORITY}.{end}") for end in ("pem", "key"))
         try:
@@ -101,7 +101,7 @@ class Authority:
 
     @property
     def plant(self) -> str:
-        """The plant's id, as its certificate says it; empty when somebody else has made it."""
+        """The plant's id in its certificate; empty for an authority of other origin."""
         for each in self.certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME):
             name = str(each.value)
             if name.startswith(_OF):
@@ -109,7 +109,7 @@ class Authority:
         return ""
 
     def write(self, folder: Path) -> None:
-        """Write both files into `folder`, which is made if need be."""
+        """Write both files into `folder`, which is created if missing."""
         folder.mkdir(parents=True, exist_ok=True)
         _write(folder, AUTHORITY, self.certificate, self.key)
 
@@ -117,13 +117,13 @@ class Authority:
         """Write a certificate and its key into `folder`, named by the first agent.
 
         Args:
-            folder: it is there.
+            folder: an existing folder.
             plant: the plant's id.
-            agents: whom the process may speak for; not empty.
-            days: how long it is valid.
+            agents: the agents that the process may speak for; not empty.
+            days: the validity in days.
 
         Raises:
-            SettingsError: a name that no agent may have.
+            SettingsError: an agent's name is not allowed.
         """
         for name in agents:
             _check_name(name)
@@ -149,7 +149,7 @@ class Authority:
             notes.write(msgspec.json.encode(note) + b"\n")
 
     def issued(self, folder: Path) -> Iterator[Issued]:
-        """What was issued in this folder; a line that is torn is passed over."""
+        """The certificates issued in this folder; incomplete lines are skipped."""
         try:
             lines = (folder / ISSUED).read_bytes().splitlines()
         except OSError:
@@ -163,7 +163,7 @@ def read_key(pem: bytes) -> ec.EllipticCurvePrivateKey:
     """Read a private key.
 
     Raises:
-        ValueError: it is none of our sort.
+        ValueError: it is not a P-256 key.
     """
     try:
         key = serialization.load_pem_private_key(pem, password=None)
@@ -177,7 +177,7 @@ def read_key(pem: bytes) -> ec.EllipticCurvePrivateKey:
 
 
 def agents_of(certificate: x509.Certificate, plant: str) -> dict[str, Kind]:
-    """The agents that a certificate names in this plant, and what they are."""
+    """The agents that a certificate names in this plant, with their kinds."""
     try:
         names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     except x509.ExtensionNotFound:
@@ -191,10 +191,10 @@ def agents_of(certificate: x509.Certificate, plant: str) -> dict[str, Kind]:
 
 
 def _check_name(agent: str) -> None:
-    """Refuse a name that no agent may have, and those under which it would replace the authority's own files."""
+    """Refuse names that no agent may have, and those that would overwrite the authority's files."""
     if not is_id(agent):
         raise SettingsError(repr(agent), f"is no id of an agent; {ID_RULE}")
-    # Some file systems do not tell capitals from small letters.
+    # Some file systems ignore the case of letters.
     if agent.lower() in {AUTHORITY, REVOKED}:
         raise SettingsError(agent, "is the name of the authority's own files; give the agent another id")
 
@@ -241,7 +241,7 @@ def _read(file: Path) -> bytes:
 
 def _write(folder: Path, name: str, certificate: x509.Certificate, key: ec.EllipticCurvePrivateKey) -> None:
     secret = folder / f"{name}.key"
-    # Nobody else may read it, not even for an instant.
+    # No other user may read it, not even for an instant.
     secret.unlink(missing_ok=True)
     secret.touch(mode=0o600)
     secret.write_bytes(

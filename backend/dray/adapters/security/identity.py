@@ -1,4 +1,4 @@
-"""Identity: the files by which a process proves who it is, and knows who may say so of others."""
+"""Identity: the files with a process's own certificate and its trusted authorities."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from dray.errors import SettingsError
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """The files by which a process proves who it is; PEM.
+    """A process's own certificate and its trusted authorities, as PEM files.
 
     Attributes:
-        authority: certificates of whom we trust to have examined others.
+        authority: certificates of the trusted authorities.
         certificate: our own, signed by such an authority.
         key: the private key of our certificate.
     """
@@ -27,7 +27,7 @@ class Identity:
         """The files as `dray certs` writes them.
 
         Raises:
-            SettingsError: one of them is not there.
+            SettingsError: one of them is missing.
         """
         found = cls(folder / "authority.pem", folder / f"{name}.pem", folder / f"{name}.key")
         for file in (found.authority, found.certificate, found.key):

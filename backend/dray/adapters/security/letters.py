@@ -1,12 +1,12 @@
-"""Letters: what is said to one agent alone is read by that agent alone.
+"""Letters: messages to one agent that only this agent can read.
 
-Neighbours pass letters on for one another, and on Zenoh anybody may listen on anybody's key. So where agents have
-certificates a letter is encrypted (AES-256-GCM) with a secret that only its sender and its reader can work out: the
-one from its own private key and the other's certified one (ECDH on P-256, HKDF). That proves the sender, too, to its
-reader: nobody else has the secret. So a letter needs no signature, and costs less than a word to everybody.
+Neighbours relay letters, and on Zenoh any process may listen on any key. So where agents have certificates, a letter is encrypted
+(AES-256-GCM) with a secret of its sender and its reader. Each derives it from its own private key and the other's certified one
+(ECDH on P-256, HKDF). This also proves the sender to the reader, because nobody else has the secret. So a letter needs no signature,
+and costs less than a published message.
 
-The secret is one for each sender, reader and pair of certificates. It is as old as those: whoever steals an agent's key
-reads what was recorded before. Who writes to whom, how much and when is not hidden.
+There is one secret per sender, reader and pair of certificates, as long as these are valid: with a stolen key, recorded letters can
+be read. Sender, reader, size and time of letters are not hidden.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from dray.errors import SealError, WireError
 from dray.messages.kinds import Kind
 
 SECRETS = 2000
-"""Kept: a gateway's with each agent of a plant of three hundred, both ways, and as many again. Another one is worked
-out in a tenth of a millisecond."""
+"""Maximum cached secrets: a gateway's with each agent of a plant of three hundred, both ways, and as many again. Deriving one
+takes a tenth of a millisecond."""
 
 SECRET_BYTES = 32
 
 TAG_BYTES = 16
-"""Behind the words: by these AES-GCM shows that a letter is as it was written."""
+"""The length of the authentication tag after the ciphertext, by which AES-GCM detects changes."""
 
 NONCE_BYTES = 12
-"""Random. Who writes a hundred letters a second to one reader until the certificates end, after a year, has used one of
-them twice with a chance of one in ten thousand million."""
+"""Length of the random nonce. Assume a hundred letters a second to one reader, for a certificate's year. The probability of a
+repetition is then one in ten thousand million."""
 
 
 class _Cover(msgspec.Struct, frozen=True, gc=False, array_like=True):
@@ -53,12 +53,12 @@ _read = msgspec.msgpack.Decoder(_Cover).decode
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a letter stands: whose it is, and which of how many. It is good for no other.
+    """A letter's reader and number; the letter is invalid at any other place.
 
     Attributes:
-        reader: the agent that it is for.
-        life: of its sender.
-        number: of the letters to this reader in that life.
+        reader: the agent that may read it.
+        life: the sender's life.
+        number: the letter's number to this reader in that life.
     """
 
     reader: str
@@ -66,15 +66,15 @@ class Place:
     number: int
 
     def bound(self, at_ms: int) -> bytes:
-        """What is bound to its words, and is no secret; `at_ms` is when they were written (unix time)."""
+        """The authenticated, unencrypted data of a letter; `at_ms` is its time of writing (unix time)."""
         return f"{self.reader} {self.life} {self.number} {at_ms}".encode()
 
 
 class Letters:
-    """Writes the letters of this process, and reads those to its agents. On any thread.
+    """Writes the letters of this process, and reads those to its agents. Thread-safe.
 
     Args:
-        seals: by which agents are known.
+        seals: the known agents.
     """
 
     def __init__(self, seals: Seals) -> None:
@@ -82,9 +82,9 @@ class Letters:
         self._secrets: dict[tuple[str, str, bytes], AESGCM] = {}
 
     def write(self, sender: str, place: Place, words: bytes) -> tuple[bytes, bytes] | None:
-        """A letter of an agent of ours and its seal; None when its reader's certificate is not known.
+        """A letter of one of our agents and its seal; None when the reader's certificate is unknown.
 
-        Whoever is there has shown it, by its token.
+        Every agent on the bus has shown its certificate, in its token.
         """
         reader = self._seals.register.known(place.reader)
         if reader is None:
@@ -95,18 +95,18 @@ class Letters:
         return letter, _write(_Cover(self._seals.certificate, sender, at_ms, nonce))
 
     def named(self, seal: bytes, letter: bytes) -> str:
-        """Who says to have written a letter. Only `read` shows that it is so.
+        """The claimed sender of a letter. Only `read` proves it.
 
         Raises:
-            SealError: its seal says nothing.
+            SealError: its seal is unreadable.
         """
         return _cover(seal, letter).sender
 
     def read(self, seal: bytes, place: Place, letter: bytes) -> tuple[str, Kind, bytes]:
-        """Who has written a letter to an agent of ours, what that is, and the words.
+        """The sender of a letter to one of our agents, the sender's kind, and the plaintext.
 
         Raises:
-            SealError: nobody whom we know has, or not to this reader, not here, not now.
+            SealError: no known agent has written it, or not to this reader, not here, not now.
             WireError: it is longer than any message.
         """
         cover = _cover(seal, letter)
@@ -123,7 +123,7 @@ class Letters:
         return cover.sender, kind, words
 
     def _secret(self, sender: str, reader: str, other: Certified) -> AESGCM:
-        """Of a sender and a reader of whom one is ours and has our key, and the other has this certificate."""
+        """The cipher of a sender and a reader: one is ours and has our key, the other has this certificate."""
         place = (sender, reader, other.certificate)
         known = self._secrets.get(place)
         if known is not None:

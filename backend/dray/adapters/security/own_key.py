@@ -1,6 +1,6 @@
-"""A vehicle's own key, in a file beside its journal: drawn at its first start, and never replaced.
+"""A vehicle's own key, in a file beside its journal: generated at its first start, and never replaced.
 
-It outlives a journal that is lost, as `dray.adapters.journal.lives` does: the vehicle still stands on places that are held under this key.
+Like `dray.adapters.journal.lives` it survives a lost journal: the vehicle still stands on places that are reserved under this key.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ KEY_BYTES = 32
 
 
 def own_key(file: Path) -> bytes:
-    """The 32 bytes of a private key; drawn now when there is no such file.
+    """The 32 bytes of the private key; generated when the file is missing.
 
     Args:
-        file: read and written by its owner alone.
+        file: the key file; only its owner can read and write it.
 
     Raises:
-        UnavailableError: it cannot be read or written, or is not whole.
+        UnavailableError: reading or writing failed, or the file is damaged.
     """
     try:
         if not file.exists():

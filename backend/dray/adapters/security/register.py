@@ -1,6 +1,6 @@
-"""The register: certificates that this process has examined, and which of them each agent has.
+"""The register: certificates that this process has verified, and the present one of each agent.
 
-It begins empty and learns from what others show: a token brings its agent's certificate, and so does every message.
+It begins empty and learns from others: each token and each message contains its agent's certificate.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from dray.messages.kinds import Kind
 from dray.messages.speakers import kind_in
 
 KNOWN = 1000
-"""Certificates whose examination is remembered, and agents whose certificate is: three times those of a large plant.
-Only what our authority has signed is remembered, so nobody fills it up."""
+"""Maximum verified certificates, and maximum agents with a known one: three times those of a large plant. Only certificates
+of our authority are remembered, so strangers cannot fill it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,11 +28,11 @@ class Certified:
     """A certificate of our authority.
 
     Attributes:
-        certificate: itself, in DER.
-        key: of whoever has it.
-        serial: the number by which it is called back.
-        agents: for whom it speaks, and what they are.
-        until_s: until when it is valid (unix time).
+        certificate: the certificate, in DER.
+        key: its public key.
+        serial: the number by which it is revoked.
+        agents: the agents it names, with their kinds.
+        until_s: the end of its validity (unix time).
     """
 
     certificate: bytes
@@ -43,13 +43,13 @@ class Certified:
 
 
 class Register:
-    """Whose certificates are good. On any thread.
+    """Verifies certificates and remembers them by agent. Thread-safe.
 
     Args:
-        authorities: whom to trust.
-        plant: the plant's id; certificates of other plants are worth nothing here.
+        authorities: the trusted authorities.
+        plant: the plant's id; certificates of other plants are refused.
         now_s: unix time.
-        revoked: serial numbers of certificates that were called back; asked each time.
+        revoked: serial numbers of revoked certificates; checked each time.
     """
 
     def __init__(
@@ -63,18 +63,18 @@ class Register:
         self._revoked = revoked
         self._examined: dict[bytes, Certified] = {}
         self._agents: dict[str, tuple[int, bytes]] = {}
-        """By agent, the certificate that its latest life has shown, and that life."""
+        """By agent, the latest life and its certificate."""
 
     def certified(self, certificate: bytes, agent: str, data: bytes) -> tuple[Certified, Kind]:
-        """A certificate that is good for `agent` now, and what the agent is.
+        """A certificate that is valid for `agent` now, and the agent's kind.
 
         Args:
-            certificate: in DER, as somebody has shown it.
-            agent: who says to be its owner.
-            data: what it came with, for the error.
+            certificate: the certificate in DER.
+            agent: the claimed owner.
+            data: the message with it, for the error.
 
         Raises:
-            SealError: it is not.
+            SealError: it is not valid.
         """
         certified = self._examined.get(certificate) or self._examine(certificate, data)
         kind = kind_in(agent, certified.agents)
@@ -87,13 +87,13 @@ class Register:
         return certified, kind
 
     def meet(self, agent: str, life: int, certificate: bytes) -> None:
-        """Note that this life of an agent has proved to have this certificate, which is good for it."""
+        """Note that this life of an agent has proved to own this valid certificate."""
         life_before, before = self._agents.get(agent, (life, b""))
         if certificate == before:
             self._agents[agent] = (max(life, life_before), certificate)
             return
-        # What an earlier life has said may be said again by others. But a thief's life, however late, ends with
-        # the certificate: else nobody could write to the agent whose certificate was renewed.
+        # Others may replay an earlier life's messages. But a thief's life, however late, ends with the certificate: otherwise
+        # nobody could write to the agent after its certificate was renewed.
         if life < life_before and self.known(agent) is not None:
             return
         if len(self._agents) >= KNOWN and agent not in self._agents:
@@ -101,11 +101,11 @@ class Register:
         self._agents[agent] = (life, certificate)
 
     def has(self, agent: str, certificate: bytes) -> bool:
-        """Whether an agent was met with this certificate last."""
+        """Whether an agent last used this certificate."""
         return self._agents.get(agent, (0, b""))[1] == certificate
 
     def known(self, agent: str) -> Certified | None:
-        """The certificate of an agent that was met; None when it was not, or its certificate is not good any more."""
+        """The certificate of a known agent; None for an unknown one, or when its certificate is no longer valid."""
         _, certificate = self._agents.get(agent, (0, b""))
         try:
             return self.certified(certificate, agent, b"")[0] if certificate else None
@@ -113,10 +113,10 @@ class Register:
             return None
 
     def verify(self, certificate: x509.Certificate, at_s: float) -> None:
-        """See that an authority that we trust has signed it, and that it is valid at that moment (unix time).
+        """Check that a trusted authority has signed it, and that it is valid at that moment (unix time).
 
         Raises:
-            VerificationError: it has not, or is not.
+            VerificationError: one of these is not so.
         """
         at = dt.datetime.fromtimestamp(at_s, dt.UTC)
         PolicyBuilder().store(Store(self._authorities)).time(at).build_client_verifier().verify(

@@ -1,8 +1,8 @@
-"""Certificates that were called back: a list that the authority signs, and that every process reads from a file.
+"""Revoked certificates: a list that the authority signs, and that every process reads from a file.
 
-The list is an X.509 CRL beside the authority's certificate. Whoever has called a certificate back copies that one file
-to all computers; a process notices a changed file by itself. No message can do this, so it holds against somebody
-who has a gateway's certificate, too.
+The list is an X.509 CRL beside the authority's certificate. After a revocation an administrator copies that one file to all
+computers; each process notices a changed file by itself. No message can revoke, so the mechanism also holds against a thief
+of a gateway's certificate.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from dray.adapters.security.certificates import AUTHORITY_DAYS, REVOKED, Authori
 from dray.errors import SettingsError
 
 FILE = f"{REVOKED}.pem"
-"""The list, in the folder of the certificates."""
+"""The file name of the list, in the folder of the certificates."""
 
 LOOK_EVERY_S = 2.0
-"""Between two looks at whether the file has changed: one question to the file system."""
+"""Seconds between checks whether the file has changed: one system call each."""
 
 MAX_BYTES = 1_000_000
-"""Of the file: some 15,000 certificates, more than a large plant issues in the life of its authority."""
+"""Maximum size of the file: some 15,000 certificates, more than a large plant issues in its authority's life."""
 
 REASONS: Mapping[str, x509.ReasonFlags] = {
     "key-compromise": x509.ReasonFlags.key_compromise,
@@ -39,25 +39,25 @@ REASONS: Mapping[str, x509.ReasonFlags] = {
     "cessation-of-operation": x509.ReasonFlags.cessation_of_operation,
     "unspecified": x509.ReasonFlags.unspecified,
 }
-"""Why a certificate is called back, in the words of RFC 5280 (5.3.1)."""
+"""The reasons for a revocation, in the words of RFC 5280 (5.3.1)."""
 
 log = logging.getLogger(__name__)
 
 
 def call_back(authority: Authority, folder: Path, agent: str, reason: str) -> int:
-    """Call back every certificate that the authority has issued for an agent and that is valid still.
+    """Revoke every valid certificate that the authority has issued for an agent.
 
     Args:
-        authority: who has issued them.
-        folder: of the certificates; the list there is replaced by a longer one.
-        agent: its id. A certificate that names others too is called back for these as well.
+        authority: the issuer.
+        folder: the folder of the certificates; the list there is replaced by a longer one.
+        agent: its id. A certificate for several agents is revoked for all of them.
         reason: one of `REASONS`.
 
     Returns:
-        How many were called back by this.
+        The number of newly revoked certificates.
 
     Raises:
-        SettingsError: none is known for the agent, or the list cannot be used.
+        SettingsError: no certificate of the agent is known, or the list cannot be used.
     """
     file = folder / FILE
     before = _read(file, [authority.certificate]) if file.exists() else None
@@ -74,16 +74,16 @@ def call_back(authority: Authority, folder: Path, agent: str, reason: str) -> in
 
 
 class Revocations:
-    """The certificates that one process believes no more. On any thread.
+    """The revoked certificates, as one process knows them. Thread-safe.
 
     Args:
-        file: the list, which need not be there.
-        authorities: whose list counts.
+        file: the list, which may be missing.
+        authorities: the accepted signers of the list.
         own: the serial number of the process's own certificate.
-        clock_s: a clock that never goes back, for tests.
+        clock_s: a monotonic clock, for tests.
 
     Raises:
-        SettingsError: the file is there and holds no list of ours.
+        SettingsError: the file exists, but contains no list of these authorities.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class Revocations:
             self._take(_read(file, self._authorities))
 
     def __contains__(self, serial: object) -> bool:
-        """Whether the certificate with this serial number was called back."""
+        """Whether the certificate with this serial number is revoked."""
         if self._clock_s() - self._looked_s >= LOOK_EVERY_S and self._lock.acquire(blocking=False):
             try:
                 self._looked_s = self._clock_s()
@@ -114,7 +114,7 @@ class Revocations:
         return serial in self._known
 
     def _look(self) -> None:
-        """Read a changed file; one that cannot be used, or is gone, takes nothing back."""
+        """Read a changed file; an unusable or missing one keeps all revocations."""
         mark = self._marked()
         if mark == self._mark:
             return
@@ -132,7 +132,7 @@ class Revocations:
             )
 
     def _marked(self) -> tuple[int, int, int] | None:
-        """What tells two states of the file apart; None when it is not there."""
+        """A mark of the file's state, which changes with it; None when it is missing."""
         try:
             found = self._file.stat()
         except OSError:
@@ -148,7 +148,7 @@ class Revocations:
 
 
 def _of_agent(authority: Authority, folder: Path, agent: str) -> Iterator[int]:
-    """The serial numbers of an agent's certificates that have not expired."""
+    """The serial numbers of an agent's unexpired certificates."""
     now_s = time.time()
     for each in authority.issued(folder):
         if agent in each.agents and each.until_s > now_s:
@@ -157,7 +157,7 @@ def _of_agent(authority: Authority, folder: Path, agent: str) -> Iterator[int]:
         present = x509.load_pem_x509_certificate((folder / f"{agent}.pem").read_bytes())
         present.verify_directly_issued_by(authority.certificate)
     except (OSError, ValueError, TypeError, InvalidSignature):
-        return  # no file, or somebody else's
+        return  # no file, or another owner's
     if agent in agents_of(present, authority.plant) or not authority.plant:
         yield present.serial_number
 
@@ -168,7 +168,7 @@ def _longer(
     serials: Iterable[int],
     reason: x509.ReasonFlags,
 ) -> bytes:
-    """The list with these added, as PEM."""
+    """The list with added certificates, as PEM."""
     now = dt.datetime.now(dt.UTC)
     number = 1 if before is None else _number_of(before) + 1
     key = x509.AuthorityKeyIdentifier.from_issuer_public_key(authority.key.public_key())
@@ -176,7 +176,7 @@ def _longer(
         x509.CertificateRevocationListBuilder()
         .issuer_name(authority.certificate.subject)
         .last_update(now)
-        # No list is ever too old: a computer that nobody has copied it to knows the one before.
+        # No list expires: a computer without the newest copy still uses the older one.
         .next_update(now + dt.timedelta(days=AUTHORITY_DAYS))
         .add_extension(x509.CRLNumber(number), critical=False)
         .add_extension(key, critical=False)
@@ -192,10 +192,10 @@ def _longer(
 
 
 def _read(file: Path, authorities: Iterable[x509.Certificate]) -> x509.CertificateRevocationList:
-    """A list that one of these authorities has signed.
+    """Read a list that one of these authorities has signed.
 
     Raises:
-        SettingsError: it cannot be read, or is none.
+        SettingsError: reading failed, or it is no such list.
     """
     remedy = f"copy {FILE} anew from where `dray certs revoke` has written it"
     try:
@@ -221,7 +221,7 @@ def _number_of(revoked: x509.CertificateRevocationList) -> int:
 
 
 def _replace(file: Path, data: bytes) -> None:
-    """Write a file so that whoever reads it meanwhile finds the old one or the new one."""
+    """Replace a file atomically: concurrent readers find the old one or the new one."""
     fresh = file.with_name(f"{file.name}.new")
     with fresh.open("wb") as opened:
         opened.write(data)

@@ -1,14 +1,12 @@
-"""Seals: who has said a message, whoever has passed it on.
+"""Seals: signatures that prove a message's sender, over any relays.
 
-Links are authenticated by TLS, but that says only who the neighbour is: neighbours relay for one another,
-so a message of a machine may come from a vehicle. What must be known is who has said it. So every message
-is signed by its sender, together with the key on which it was said and the time, and brings the sender's
-certificate along. A relay can lose it, and nothing else. What is signed beside the message's own bytes is text and whole
-numbers: no two languages print a float alike.
+TLS authenticates only the neighbour on a link. Neighbours relay for one another, so a machine's message may come from a
+vehicle. Therefore the sender signs every message, together with its key on the bus and the time, and attaches its
+certificate. A relay can only lose a message. Beside the message's own bytes, only text and whole numbers
+are signed, because languages print floats differently.
 
-A message may be played again within `FRESH_S`; that is a message that comes twice, which the protocol
-has to bear anyway. A voucher, by which an agent says in a chunk of a key that it is there, may be played again for
-ever: it must say nothing that another moment makes wrong.
+A message may be replayed within `FRESH_S`; the protocol must tolerate duplicates anyway. A voucher is a chunk of a key by which an
+agent declares its presence. It may be replayed for ever, so it must contain nothing that becomes wrong later.
 """
 
 from __future__ import annotations
@@ -35,10 +33,10 @@ from dray.errors import SealError, SettingsError
 from dray.messages.kinds import Kind
 
 FRESH_S = 30.0
-"""How old a message may be: the slowest link of the paper takes 5 s, and clocks agree within 0.1 s."""
+"""Maximum age of a message: the slowest link of the paper takes 5 s, and clocks agree within 0.1 s."""
 
 Milliseconds = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
-"""Of unix time, whole: a moment that every language writes alike."""
+"""Whole milliseconds of unix time, which every language writes alike."""
 
 _DAY = "%Y-%m-%d %H:%M"
 
@@ -62,24 +60,24 @@ _read_voucher = msgspec.msgpack.Decoder(_Voucher).decode
 
 
 class Seals:
-    """Seals what this process says, and examines the seals of others. On any thread.
+    """Seals the messages of this process, and verifies the seals of others. Thread-safe.
 
     Args:
-        identity: whose certificate and key to use, and whom to trust.
-        plant: the plant's id; certificates of other plants are worth nothing here.
+        identity: the own certificate and key, and the trusted authorities.
+        plant: the plant's id; certificates of other plants are refused.
         now_s: unix time, for tests.
-        clock_s: a clock that never goes back, for tests.
+        clock_s: a monotonic clock, for tests.
 
     Attributes:
         plant: the plant's id.
-        agents: for whom this process may speak.
+        agents: the agents that this process may speak for.
         certificate: its own, in DER.
-        until_s: until when that is valid (unix time).
+        until_s: the end of that certificate's validity (unix time).
         register: the certificates of others.
 
     Raises:
-        SettingsError: the files hold no certificates or keys of ours, do not belong together, name no agent of this
-            plant, or are not valid now: nobody would hear us.
+        SettingsError: the files contain no usable certificates or keys, do not match, name no agent of this plant, or are not
+            valid now: nobody would accept our messages.
     """
 
     def __init__(
@@ -128,20 +126,20 @@ class Seals:
         self.until_s = own.not_valid_after_utc.timestamp()
         self.certificate = own.public_bytes(serialization.Encoding.DER)
         for agent in self.agents:
-            # Until it is met elsewhere.
+            # A later life elsewhere replaces this entry.
             self.register.meet(agent, 0, self.certificate)
 
     def seal(self, key: str, life: int, number: int, data: bytes) -> bytes:
-        """Seal what is said on `key` now."""
+        """Seal a message on `key`, with the present time."""
         at_ms = self.now_ms()
         signature = self._key.sign(_signed(key, life, number, at_ms, data), _ECDSA)
         return _write(_Seal(self.certificate, at_ms, signature))
 
     def examine(self, seal: bytes, sender: str, key: str, life: int, number: int, data: bytes) -> Kind:
-        """What kind of agent has really said this.
+        """The kind of the agent that has verifiably sent this message.
 
         Raises:
-            SealError: nobody whom we know has, or not this, not here, not now.
+            SealError: no known agent has sent it, or not this message, not here, not now.
         """
         try:
             read = _read(seal)
@@ -154,36 +152,36 @@ class Seals:
         return kind
 
     def now_ms(self) -> int:
-        """The moment of what is said now (unix time)."""
+        """The time of a message sent now (unix time)."""
         return int(self.now_s() * 1000)
 
     def check_age(self, at_ms: int, data: bytes) -> None:
-        """See that what was said at this moment (unix time) is neither too old nor of the future.
+        """Check that a message of this time (unix time) is neither too old nor from the future.
 
         Raises:
-            SealError: it is.
+            SealError: it is one of these.
         """
         age_s = self.now_s() - at_ms / 1000
         if abs(age_s) > FRESH_S:
             raise SealError(f"said {age_s:.0f} s ago", data)
 
     def agree_with(self, other: Certified) -> bytes:
-        """The secret that follows from our key and that of another certificate, and from the two alone.
+        """The shared secret of our key and another certificate's key.
 
-        The same keys sign: nothing that is signed is ever taken for a secret, nor the other way round.
+        The same keys sign, but no signed data is ever used as a secret, nor the reverse.
         """
         return self._key.exchange(ec.ECDH(), other.key)
 
     def vouch(self, key: str) -> str:
-        """A chunk that, at the end of `key`, says who has declared it."""
+        """A chunk that, at the end of `key`, proves its declaring agent."""
         signature = self._key.sign(_vouched(key), _ECDSA)
         return base64.urlsafe_b64encode(_write(_Voucher(self.certificate, signature))).decode()
 
     def examine_voucher(self, chunk: str, agent: str, key: str) -> bytes:
-        """The certificate of `agent`, who has vouched for this key.
+        """The certificate of `agent`, as the voucher for this key proves it.
 
         Raises:
-            SealError: nobody whom we know has, or not for this.
+            SealError: no known agent has signed it, or not for this key.
         """
         read = _read_chunk(chunk)
         certified, _ = self.register.certified(read.certificate, agent, chunk.encode())
@@ -191,7 +189,7 @@ class Seals:
         return read.certificate
 
     def is_met_by(self, chunk: str, agent: str) -> bool:
-        """Whether a voucher brings the certificate by which `agent` is known already, whoever has signed it: it need not be examined.
+        """Whether a voucher contains the known certificate of `agent`, so that it needs no verification.
 
         Raises:
             SealError: it is no voucher.

@@ -1,7 +1,7 @@
-"""Signing: grants, closures and removals are signed with Ed25519 (RFC 8032), and believed by whoever knows the public key.
+"""Signing: grants, closures and removals are signed with Ed25519 (RFC 8032); receivers trust configured public keys.
 
-A vehicle's wishes for places are, too, by a key of its own, which nobody examines: whoever keeps a book knows by it whether the one who speaks in
-a vehicle's name is the one who holds places in it.
+A vehicle also signs its place requests, with a key of its own that nobody certifies. It shows the keeper of a book that the
+requests come from the vehicle that holds the places.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ C = TypeVar("C", VehicleCommand, MachineCommand)
 
 
 class SigningKey:
-    """A private key, which grants commands and signs closures and removals.
+    """A private key that signs grants, closures and removals.
 
     Args:
         private: its 32 bytes.
 
     Attributes:
-        public: the 32 bytes of the public key that belongs to it.
+        public: the 32 bytes of the matching public key.
 
     Raises:
-        ValueError: that is no key.
+        ValueError: it is no key.
     """
 
     def __init__(self, private: bytes) -> None:
@@ -67,26 +67,26 @@ class SigningKey:
         """The same command to one vehicle or machine, with a grant.
 
         Args:
-            agent: which.
-            command: what is asked.
-            person: on whose behalf.
-            areas: where that person may command; None for everywhere.
-            valid_until_s: on the plant's clock.
+            agent: the vehicle or machine.
+            command: the command.
+            person: the person on whose behalf it is given.
+            areas: the areas in which that person may command; None for everywhere.
+            valid_until_s: the grant's end on the plant's clock.
         """
         grant = _unsigned(person, areas, valid_until_s)
         signature = self._key.sign(signed_words(agent, command, grant))
         return replace(command, grant=replace(grant, signature=signature))
 
     def code(self, what: str) -> bytes:
-        """32 bytes that follow from a text and this key, and that nobody else can compute."""
+        """32 bytes derived from a text and this key, which nobody else can compute."""
         return sha256(self._key.sign(f"dray code {what}".encode())).digest()
 
     def close(self, number: int, closures: Iterable[Closure]) -> Closures:
         """A list of closures, signed.
 
         Args:
-            number: of the last decision.
-            closures: all that hold.
+            number: the number of the last decision.
+            closures: all closures in force.
         """
         closed = tuple(closures)
         return Closures(
@@ -104,16 +104,16 @@ class SigningKey:
         areas: Iterable[str] | None,
         valid_until_s: float,
     ) -> Removal:
-        """A person's word that a vehicle was carried away, or is being put back, with a grant.
+        """A person's signed statement that a vehicle was carried away, or is being put back.
 
         Args:
             atv: the vehicle.
-            number: of the word.
-            heard: life and number of the last heartbeat that was heard of it.
+            number: the statement's number.
+            heard: life and number of the vehicle's last received heartbeat.
             node: where it is being put back; empty while it is off the floor.
-            person: on whose behalf.
-            areas: where that person may command; None for everywhere.
-            valid_until_s: on the plant's clock.
+            person: the person on whose behalf it is made.
+            areas: the areas in which that person may command; None for everywhere.
+            valid_until_s: the grant's end on the plant's clock.
         """
         life, seq = heard
         grant = _unsigned(person, areas, valid_until_s)
@@ -122,14 +122,14 @@ class SigningKey:
 
 
 class VehicleKey:
-    """A vehicle's own private key, by which it is told from whoever has stolen its certificate.
+    """A vehicle's own private key, which distinguishes it from a thief of its certificate.
 
     Args:
         atv: the vehicle.
         private: its 32 bytes.
 
     Raises:
-        ValueError: that is no key.
+        ValueError: it is no key.
     """
 
     def __init__(self, atv: str, private: bytes) -> None:
@@ -138,13 +138,13 @@ class VehicleKey:
         self._public = self._key.public_key().public_bytes_raw()
 
     def sign(self, wish: PlaceWished) -> PlaceWished:
-        """The same wish with this key and its signature."""
+        """The same request with this key and its signature."""
         signature = self._key.sign(wished_words(self._atv, wish))
         return replace(wish, key=self._public, signature=signature)
 
 
 def is_signed(atv: str, wish: PlaceWished) -> bool:
-    """Whether a vehicle's wish is signed by the key that it names, or names none."""
+    """Whether a vehicle's request is signed by the key that it contains, or contains none."""
     if not wish.key:
         return True
     try:
@@ -155,10 +155,10 @@ def is_signed(atv: str, wish: PlaceWished) -> bool:
 
 
 class TrustedKeys:
-    """The public keys of those whose grants count.
+    """The public keys whose grants are accepted.
 
     Args:
-        public: 32 bytes each; without any, nobody is trusted.
+        public: 32 bytes each; without any, no grant is accepted.
 
     Raises:
         ValueError: one is no key.
@@ -168,7 +168,7 @@ class TrustedKeys:
         self._keys = tuple(Ed25519PublicKey.from_public_bytes(each) for each in public)
 
     def __call__(self, words: bytes, signature: bytes) -> bool:
-        """Whether one of them has signed exactly these words."""
+        """Whether one of the keys has signed exactly this data."""
         return any(_signed_by(key, words, signature) for key in self._keys)
 
 

@@ -1,1 +1,1 @@
-"""A machine whose controller tells and obeys single values: what they mean, and what is to be done when they contradict one another."""
+"""A machine with single-value signals of a controller: their meaning, and the handling of contradictions."""

@@ -1,13 +1,13 @@
-"""How many pieces a controller has counted since it was read last.
+"""The number of pieces that a controller has counted since the last reading.
 
 A counter that
 
-    grows by what can have been made since     counts that
+    grows by a possible number                 counts that
     falls because it has reached its end       has rolled over: it counts on from 0
-    falls to what can have been made since     was reset: what it shows is counted
-    does anything else                         is doubted: nothing is counted, and it is counted on from there
+    falls to a possible number                 was reset: its value is counted
+    does anything else                         is doubted: nothing is counted, and counting continues from there
 
-and after a gap, while nobody listened, a reset is doubted as well: pieces of before it may be missing.
+and after a gap in listening a reset is doubted as well: pieces before it may be missing.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from msgspec import Struct
 from dray.adapters.signals.signal import Edge
 
 ROOM_FRAC, ROOM_PIECES = 1.5, 2
-"""What can have been made in a span: so many times what the fastest cycle allows, and a few more, since values come late and together."""
+"""Maximum pieces in a span: this factor times the fastest cycle's rate, plus a few, since values come late and together."""
 
 HELD_UP_S = 60.0
-"""Somebody who listens all the time hears of a change within this time, however busy he is: a counter that stood for hours and jumps has
-not made hours' pieces."""
+"""Maximum delay of a change while the listener is connected, however busy it is. A counter that stood for hours and jumps has not made
+hours' pieces."""
 
 
 class Reading(Struct, frozen=True):
-    """What one look at a counter says."""
+    """The result of one reading of a counter."""
 
     pieces: int = 0
     doubt: str = ""
@@ -35,7 +35,7 @@ class Reading(Struct, frozen=True):
 
 
 class CounterState(Struct, frozen=True):
-    """What is remembered of a counter."""
+    """The memory of a counter."""
 
     value: int
     at_s: float
@@ -44,14 +44,14 @@ class CounterState(Struct, frozen=True):
 def count(
     last: CounterState, now: CounterState, fastest_s: float, moduli: tuple[int, ...], *, gap: bool
 ) -> Reading:
-    """Compare two looks at a counter.
+    """Compare two readings of a counter.
 
     Args:
-        last: before.
-        now: at this moment.
-        fastest_s: the shortest time that a piece takes.
-        moduli: each may be the first number that it does not reach; empty where nothing is known.
-        gap: somebody may have missed values between the two.
+        last: the last reading.
+        now: the present reading.
+        fastest_s: the shortest cycle time.
+        moduli: the possible numbers at which it rolls over; empty where unknown.
+        gap: whether values may have been missed in between.
     """
     span_s = max(0.0, now.at_s - last.at_s)
     most = ROOM_PIECES + math.ceil(ROOM_FRAC * (span_s if gap else min(span_s, HELD_UP_S)) / fastest_s)
@@ -71,13 +71,13 @@ def count(
 
 
 def count_pulse(last: bool, now: bool, edge: Edge, *, gap: bool) -> Reading:
-    """Compare two looks at a pulse.
+    """Compare two readings of a pulse.
 
     Args:
-        last: before.
-        now: at this moment.
-        edge: which change counts.
-        gap: somebody may have missed pulses between the two.
+        last: the last reading.
+        now: the present reading.
+        edge: the change that counts.
+        gap: whether pulses may have been missed in between.
     """
     if gap:
         return Reading(0, "its pulses could not be heard for a while: pieces may be missing")

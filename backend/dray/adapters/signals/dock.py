@@ -2,15 +2,15 @@
 
     who        does                              signal
     vehicle    stands at the dock and asks
-    agent      says so to the controller         dock_permit on
+    agent      tells the controller              dock_permit on
     controller makes the dock safe               dock_ready on
     agent      lets the vehicle load or unload
-    vehicle    does, and says so
-    agent      takes the permit back             dock_permit off
-    controller works on                          dock_ready off
+    vehicle    does, and reports it
+    agent      withdraws the permit              dock_permit off
+    controller resumes work                      dock_ready off
 
-Only then is the dock anybody else's. A broken connection is as if the controller were not ready: nobody is let in who was not, and whoever
-is in ends what it has begun. A controller that lets machines move while `dock_permit` is on, or while `alive` stands still, is wrong.
+Only then is the dock free for another vehicle. A broken connection counts as a controller that is not ready: no other vehicle is let in,
+and one inside finishes. A controller must not let machines move while `dock_permit` is on, or while `alive` stands still.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from enum import StrEnum
 
 
 class DockState(StrEnum):
-    """How far it is."""
+    """The progress of the handshake."""
 
     SHUT = "shut"
     ASKED = "asked"
@@ -27,19 +27,19 @@ class DockState(StrEnum):
     OPEN = "open"
     """A vehicle may load or unload."""
     CLOSING = "closing"
-    """The permit is taken back, and the controller still shows ready."""
+    """The permit is withdrawn, and the controller still shows ready."""
 
 
 class DockEvent(StrEnum):
-    """What happens."""
+    """An event of the handshake."""
 
     WANTED = "wanted"
-    """A vehicle is to be let in."""
+    """A vehicle requests entry."""
     DONE = "done"
-    """It is there no more, or is not to be let in."""
+    """The vehicle has left, or no longer requests entry."""
     READY = "ready"
     NOT_READY = "not ready"
-    """The controller says so, or cannot be heard."""
+    """The controller is not ready, or not connected."""
 
 
 NEXT: dict[DockState, dict[DockEvent, DockState]] = {
@@ -62,24 +62,24 @@ NEXT: dict[DockState, dict[DockEvent, DockState]] = {
         DockEvent.NOT_READY: DockState.ASKED,
     },
     DockState.CLOSING: {
-        # The ready of before is nobody's: the next one waits until it has gone, and comes anew.
+        # An earlier ready signal does not count: the next vehicle waits until it has ended, and comes anew.
         DockEvent.WANTED: DockState.CLOSING,
         DockEvent.DONE: DockState.CLOSING,
         DockEvent.READY: DockState.CLOSING,
         DockEvent.NOT_READY: DockState.SHUT,
     },
 }
-"""Every event has its place in every state: whatever a controller says, the dock is in one of four."""
+"""The next state for every event in every state, so that the dock is always in one of four."""
 
 
 class DockHandshake:
-    """The dock of one machine, for one vehicle at a time; others wait in the order in which they came.
+    """The dock of one machine, for one vehicle at a time; others wait in order of arrival.
 
     Args:
-        answers: whether the controller says when it is ready; else it is as soon as it is asked.
+        answers: whether the controller signals ready; otherwise it counts as ready when asked.
 
     Attributes:
-        state: how far it is.
+        state: the progress of the handshake.
     """
 
     def __init__(self, *, answers: bool) -> None:
@@ -89,22 +89,22 @@ class DockHandshake:
 
     @property
     def vehicle(self) -> str:
-        """For whom the controller is asked; empty for nobody."""
+        """The vehicle for which the controller is asked; empty for none."""
         return self._waiting[0] if self.state in (DockState.ASKED, DockState.OPEN) else ""
 
     @property
     def waiting(self) -> tuple[str, ...]:
-        """Who is there, or waits to be, in this order."""
+        """The present vehicle and those that wait, in order."""
         return tuple(self._waiting)
 
     def want(self, vehicle: str) -> None:
-        """A vehicle is to be let in. Harmless when it waits already."""
+        """A vehicle requests entry. Harmless when it waits already."""
         if vehicle not in self._waiting:
             self._waiting.append(vehicle)
         self._go_on()
 
     def done(self, vehicle: str) -> None:
-        """A vehicle is there no more. Harmless when it did not wait."""
+        """A vehicle has left. Harmless when it did not wait."""
         was_first = self.vehicle == vehicle
         if vehicle in self._waiting:
             self._waiting.remove(vehicle)
@@ -113,7 +113,7 @@ class DockHandshake:
         self._go_on()
 
     def ready(self, *, is_ready: bool) -> None:
-        """The controller says whether it is."""
+        """The controller signals whether it is ready."""
         self._enter(DockEvent.READY if is_ready else DockEvent.NOT_READY)
         self._go_on()
 

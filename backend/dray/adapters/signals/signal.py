@@ -1,4 +1,4 @@
-"""The values that a machine's controller and its agent exchange, and how each is written by that controller."""
+"""The values exchanged between a machine's controller and its agent, and their form at the controller."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ Value = bool | int | float | str
 
 
 class Signal(StrEnum):
-    """One value. The first ones are the controller's, the others are written by the agent."""
+    """One value. The controller writes the first ones, the agent the others."""
 
     PIECES = "pieces"
     """Good pieces: a counter, or a pulse for each."""
     BAD = "bad"
     """Bad pieces, likewise."""
     FAULT = "fault"
-    """True, or a number other than 0, or a text, while the machine stands by a fault."""
+    """True, or a number other than 0, or a text, while a fault stops the machine."""
     FAULT_TEXT = "fault_text"
-    """What the fault is, in words."""
+    """The fault in words."""
     STATE = "state"
-    """How the machine is, by the words or numbers of OPC 40001-1."""
+    """The machine's state, by the words or numbers of OPC 40001-1."""
     DOCK_READY = "dock_ready"
     """A vehicle may load or unload now."""
 
     RUN = "run"
     """True while a piece is wanted: the machine makes one after the other."""
     PRODUCT = "product"
-    """What is wanted."""
+    """The wanted product."""
     SPEED = "speed"
-    """The part of its top speed at which it is to work; 1 for all of it."""
+    """The wanted fraction of its top speed; 1 for all of it."""
     RESET = "reset"
     """True while a fault is to be acknowledged."""
     DOCK_PERMIT = "dock_permit"
     """True while a vehicle stands at the dock and waits for `DOCK_READY`, or loads or unloads."""
     DOCK_VEHICLE = "dock_vehicle"
-    """Which vehicle that is; empty for none."""
+    """The vehicle at the dock; empty for none."""
     ALIVE = "alive"
     """Counts up once a second while the agent lives and hears the controller."""
 
@@ -53,41 +53,41 @@ READ = (
     Signal.STATE,
     Signal.DOCK_READY,
 )
-"""Those that the controller tells."""
+"""Signals that the controller writes."""
 
 AT_A_DOCK = (Signal.DOCK_READY, Signal.DOCK_PERMIT, Signal.DOCK_VEHICLE, Signal.ALIVE)
-"""Those of a dock alone."""
+"""Signals of a dock alone."""
 
 
 class Edge(StrEnum):
-    """Which change of a pulse counts a piece."""
+    """The change of a pulse that counts a piece."""
 
     RISING = "rising"
     FALLING = "falling"
 
 
 class Tag(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
-    """Where a controller has one signal, and how it writes it."""
+    """A signal's address at a controller, and its form there."""
 
     node: str = ""
-    """Its address there: of OPC UA a node id, as `ns=2;s=Press.Good` or `nsu=http://maker/press;i=17`, or a path of browse
-    names from Objects, as `2:Press/2:Good`."""
+    """The address by OPC UA: a node id, as `ns=2;s=Press.Good` or `nsu=http://maker/press;i=17`, or a path of browse names from
+    Objects, as `2:Press/2:Good`."""
     topic: str = ""
-    """Its address there, by MQTT."""
+    """The topic by MQTT."""
     path: str = ""
-    """By MQTT: to the value in a message, as `count.good` or `channels.0.value`; empty where the whole message is the value."""
+    """The path to the value in an MQTT message, as `count.good` or `channels.0.value`; empty where the message is the value."""
     scale: Annotated[float, Meta(gt=0)] = 1.0
-    """What is read is divided by it, what is written is multiplied: 100 where a controller has percent."""
+    """The divisor of values read and factor of values written: 100 where a controller uses percent."""
     invert: bool = False
-    """It is true where the signal is false."""
+    """Whether it is true where the signal is false."""
     edge: Edge | None = None
-    """For a pulse: which change counts. None for a counter."""
+    """The counting change of a pulse. None for a counter."""
     rolls_over_at: Annotated[int, Meta(ge=2, le=2**62)] | None = None
-    """The first number that a counter does not reach; None where its type says it."""
+    """The number at which a counter rolls over; None where its type defines it."""
 
 
 class LinkListener(Protocol):
-    """Whoever is told what a controller says (`workcell`, `store`)."""
+    """The receiver of a controller's values (`workcell`, `store`)."""
 
     outputs: dict[str, Value]
 
@@ -103,7 +103,7 @@ class LinkListener(Protocol):
 
 
 class Quality(StrEnum):
-    """What a controller says of a value of its own."""
+    """The quality of a value, by the controller."""
 
     GOOD = "good"
     UNCERTAIN = "uncertain"
@@ -111,33 +111,33 @@ class Quality(StrEnum):
 
 
 class Sample(Struct, frozen=True):
-    """A value at one moment. One that is not good is no value: it tells that nothing is known."""
+    """A value at one moment. Without good quality, the value is unknown."""
 
     value: Value
     quality: Quality = Quality.GOOD
     reason: str = ""
-    """Why it is not good, by the controller's word."""
+    """The controller's reason for bad quality."""
 
 
 Count = Annotated[int, Meta(ge=0, le=COUNT_MAX)]
 
 
 LEVEL = "level of "
-"""Before a material: the name of what a storage's controller tells of it."""
+"""The prefix of a material in the name of a storage's level."""
 
 
 class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
-    """Which signals a machine, or the dock of a storage, has, and how it began.
+    """The signals of a machine, or of a storage's dock, and its initial stock.
 
     Raises:
-        ValueError: something is said of a signal that makes no sense there.
+        ValueError: a signal has an impossible property.
     """
 
     signals: dict[Signal, Tag]
     stock: dict[str, Count] = field(default_factory=dict)
-    """Pieces that lie there when its agent is started for the first time. Later ones remember."""
+    """Pieces at the first start of its agent. Later starts use the memory."""
     levels: dict[str, Tag] = field(default_factory=dict)
-    """Of a storage: where its controller tells how many pieces of a material lie there."""
+    """For a storage: the level of each material at its controller."""
 
     def __post_init__(self) -> None:
         for signal, tag in self.signals.items():
@@ -162,12 +162,12 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
 
     @property
     def tags(self) -> dict[str, Tag]:
-        """Everything that is told or written, by its name."""
+        """All signals, by name."""
         levels = {LEVEL + item: tag for item, tag in self.levels.items()}
         return dict[str, Tag](self.signals.items()) | levels
 
     def check_machine(self) -> None:
-        """See that it is a machine's.
+        """Check that it is a machine's.
 
         Raises:
             ValueError: it is not.
@@ -180,7 +180,7 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
             )
 
     def check_store(self, items: Container[str]) -> None:
-        """See that it is a storage's that keeps these materials.
+        """Check that it is that of a storage with these materials.
 
         Raises:
             ValueError: it is not.
@@ -195,5 +195,5 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
 
 
 def is_told(name: str) -> bool:
-    """Whether a value of this name is the controller's word; else it is written by the agent."""
+    """Whether the controller writes this value; otherwise the agent does."""
     return name in READ or name.startswith(LEVEL)

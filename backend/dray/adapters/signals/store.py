@@ -1,10 +1,10 @@
-"""The body of a storage's or a warehouse's station whose dock has a controller that tells and obeys single values.
+"""The body of a storage or warehouse station with single-value signals at its dock.
 
-What lies there is reckoned by what vehicles say that they have brought and taken. Where the controller tells a material's level, that is right in the
-end: what it differs by, when nobody stands at the dock and it rests, somebody else has brought or taken.
+The stock is calculated from vehicles' reports of their transfers. Where the controller measures a material's level, the level prevails: a
+difference at rest, with no vehicle at the dock, was moved by somebody else.
 
-A level rests when everything that was told of it within `RESTS_S` of the plant's clock lies in a band of `BAND_PIECES`. A sensor that jitters there for ever
-is at rest: what is believed stays as it is as long as it lies between the lowest and the highest of these values, and becomes their middle else.
+A level is at rest when all its values within `RESTS_S` of the plant's clock lie in a band of `BAND_PIECES`. A sensor may jitter there
+for ever. The stock stays as it is while it lies between the lowest and the highest of these values; otherwise it becomes their middle.
 """
 
 from __future__ import annotations
@@ -27,63 +27,63 @@ from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 
 RESTS_S = 10.0
-"""A level counts when it has rested for so long: a sensor is slower than a vehicle's word, and people fill piece by piece."""
+"""The time of rest after which a level counts: a sensor is slower than a vehicle's report, and people fill piece by piece."""
 
 BAND_PIECES = 2
-"""From the lowest to the highest level of one that rests: a scale between two numbers tells both, and one that shakes a piece more and less."""
+"""The band of a level at rest, from lowest to highest: a scale may alternate between two numbers, or shake by one piece either way."""
 
 
 class KeptStore(Struct, frozen=True):
-    """What one life of an agent leaves to the next of a storage's body."""
+    """A storage's memory for the agent's next life."""
 
     stock: dict[str, int]
     seq: int = 0
     opened: tuple[str, ...] = ()
     booked: dict[str, int] = {}
-    """The latest words of vehicles, each with the number of its change of the stock."""
+    """The vehicles' latest reports, each with the number of its stock change."""
     uncounted: tuple[str, ...] = ()
-    """Materials of which nobody knows how many pieces lie there; `stock` has what has come since."""
+    """Materials with an unknown count; `stock` contains only their later changes."""
     damaged: bool = False
-    """All that was known is lost."""
+    """Whether the earlier memory is lost."""
 
 
 DAMAGED_STORE = KeptStore({}, damaged=True)
-"""What is known where a life has left something that cannot be read."""
+"""The memory after unreadable data."""
 
 
 class Range(Struct, frozen=True):
-    """Between which numbers a level was since it is watched."""
+    """The range of a level since its observation began."""
 
     low: int
     high: int
     turn: int
-    """Names the call of the clock at which it has rested, so that an outdated one is recognised."""
+    """The number of the clock call that ends the observation, so that an outdated call is recognised."""
 
 
 class World(Protocol):
-    """What the body needs beside a clock."""
+    """The surroundings of the body, beside its clock."""
 
     def remember(self, kept: KeptStore) -> None:
-        """Keep it: on the disk at the return."""
+        """Store the memory: on the disk at the return."""
 
     def write(self) -> None:
-        """The body's `outputs` have changed: see that the controller gets them."""
+        """The body's `outputs` have changed: send them to the controller."""
 
 
 class SignalledStore:
     """Implements `dray.ports.Body` and the listener of a link.
 
     Args:
-        spec: what is kept there.
-        mapping: which signals its controller has.
+        spec: the storage.
+        mapping: its controller's signals.
         clock: the plant's.
         world: the disk and the link.
-        kept: what the last life has left; None for the first one.
+        kept: the last life's memory; None for the first one.
 
     Attributes:
-        outputs: what the controller is to be told, by signal; a link writes what differs.
-        away_since_s: since when nothing is heard of the controller; None while it is.
-        away: why; empty while it is heard.
+        outputs: the wanted outputs, by signal; a link writes the differences.
+        away_since_s: the time of the loss of the controller; None while it is connected.
+        away: the reason for the loss; empty while it is connected.
     """
 
     def __init__(
@@ -100,10 +100,10 @@ class SignalledStore:
         if self._kept.damaged:
             self._kept = replace(self._kept, damaged=False, uncounted=tuple(self._stock))
         self._told: dict[str, int] = {}
-        """By material, the level that its controller has told last; none of those of which it tells nothing good."""
+        """The controller's last level by material; absent without a good value."""
         self._turn = 0
         self._ranges: dict[str, Range] = {}
-        """By material, where its level was since it is watched; none of those that rest at one number."""
+        """The observed range of a level by material; absent for levels that rest at one number."""
         self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
         self._told_ready = ""
         self._report: Callable[[Report], None] = _nobody_hears
@@ -117,7 +117,7 @@ class SignalledStore:
     # --- Body ---
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What nobody here can do is ignored: a refill is people's, or ordered by the agent."""
+        """See `dray.ports.Body`. Other instructions are ignored: people refill, or the agent orders it."""
         match instruction:
             case OpenDock(vehicle=vehicle):
                 self._told_ready = "" if self._told_ready == vehicle else self._told_ready
@@ -150,18 +150,18 @@ class SignalledStore:
 
     @property
     def is_dock_shut(self) -> bool:
-        """Whether nobody is let in, and the controller works on."""
+        """Whether no vehicle is let in, and the controller works."""
         return self._dock.state is DockState.SHUT
 
     # --- the listener of a link ---
 
     def on_link(self) -> None:
-        """The controller is there, and its values come."""
+        """The controller is connected, and its values come."""
         self.away_since_s, self.away = None, ""
         self._settle()
 
     def on_link_lost(self, reason: str) -> None:
-        """The controller is away: it may make nothing safe, and its levels are of before."""
+        """The controller is away: nothing at the dock is safe, and its levels are outdated."""
         if self.away_since_s is None:
             self.away_since_s = self._clock.now_s()
         self.away = reason
@@ -171,16 +171,16 @@ class SignalledStore:
         self._settle()
 
     def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
-        """A level does not roll over."""
+        """Ignore it: a level does not roll over."""
 
     def on_refused(self, name: str, reason: str) -> None:
-        """A dock whose permit is not taken does not get ready, and its station says so."""
+        """Ignore it: a dock whose permit is refused does not get ready, which the station reports."""
 
     def on_sample(self, name: str, sample: Sample) -> None:
-        """The controller has told a value."""
+        """The controller has sent a value."""
         is_good = sample.quality is Quality.GOOD
         if name == Signal.DOCK_READY:
-            # A word that is neither true nor false is no leave to go in.
+            # A value that is neither true nor false is no permission to enter.
             is_value = is_good and isinstance(sample.value, bool | int)
             self._dock.ready(
                 is_ready=is_value and bool(sample.value) is not self._tags[Signal.DOCK_READY].invert
@@ -193,7 +193,7 @@ class SignalledStore:
     # --- what lies there ---
 
     def _book(self, book: Book) -> None:
-        """A vehicle has brought something, or taken it; said again, it is in the stock already."""
+        """Book a vehicle's report of a transfer; a repeated one is in the stock already."""
         if name_of(book) not in self._kept.booked:
             self._move(book.item, book.change)
             booked = with_word(self._kept.booked, book, self._kept.seq)
@@ -209,14 +209,14 @@ class SignalledStore:
         self._kept = replace(self._kept, seq=self._kept.seq + 1)
 
     def _watch(self, item: str) -> None:
-        """See whether a level rests from now on."""
+        """Observe a level from now on."""
         self._turn += 1
         level = self._told[item]
         self._ranges[item] = Range(level, level, self._turn)
         self._clock.call_at(self._clock.now_s() + RESTS_S, partial(self._compare, item, self._turn))
 
     def _watch_all(self) -> None:
-        """Something was moved here: no level counts before it has rested from now on."""
+        """After a transfer here, observe all levels anew."""
         for item in self._told:
             self._watch(item)
 
@@ -237,12 +237,12 @@ class SignalledStore:
             self._ranges[item] = seen
 
     def _compare(self, item: str, turn: int) -> None:
-        """A level has rested, if nothing has moved since `_watch`."""
+        """Use a level that has been at rest since `_watch`."""
         seen = self._ranges.get(item)
         if seen is None or seen.turn != turn:
             return
         if self._dock.state is not DockState.SHUT:
-            self._watch(item)  # Whoever stands there says itself what it brings or takes.
+            self._watch(item)  # A vehicle at the dock reports its own transfer.
             return
         self._take_level(item, seen)
         if seen.low == seen.high:
@@ -251,7 +251,7 @@ class SignalledStore:
             self._watch(item)
 
     def _take_level(self, item: str, seen: Range) -> None:
-        """What is believed is as it is told, or as good as the sensor can tell."""
+        """Correct the stock by the level, within the sensor's precision."""
         stock, counted = self._stock.get(item, 0), item in self._kept.uncounted
         change = 0 if seen.low <= stock <= seen.high else (seen.low + seen.high) // 2 - stock
         if not change and not counted:
@@ -265,7 +265,7 @@ class SignalledStore:
     # --- what follows ---
 
     def _settle(self) -> None:
-        """Tell the controller and the agent what has changed."""
+        """Send changes to the controller and the agent."""
         vehicle = self._dock.vehicle
         permit: Value = bool(vehicle)
         if Signal.DOCK_PERMIT in self._tags and self._tags[Signal.DOCK_PERMIT].invert:
@@ -286,11 +286,11 @@ class SignalledStore:
 
 
 def _level(value: Value, scale: float) -> int | None:
-    """Pieces; None for what is no level."""
+    """Pieces; None for an invalid level."""
     if isinstance(value, bool | str) or not math.isfinite(value) or value < 0:
         return None
     return min(round(value / scale), COUNT_MAX)
 
 
 def _nobody_hears(report: Report) -> None:
-    """What a body reports before its agent listens; its state tells it all the same."""
+    """Ignore a body's reports before its agent listens; its state contains them."""

@@ -1,9 +1,9 @@
-"""The body of a machine whose controller tells and obeys single values.
+"""The body of a machine with single-value signals of a controller.
 
-Pieces are what the controller counts. What lies in the buffers is reckoned: what vehicles say that they have brought and taken, and what the bills of
-material of the pieces made have used. It is remembered before it is reported, so whoever is killed in between finds it in the stock.
+The controller counts the pieces. The stock of the buffers follows from vehicles' reports of transfers, and from the bills of
+material of pieces made. Each change is stored before it is reported, so a life that follows a kill finds it in the stock.
 
-A machine may make one piece after the other without being asked each time: a piece that nobody has asked for counts, and uses its material, all the same.
+A machine may make one piece after the other without an instruction for each: such a piece counts, too, and uses its material.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from dray.plant.model import MachineSpec
 from dray.ports import Clock
 
 LATE_CYCLES, LATE_MIN_S = 5.0, 60.0
-"""A piece is missed after so many times what it takes, and not earlier than that."""
+"""A missing piece is reported after this number of cycle times, but not earlier than these seconds."""
 
 STANDS = {
     "notavailable": "not available",
@@ -52,16 +52,16 @@ STANDS = {
     0: "not available",
     1: "out of service",
 }
-"""Words and numbers of a machine's state that mean that it does not work (OPC 40001-1, MachineryItemState)."""
+"""Words and numbers of a machine's state for not working (OPC 40001-1, MachineryItemState)."""
 WORKS = frozenset({"notexecuting", "executing", 2, 3})
-"""Those that mean that it does, or could."""
+"""Those for working, or being able to."""
 
 _NO_LINK = Problem(kind=ProblemKind.LINK, passes=True)
 _SOFTWARE = Problem(kind=ProblemKind.SOFTWARE, needs_person=True)
 
 
 class Kept(Struct, frozen=True):
-    """What one life of an agent leaves to the next of a machine's body."""
+    """A machine's memory for the agent's next life."""
 
     stock: dict[str, int]
     seq: int = 0
@@ -69,27 +69,27 @@ class Kept(Struct, frozen=True):
     bad: CounterState | None = None
     cycling: str = ""
     last: str = ""
-    """The product that was wanted last: pieces that nobody has asked for are taken for some of it."""
+    """The product last asked for: pieces made without an instruction count as this."""
     doubt: str = ""
-    """Why counts may be wrong, until a person says that they were seen to."""
+    """Why counts may be wrong, until a person has checked them."""
     opened: tuple[str, ...] = ()
-    """Vehicles for which the dock is open, or is being opened, in their order."""
+    """Vehicles for which the dock is open or opening, in order."""
     booked: dict[str, int] = {}
-    """The latest words of vehicles (`dray.body.Book`), each with the number of its change of the stock: an agent that was killed says them again."""
+    """The vehicles' latest reports (`dray.body.Book`), each with the number of its stock change: a restarted agent repeats them."""
 
 
 DAMAGED = Kept({}, doubt="what was remembered of it is damaged; see what lies in its buffers")
-"""What is known where a life has left something that cannot be read."""
+"""The memory after unreadable data."""
 
 
 class World(Protocol):
-    """What the body needs beside a clock."""
+    """The surroundings of the body, beside its clock."""
 
     def remember(self, kept: Kept) -> None:
-        """Keep it: on the disk at the return."""
+        """Store the memory: on the disk at the return."""
 
     def write(self) -> None:
-        """The body's `outputs` have changed: see that the controller gets them."""
+        """The body's `outputs` have changed: send them to the controller."""
 
 
 class SignalledWorkcell:
@@ -98,13 +98,13 @@ class SignalledWorkcell:
     Args:
         spec: the machine.
         plant: for bills of material.
-        mapping: which signals its controller has.
+        mapping: its controller's signals.
         clock: the plant's.
         world: the disk and the link.
-        kept: what the last life has left; None for the first one.
+        kept: the last life's memory; None for the first one.
 
     Attributes:
-        outputs: what the controller is to be told, by signal; a link writes what differs.
+        outputs: the wanted outputs, by signal; a link writes the differences.
     """
 
     def __init__(
@@ -135,27 +135,27 @@ class SignalledWorkcell:
         self._report: Callable[[Report], None] = _nobody_hears
         self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
         self._told_ready = ""
-        """For whom the dock was said to be ready, so that it is said once."""
+        """The vehicle that was reported as let in, so that it is reported once."""
         self._away = "nothing was heard of its controller yet"
-        """Why nothing is heard; empty while the link is there."""
+        """The reason why the controller is not connected; empty while it is."""
         self._gaps = {Signal.PIECES, Signal.BAD}
-        """Counts of which values may have been missed since the last one."""
+        """Counts whose values may have been missed since the last one."""
         self._silent: dict[Signal, str] = {}
-        """Signals whose values are no values, with the reason."""
+        """Signals with invalid values, with the reason."""
         self._refused: dict[Signal, str] = {}
-        """Those that the controller does not take."""
+        """Signals that the controller refuses."""
         self._fault, self._fault_text, self._standing = "", "", ""
         self._resets = False
-        """The controller is told to clear its fault."""
+        """Whether the controller is told to clear its fault."""
         self._late = ""
         self._turn = 0
-        """Grows when another piece is waited for, so that an outdated call of the clock is recognised."""
+        """Number of pieces waited for, so that an outdated call of the clock is recognised."""
         self._told: tuple[str, Problem, bool] = ("", NOTHING_KNOWN, False)
         self.outputs: dict[str, Value] = {}
-        # A piece that an earlier life has begun is wanted all the same.
+        # A piece begun in an earlier life is still wanted.
         self._put(Signal.PRODUCT, self._kept.cycling)
         self._put(Signal.RUN, bool(self._kept.cycling))
-        # Whoever is at the dock stays there: its controller must hear nothing else meanwhile.
+        # A vehicle at the dock keeps its permit, without interruption.
         for vehicle in self._kept.opened:
             self._dock.want(vehicle)
         self._put(Signal.DOCK_PERMIT, bool(self._dock.vehicle))
@@ -167,7 +167,7 @@ class SignalledWorkcell:
     # --- Body ---
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What a machine cannot do is ignored."""
+        """See `dray.ports.Body`. Instructions that a machine cannot follow are ignored."""
         match instruction:
             case StartCycle():
                 self._start(instruction)
@@ -211,18 +211,18 @@ class SignalledWorkcell:
 
     @property
     def is_dock_shut(self) -> bool:
-        """Whether nobody is let in, and the controller works on."""
+        """Whether no vehicle is let in, and the controller works."""
         return self._dock.state is DockState.SHUT
 
     # --- the listener of a link ---
 
     def on_link(self) -> None:
-        """The controller is there, and its values come."""
+        """The controller is connected, and its values come."""
         self._away = ""
         self._settle()
 
     def on_link_lost(self, reason: str) -> None:
-        """The controller is away."""
+        """The connection to the controller is lost."""
         self._away = reason
         self._gaps = {Signal.PIECES, Signal.BAD}
         self._silent.clear()
@@ -230,12 +230,12 @@ class SignalledWorkcell:
         self._settle()
 
     def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
-        """The controller has told where a counter may roll over; what the mapping says of it counts more."""
+        """The controller has sent where a counter may roll over; the mapping takes precedence."""
         if self._tags[Signal(signal)].rolls_over_at is None:
             self._moduli[Signal(signal)] = moduli
 
     def on_sample(self, name: str, sample: Sample) -> None:
-        """The controller has told a value."""
+        """The controller has sent a value."""
         signal = Signal(name)
         value = sample.value if sample.quality is Quality.GOOD else None
         understood = None if value is None else self._take(signal, value)
@@ -250,7 +250,7 @@ class SignalledWorkcell:
         self._settle()
 
     def on_refused(self, name: str, reason: str) -> None:
-        """The controller does not take a value; with no reason it does again."""
+        """The controller refuses a value; without a reason it accepts it again."""
         signal = Signal(name)
         if reason:
             self._refused[signal] = reason
@@ -261,7 +261,7 @@ class SignalledWorkcell:
     # --- values ---
 
     def _take(self, signal: Signal, value: Value) -> str | None:
-        """Take a value in; why it cannot be, None when it was."""
+        """Process a value; returns why that is impossible, None otherwise."""
         tag = self._tags[signal]
         match signal:
             case Signal.PIECES | Signal.BAD:
@@ -286,7 +286,7 @@ class SignalledWorkcell:
         return None
 
     def _take_count(self, signal: Signal, tag: Tag, value: Value) -> str | None:
-        """Count what a counter or a pulse shows."""
+        """Count the value of a counter or a pulse."""
         moduli = self._moduli.get(signal, ())
         if tag.edge is not None:
             if not isinstance(value, bool):
@@ -297,7 +297,7 @@ class SignalledWorkcell:
         else:
             number = round(value / tag.scale)
             if number < 0 and moduli:
-                number %= max(moduli)  # A counter with a sign goes on below 0.
+                number %= max(moduli)  # A signed counter continues below 0.
             if number < 0:
                 return f"{value!r} is no count"
         is_bad, gap = signal is Signal.BAD, signal in self._gaps
@@ -318,7 +318,7 @@ class SignalledWorkcell:
         return None
 
     def _made(self, pieces: int, *, bad: bool) -> None:
-        """So many pieces have come out."""
+        """Count finished pieces."""
         reports = []
         for _ in range(min(pieces, COUNT_MAX)):
             product, self._turn = self._kept.cycling or self._kept.last, self._turn + 1
@@ -355,7 +355,7 @@ class SignalledWorkcell:
         self._expect(product)
 
     def _why_not(self, product: str) -> str:
-        """Why a piece cannot be begun; empty when it can."""
+        """The reason why a piece cannot be begun; empty for none."""
         if product not in self._cycle_s:
             return "not made here"
         if self._told[0]:
@@ -368,12 +368,12 @@ class SignalledWorkcell:
         return f"missing {', '.join(missing)}" if missing else ""
 
     def _use(self, product: str) -> None:
-        """The material of one piece is used up."""
+        """Use up the material of one piece."""
         for item, pieces in self._bills.get(product, {}).items():
             self._stock[item] = max(0, self._stock.get(item, 0) - pieces)
 
     def _move(self, book: Book) -> None:
-        """A vehicle has brought something, or taken it; said again, it is in the stock already."""
+        """Book a vehicle's report of a transfer; a repeated one is in the stock already."""
         item, change = book.item, book.change
         if name_of(book) not in self._kept.booked:
             if item != THING:
@@ -386,7 +386,7 @@ class SignalledWorkcell:
         self._report(StockChanged(item=item, change=change, seq=seq, vehicle=book.vehicle))
 
     def _reset(self) -> None:
-        """A person says that what was wrong was seen to."""
+        """A person has checked the problem."""
         if self._kept.doubt:
             self._kept = replace(self._kept, doubt="")
             self._keep()
@@ -397,7 +397,7 @@ class SignalledWorkcell:
             self._put(Signal.RESET, True)
 
     def _expect(self, product: str) -> None:
-        """A piece is waited for from now on."""
+        """Wait for a piece from now on."""
         self._late, self._turn = "", self._turn + 1
         patience_s = max(LATE_MIN_S, LATE_CYCLES * self._cycle_s.get(product, 0.0))
         since_s = self._clock.now_s()
@@ -407,7 +407,7 @@ class SignalledWorkcell:
         if turn != self._turn or not self._kept.cycling:
             return
         if self._told[0]:
-            self._expect(self._kept.cycling)  # It cannot have come: it is waited for anew.
+            self._expect(self._kept.cycling)  # It was impossible in that time: wait anew.
             return
         self._late = f"no piece of {self._kept.cycling} was counted for {patience_s:.0f} s"
         self._settle()
@@ -415,7 +415,7 @@ class SignalledWorkcell:
     # --- what follows ---
 
     def _settle(self) -> None:
-        """Tell the controller and the agent what has changed."""
+        """Send changes to the controller and the agent."""
         vehicle = self._dock.vehicle
         self._put(Signal.DOCK_PERMIT, bool(vehicle))
         self._put(Signal.DOCK_VEHICLE, vehicle)
@@ -427,7 +427,7 @@ class SignalledWorkcell:
         self._judge()
 
     def _judge(self) -> None:
-        """Say what keeps the machine from working, when that has changed; the worst of it."""
+        """Report the worst problem of the machine, when it has changed."""
         told = self._problem()
         if told == self._told:
             return
@@ -486,4 +486,4 @@ def _fault(value: Value, *, inverted: bool) -> str:
 
 
 def _nobody_hears(report: Report) -> None:
-    """What a body reports before its agent listens; its state tells it all the same."""
+    """Ignore a body's reports before its agent listens; its state contains them."""

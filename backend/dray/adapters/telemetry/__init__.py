@@ -1,1 +1,1 @@
-"""What operators see of a process: metrics for Prometheus, spans for OpenTelemetry, facts in the log."""
+"""A process's telemetry for operators: metrics for Prometheus, spans for OpenTelemetry, facts in the log."""

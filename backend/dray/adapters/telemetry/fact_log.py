@@ -1,4 +1,4 @@
-"""The fact log: a bus that writes what its agents tell of themselves into the log of their process.
+"""The fact log: a bus that writes its agents' facts into the log of their process.
 
 Fields of a fact become fields of the record, so that a structured log can be searched by task and epoch.
 """
@@ -15,16 +15,16 @@ FACTS = "dray.facts"
 """The logger of facts; their level is INFO."""
 
 FIELDS = ("task", "epoch", "role", "goal", "order", "reason")
-"""Fields of facts that are worth searching by."""
+"""Fields of facts that are useful for searching."""
 
 _log = logging.getLogger(FACTS)
 
 
 class LoggedSession(PassingSession):
-    """One agent's place on the bus (see `dray.ports.Session`)."""
+    """One agent's session on the bus (see `dray.ports.Session`)."""
 
     def publish(self, key: str, message: Message) -> None:
-        """Say it to all that listen on `key`."""
+        """Publish to all subscribers of `key`, and log facts."""
         if isinstance(message, Event) and _log.isEnabledFor(logging.INFO):
             fact = message.fact
             kind = type(fact).__name__

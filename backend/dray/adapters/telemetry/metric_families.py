@@ -1,4 +1,4 @@
-"""Metrics that are read when somebody asks: names begin with `dray_`, and a counter's ends in `_total`."""
+"""Metrics that are read on demand: names begin with `dray_`, and a counter's ends in `_total`."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 
 
 def gauge(name: str, what: str, value: float) -> Metric:
-    """Something that rises and falls."""
+    """A value that rises and falls."""
     return GaugeMetricFamily(f"dray_{name}", what, value=float(value))
 
 
 def counter(name: str, what: str, value: float) -> Metric:
-    """Something that only grows."""
+    """A value that only grows."""
     return CounterMetricFamily(f"dray_{name}", what, value=value)
 
 
 def gauges(name: str, what: str, label: str, values: Mapping[str, float]) -> Metric:
-    """Several of one name, by the value of a label."""
+    """Gauges of one name, by the value of a label."""
     family = GaugeMetricFamily(f"dray_{name}", what, labels=(label,))
     for each, value in values.items():
         family.add_metric((each,), value)
@@ -27,7 +27,7 @@ def gauges(name: str, what: str, label: str, values: Mapping[str, float]) -> Met
 
 
 def counters(name: str, what: str, label: str, values: Mapping[str, float]) -> Metric:
-    """Several of one name, by the value of a label."""
+    """Counters of one name, by the value of a label."""
     family = CounterMetricFamily(f"dray_{name}", what, labels=(label,))
     for each, value in values.items():
         family.add_metric((each,), value)

@@ -1,10 +1,9 @@
-"""A port at which Prometheus asks one process for its metrics.
+"""A port at which Prometheus reads one process's metrics.
 
-Prometheus' own little server answers on threads of its own; what it tells is read on the process's loop, as
-everything is that the process does. So nothing is read that is being changed, and a process whose loop hangs
-gives no answer, as it should.
+Prometheus' own little server answers on its own threads, but reads the values on the process's loop. So no value is read during
+a change, and a process whose loop hangs gives no answer, as it should.
 
-Nobody has to log in: listen where only Prometheus reaches.
+There is no login: listen only where Prometheus alone can connect.
 """
 
 from __future__ import annotations
@@ -29,18 +28,18 @@ from dray.errors import UnavailableError
 from dray.settings import host_and_port
 
 ANSWER_S = 5.0
-"""Longest wait for the loop: half of the time that Prometheus itself waits, unless told otherwise."""
+"""Longest wait for the loop: half of Prometheus' default timeout."""
 
 
 Read = Callable[[], Awaitable[Iterable[Metric]]]
-"""Tells metrics as of now."""
+"""Reads the present metrics."""
 
 
 _log = logging.getLogger(__name__)
 
 
 def new_registry() -> CollectorRegistry:
-    """What every process tells: which software it is, and what it takes of the computer."""
+    """Metrics of all processes: the software version, and the use of the computer's resources."""
     registry = CollectorRegistry()
     Info("dray_build", "This software.", registry=registry).info({"version": __version__})
     ProcessCollector(registry=registry)
@@ -50,20 +49,20 @@ def new_registry() -> CollectorRegistry:
 
 @asynccontextmanager
 async def metrics_port(address: str, read: Read) -> AsyncIterator[int]:
-    """Answer as long as the context lasts; gives the port.
+    """Serve metrics until the context ends; gives the port.
 
     Args:
         address: HOST:PORT; 0 lets the system choose a port.
-        read: tells everything as of now; called on the running loop.
+        read: reads all present values; called on the running loop.
 
     Raises:
-        UnavailableError: the address cannot be listened on.
+        UnavailableError: listening on the address failed.
     """
     told = CollectorRegistry()
     told.register(_OnLoop(asyncio.get_running_loop(), read))
     host, port = host_and_port(address)
     try:
-        # The name of the host is looked up, which may take a while.
+        # Resolving the host name may take a while.
         server, thread = await asyncio.to_thread(start_http_server, port, host, told)
     except (OSError, UnicodeError) as error:
         remedy = "name a free port of this computer in DRAY_METRICS_LISTEN, or leave it empty"
@@ -79,13 +78,13 @@ async def metrics_port(address: str, read: Read) -> AsyncIterator[int]:
 
 
 class _OnLoop(Collector):
-    """Reads on the loop what is asked for on another thread."""
+    """Reads on the loop for a request on another thread."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, read: Read) -> None:
         self._loop, self._read = loop, read
 
     def collect(self) -> Iterable[Metric]:
-        """Everything as of now."""
+        """All present metrics."""
         return asyncio.run_coroutine_threadsafe(self._all(), self._loop).result(ANSWER_S)
 
     async def _all(self) -> list[Metric]:

@@ -1,4 +1,4 @@
-"""Passing: a place on a bus that passes everything on to another one."""
+"""Passing: a session on a bus that forwards all calls to another one."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dray.ports import Session
 
 
 class PassingSession:
-    """The base of sessions that see to something more than saying it (see `dray.ports.Session`).
+    """The base of sessions that add something to a call (see `dray.ports.Session`).
 
     Args:
-        inner: the place on the bus itself.
+        inner: the wrapped session.
     """
 
     def __init__(self, inner: Session) -> None:
@@ -25,11 +25,11 @@ class PassingSession:
         self.inner.context = context
 
     def publish(self, key: str, message: Message) -> None:
-        """Say it to all that listen on `key`."""
+        """Publish to all subscribers of `key`."""
         self.inner.publish(key, message)
 
     def send(self, to: str, message: Message) -> None:
-        """Say it to one agent alone."""
+        """Send to one agent alone."""
         self.inner.send(to, message)
 
     def subscribe(self, key: str) -> None:
@@ -37,7 +37,7 @@ class PassingSession:
         self.inner.subscribe(key)
 
     def unsubscribe(self, key: str) -> None:
-        """Hear it no longer."""
+        """Stop hearing it."""
         self.inner.unsubscribe(key)
 
     def leave(self) -> None:

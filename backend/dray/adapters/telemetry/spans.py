@@ -1,14 +1,13 @@
-"""Spans: what one agent does about each of its tasks, told to OpenTelemetry.
+"""Spans: an agent's work on each of its tasks, for OpenTelemetry.
 
-They are made of what the agent says anyway: its facts begin and end them, and whatever it says about a task
-carries the context of what it is doing. So the protocol knows nothing of traces.
+They are made of the agent's own messages: its facts begin and end them, and every message about a task carries the
+context of the present work. So the protocol knows nothing of traces.
 
     coordinator  task    auction  auction ...          a round each, with its bids as events
     contractor        bid         carry  approaching  loading ...      or watch, or produce
 
-The parent of a contractor's span is what the coordinator was doing when it was heard last. A transport of a
-goal's goods belongs to the goal: its trace begins where the strategist announces that. Times are those of
-the facts.
+The parent of a contractor's span is the coordinator's work at its last received message. A transport of a goal's goods belongs
+to the goal: its trace begins with the strategist's announcement. Times are those of the facts.
 """
 
 from __future__ import annotations
@@ -50,8 +49,8 @@ if TYPE_CHECKING:
     from opentelemetry.util.types import AttributeValue
 
 TASKS = 2_000
-"""Tasks of which an agent keeps the context: those of an hour's announcements in a plant of 200 vehicles.
-The oldest go first, and what is still open of them ends."""
+"""Maximum tasks with a remembered context: those of an hour's announcements in a plant of 200 vehicles. The oldest go
+first, and their open spans end."""
 
 _TRACEPARENT = re.compile(r"00-([0-9a-f]{32})-([0-9a-f]{16})-([0-9a-f]{2})")
 
@@ -59,15 +58,15 @@ ACCEPTED = "accepted"
 
 
 class _Task:
-    """What an agent does about one task."""
+    """An agent's spans for one task."""
 
     __slots__ = ("auctions", "bid", "contract", "parent", "phase", "produces", "root")
 
     def __init__(self) -> None:
         self.parent: Span | None = None
-        """What came with the last word about it."""
+        """The context of the last message about it."""
         self.root: Span | None = None
-        """Of its coordinator: from the first announcement to the end."""
+        """The coordinator's span, from the first announcement to the end."""
         self.auctions: dict[Role, Span] = {}
         self.bid: Span | None = None
         self.contract: Span | None = None
@@ -76,7 +75,7 @@ class _Task:
 
     @property
     def current(self) -> Span | None:
-        """What the agent is doing about it, as exactly as can be said."""
+        """The agent's most specific open span of the task."""
         auction = next(reversed(self.auctions.values()), None)
         return auction or self.contract or self.root or self.bid or self.parent
 
@@ -86,7 +85,7 @@ class Spans:
 
     Args:
         agent: its id.
-        tracer: where spans are begun.
+        tracer: creates the spans.
         to_wall_s: plant clock to wall clock.
     """
 
@@ -94,10 +93,10 @@ class Spans:
         self._agent, self._tracer, self._to_wall_s = agent, tracer, to_wall_s
         self._tasks: OrderedDict[str, _Task] = OrderedDict()
         self._last_ns = 0
-        """When the last fact was told."""
+        """The time of the last fact."""
 
     def on_message(self, message: Message, context: str) -> None:
-        """Take in what somebody says, and the context that came with it; empty for none."""
+        """Take a message and its context; empty for none."""
         name = _task_of(message)
         if not name or not (parent := _read(context)):
             return
@@ -107,12 +106,12 @@ class Spans:
             task.produces = isinstance(message.work, Production)
 
     def context_of(self, message: Message) -> str:
-        """The context that something about to be said should carry (W3C traceparent); empty for none."""
+        """The context for a message about to be sent (W3C traceparent); empty for none."""
         task = self._tasks.get(_task_of(message))
         return "" if task is None or task.current is None else _write(task.current.get_span_context())
 
     def tell(self, event: Event) -> None:
-        """Take in what the agent itself has just told."""
+        """Take a fact that the agent has just published."""
         self._last_ns = at_ns = int(self._to_wall_s(event.at_s) * 1e9)
         match event.fact:
             case TaskOpened() as fact:
@@ -133,7 +132,7 @@ class Spans:
                 self._remark(fact, at_ns)
 
     def close(self) -> None:
-        """The agent has gone: end whatever is open, as of its last fact."""
+        """The agent has gone: end all open spans, at the time of its last fact."""
         for task in self._tasks.values():
             _end(task, self._last_ns)
         self._tasks.clear()
@@ -167,7 +166,7 @@ class Spans:
         root, task.root = task.root, None
         if root is not None:
             root.end(at_ns)
-            # What is said about it from now on is still about it.
+            # Later messages about it still belong to it.
             task.parent = root
 
     def _end_auction(self, task: _Task, role: Role, at_ns: int, status: Status | None = None) -> None:
@@ -191,7 +190,7 @@ class Spans:
         task.bid.end(at_ns)
 
     def _take(self, fact: TookOver | ContractTaken, at_ns: int) -> None:
-        """A contract, by an award or by a takeover; the fact of the first follows that of the second."""
+        """A contract, by an award or by a takeover; a takeover's fact precedes that of its contract."""
         task = self._task(fact.task)
         if task.contract is not None and task.contract.is_recording():
             if isinstance(fact, ContractTaken):
@@ -226,7 +225,7 @@ class Spans:
     # --- of both ---------------------------------------------------------------------------------
 
     def _remark(self, fact: AnyFact, at_ns: int) -> None:
-        """Whatever else is told about a task is an event: of its auction for a role, or of the whole."""
+        """Add any other fact about a task as an event: of its auction for a role, or of the whole."""
         task = self._tasks.get(_task_of(fact))
         if task is None:
             return
@@ -259,7 +258,7 @@ class Spans:
 
 
 def _task_of(said: object) -> str:
-    """The task that something is about; empty for none. A heartbeat's `task` is more than its name."""
+    """The task of a message; empty for none. A heartbeat's `task` is more than its name."""
     task = getattr(said, "task", "")
     return task if isinstance(task, str) else ""
 
@@ -284,7 +283,7 @@ def _work(fact: TaskOpened) -> dict[str, AttributeValue]:
 
 
 def _plain(fact: AnyFact) -> dict[str, AttributeValue]:
-    """The fields of a fact that are words and numbers."""
+    """The text and number fields of a fact."""
     fields = {name: getattr(fact, name) for name in fact.__struct_fields__}
     return {f"dray.{name}": value for name, value in fields.items() if isinstance(value, str | int | float)}
 
@@ -300,7 +299,7 @@ def _end_span(span: Span | None, at_ns: int) -> None:
 
 
 def _read(context: str) -> Span | None:
-    """A span that lives elsewhere; None when the text is no traceparent that we know."""
+    """A span of another process; None when the text is no valid traceparent."""
     found = _TRACEPARENT.fullmatch(context)
     if found is None:
         return None

@@ -1,6 +1,6 @@
-"""Tracing: a bus on which every agent's doings become spans, and whose messages carry their context.
+"""Tracing: a bus that turns every agent's work into spans, and adds their context to messages.
 
-It stands between an agent's worker and the bus. Where nobody traces it is not there, and costs nothing.
+It stands between an agent's worker and the bus. Without tracing it is absent, and costs nothing.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from dray.ports import Bus, Receive, Session
 SERVICE = "dray"
 
 EXPORT_S = 3.0
-"""For one batch, all attempts together: a collector that is away must not keep a process from ending."""
+"""Timeout for one batch, all attempts together: an unreachable collector must not keep a process from ending."""
 
 
 class TracedSession(PassingSession):
-    """One agent's place on a traced bus (see `dray.ports.Session`).
+    """One agent's session on a traced bus (see `dray.ports.Session`).
 
     Args:
-        inner: the place on the bus itself.
-        spans: the agent's.
+        inner: the wrapped session.
+        spans: the agent's spans.
     """
 
     def __init__(self, inner: Session, spans: Spans) -> None:
@@ -38,7 +38,7 @@ class TracedSession(PassingSession):
         self._spans = spans
 
     def publish(self, key: str, message: Message) -> None:
-        """Say it to all that listen on `key`."""
+        """Publish to all subscribers of `key`, with the context."""
         if isinstance(message, Event):
             self._spans.tell(message)
         self.inner.context = self._spans.context_of(message)
@@ -46,13 +46,13 @@ class TracedSession(PassingSession):
         self.inner.context = ""
 
     def send(self, to: str, message: Message) -> None:
-        """Say it to one agent alone."""
+        """Send to one agent alone, with the context."""
         self.inner.context = self._spans.context_of(message)
         self.inner.send(to, message)
         self.inner.context = ""
 
     def leave(self) -> None:
-        """Leave the bus; what the agent was doing ends here."""
+        """Leave the bus; the agent's spans end here."""
         self.inner.leave()
         self._spans.close()
 
@@ -62,7 +62,7 @@ class TracedBus:
 
     Args:
         bus: the bus itself.
-        provider: where spans go.
+        provider: the receiver of spans.
         to_wall_s: plant clock to wall clock.
     """
 
@@ -84,11 +84,11 @@ class TracedBus:
 
 
 def open_provider(share_frac: float, processor: SpanProcessor) -> TracerProvider:
-    """Where spans go; to be shut down at the end.
+    """The receiver of spans; shut it down at the end.
 
     Args:
-        share_frac: this part of all tasks is traced, and each of them wholly.
-        processor: takes the spans that have ended.
+        share_frac: the fraction of tasks that is traced, each of them wholly.
+        processor: takes the ended spans.
     """
     provider = TracerProvider(
         sampler=ParentBased(TraceIdRatioBased(share_frac)),
@@ -100,9 +100,9 @@ def open_provider(share_frac: float, processor: SpanProcessor) -> TracerProvider
 
 
 def otlp(url: str) -> SpanProcessor:
-    """Sends spans to a collector, in batches, on a thread of its own; drops them when the queue is full.
+    """Sends spans to a collector, in batches, on its own thread; drops them when the queue is full.
 
     Args:
-        url: the collector's, as http://127.0.0.1:4318/v1/traces.
+        url: the collector's address, as http://127.0.0.1:4318/v1/traces.
     """
     return BatchSpanProcessor(OTLPSpanExporter(endpoint=url, timeout=EXPORT_S))

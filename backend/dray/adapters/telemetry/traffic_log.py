@@ -1,8 +1,8 @@
-"""The traffic log: what each agent has said and heard of right of way, a file each, for whoever judges it afterwards.
+"""The traffic log: each agent's right-of-way messages, a file each, for later analysis.
 
-A line is written before a message is said, and before one that was heard is heeded, and outlives the process however it
-ends. Times are those of the computer's monotonic clock, which all its processes share: so lines of several files can be
-put in order. `dray_sim.checks.floor.said_and_heard` judges them.
+A line is written before a message is sent, or before a received one is handled. It survives any end of the process. Times are
+those of the computer's monotonic clock, which its processes share, so lines of several files can be ordered.
+`dray_sim.checks.floor.said_and_heard` analyses them.
 """
 
 from __future__ import annotations
@@ -32,41 +32,41 @@ from dray.ports import Bus, Receive, Session
 LOGGED = (PlaceWished, PlaceGranted, PlaceConfirmed, HoldsAsked, YieldAsked, YieldRefused)
 
 FILE_MAX_BYTES = 512 * 2**20
-"""Of one agent: a day of a machine that keeps the book of a busy district. Then it is written no further."""
+"""Maximum size of one agent's file: a day of a machine that keeps the book of a busy district. Then writing stops."""
 
 SAID, HEARD = "said", "heard"
 
 BEGUN = "begun"
-"""A simulated floor has begun: no vehicle of an earlier one is there any more."""
+"""A simulated floor has begun: no vehicle of an earlier one is left."""
 
 _log = logging.getLogger(__name__)
 _encode = msgspec.json.Encoder().encode
 
 
 class Line(msgspec.Struct, frozen=True, omit_defaults=True):
-    """What one agent has said or heard, or what was seen of a vehicle on a simulated floor."""
+    """One message that an agent has sent or received, or one observation of a vehicle on a simulated floor."""
 
     at_s: float
-    """Of the monotonic clock."""
+    """Time of the monotonic clock."""
     agent: str
     life: int = 0
     did: str = ""
-    """`SAID`, `HEARD` or `BEGUN`; empty for what was seen on the floor."""
+    """`SAID`, `HEARD` or `BEGUN`; empty for an observation on the floor."""
     other: str = ""
-    """To whom it was said, or who has said it."""
+    """The receiver or the sender."""
     envelope: msgspec.Raw = msgspec.Raw()
     """The message as on the wire."""
     lane: tuple[str, str] | None = None
-    """The lane that the vehicle was seen to enter."""
+    """The lane that the vehicle entered."""
     overlap: str = ""
-    """Another vehicle that was in the same spot."""
+    """Another vehicle in the same place."""
 
     @property
     def message(self) -> Message:
-        """What was said or heard.
+        """The message of the line.
 
         Raises:
-            WireError: it cannot be read.
+            WireError: it is unreadable.
         """
         return decode(bytes(self.envelope))[1]
 
@@ -75,8 +75,8 @@ class TrafficLog:
     """A file of lines.
 
     Args:
-        folder: made when it is not there.
-        name: of the file.
+        folder: created when missing.
+        name: the file's name.
     """
 
     def __init__(self, folder: Path, name: str) -> None:
@@ -90,7 +90,7 @@ class TrafficLog:
         self._path = path
 
     def write(self, line: Line) -> None:
-        """Add a line, by one call, so that a killed process leaves none in halves."""
+        """Add a line by one call, so that a killed process leaves no partial line."""
         if self._file is None:
             return
         data = _encode(line) + b"\n"
@@ -107,7 +107,7 @@ class TrafficLog:
 
     @contextlib.contextmanager
     def _given_up_on_error(self, path: Path) -> Iterator[None]:
-        """An agent does not end because nobody can read afterwards what it has said."""
+        """Stop logging after an error: it must not end an agent."""
         try:
             yield
         except OSError as error:
@@ -116,14 +116,14 @@ class TrafficLog:
 
 
 class TrafficLoggedSession(PassingSession):
-    """One agent's place on the bus (see `dray.ports.Session`)."""
+    """One agent's session on the bus (see `dray.ports.Session`)."""
 
     def __init__(self, inner: Session, agent: str, life: int, log: TrafficLog) -> None:
         super().__init__(inner)
         self._agent, self._life, self._lines = agent, life, log
 
     def send(self, to: str, message: Message) -> None:
-        """Say it to one agent alone."""
+        """Log the message and send it to one agent alone."""
         if isinstance(message, LOGGED):
             self._lines.write(_line(self._agent, self._life, SAID, to, self._agent, message))
         self.inner.send(to, message)
@@ -135,7 +135,7 @@ class TrafficLoggedSession(PassingSession):
 
 
 class TrafficLoggedBus:
-    """A bus whose agents' words about right of way are written down (see `dray.ports.Bus`).
+    """A bus that logs agents' right-of-way messages (see `dray.ports.Bus`).
 
     Args:
         bus: the bus itself.
@@ -158,11 +158,11 @@ class TrafficLoggedBus:
 
 
 def read_traffic_log(folder: Path) -> list[Line]:
-    """All lines of a folder, in the order of their times; what was said before what was heard of the same moment.
+    """All lines of a folder by time; at equal times sent messages come before received ones.
 
     Raises:
-        OSError: a file cannot be read.
-        msgspec.DecodeError: a line is no line of such a log.
+        OSError: reading failed.
+        msgspec.DecodeError: a line does not belong to such a log.
     """
     decoder = msgspec.json.Decoder(Line)
     lines = [

@@ -2,7 +2,7 @@
 
     agent <-> VehicleBody <-> MasterControl (pure: handle(event, now_s) -> effects) <-> MqttLink <-> broker <-> vehicle
 
-`control` decides: which order is said next, whether the vehicle has taken it, where it is, what is on board, what is a
-problem. `wire` reads and writes messages, by one table of dialects. `profile` is what one vehicle type understands, as a
-file. `body` is the port, `link` the asyncio shell on a broker. docs/vehicles.md tells how a vehicle is brought in.
+`control` decides on orders, refusals, position, load and problems. `wire` reads and writes messages, by one table of dialects.
+`profile` is the file about one vehicle type's abilities. `body` is the port, `link` the asyncio shell on a broker.
+docs/vehicles.md explains the commissioning of a vehicle.
 """

@@ -1,4 +1,4 @@
-"""The port `dray.ports.Body` for a vehicle that speaks VDA 5050: the master carried out on a clock and a link."""
+"""The port `dray.ports.Body` for a vehicle with VDA 5050: it runs the master on a clock and a link."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ from dray.ports import Clock
 from dray.supervision import Failures
 
 HEARD = ("state", "visualization", "connection", "factsheet")
-"""Topics of a vehicle that its master listens to."""
+"""The vehicle's topics that its master subscribes to."""
 
 
 class Address(msgspec.Struct, frozen=True):
-    """Whose topics a vehicle's are."""
+    """A vehicle's address in topics."""
 
     manufacturer: str
     serial: str
 
 
 class World(Protocol):
-    """What the body needs beside a clock."""
+    """The surroundings of the body, beside its clock."""
 
     def publish(self, topic: str, data: bytes) -> None:
-        """Say it to the vehicle on one of its topics (the last chunk), at most once; dropped while the broker is away."""
+        """Publish to the vehicle on one of its topics (the last chunk), at most once; dropped while the broker is away."""
 
     def remember(self, memory: Memory) -> None:
-        """Write it down; it is durable at the return."""
+        """Store the memory; it is durable at the return."""
 
     def note(self, text: str) -> None:
         """Tell people, once."""
@@ -57,23 +57,23 @@ class World(Protocol):
 class VehicleBody:
     """Implements `dray.ports.Body`.
 
-    What its master cannot deal with by our own fault is counted, said, and the vehicle's problem; the next message is served. An
-    instruction that fails ends its agent, as any bug of an agent's does.
+    A failure of the master by our own fault is counted, logged, and reported as the vehicle's problem; the next message is served. A
+    failing instruction ends its agent, as any bug of an agent does.
 
     Args:
         control: its master.
-        profile: which version is spoken.
-        address: of the vehicle.
+        profile: it names the protocol version.
+        address: the vehicle's address.
         clock: the plant's.
         world: the link and the disk.
         to_wall_s: the plant's clock as unix time, for the headers of messages.
 
     Attributes:
-        said: messages to the vehicle so far, by topic; the number of the next one is in its header.
+        said: number of messages to the vehicle, by topic; the header contains the next number.
         control: its master.
-        address: of the vehicle.
-        failures: events that its master could not deal with: topics of messages, and names of other events.
-        record: is told every event with its effects; nobody by default.
+        address: the vehicle's address.
+        failures: failed events, by topic of a message, or by name of another event.
+        record: called with every event and its effects; by default it does nothing.
     """
 
     def __init__(
@@ -99,12 +99,12 @@ class VehicleBody:
     # --- the port --------------------------------------------------------------------------------
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What only a workcell can do is ignored: no report would fit it."""
+        """See `dray.ports.Body`. Instructions for a workcell are ignored: no report would fit them."""
         if isinstance(instruction, VehicleInstruction):
             self._handle(Instructed(instruction))
 
     def sense(self) -> VehicleState:
-        """See `dray.ports.Body`: how it was when the vehicle told it last. Not before `control.is_known`."""
+        """See `dray.ports.Body`: the last reported state. Not before `control.is_known`."""
         return bounded(self.control.sense())
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -114,15 +114,15 @@ class VehicleBody:
     # --- the link --------------------------------------------------------------------------------
 
     def on_message(self, topic: str, data: bytes) -> None:
-        """The vehicle has said something on one of its topics (the last chunk)."""
+        """Handle a message of the vehicle on one of its topics (the last chunk)."""
         self._handle(Heard(topic, data))
 
     def on_link(self) -> None:
-        """The broker is there."""
+        """The broker is connected."""
         self._handle(Linked())
 
     def on_link_lost(self, reason: str) -> None:
-        """The broker is away."""
+        """The connection to the broker is lost."""
         self._handle(Unlinked(reason))
 
     def cancel(self) -> None:
@@ -130,7 +130,7 @@ class VehicleBody:
         self._handle(Cancel())
 
     def end(self) -> None:
-        """Do nothing any more."""
+        """Ignore all later events."""
         self._is_ended = True
 
     # --- how it is done --------------------------------------------------------------------------
@@ -178,7 +178,7 @@ class VehicleBody:
         }
 
     def _flush(self) -> None:
-        """No report comes inside an instruction."""
+        """Send the waiting reports, but never inside an instruction."""
         while self._waiting:
             self._report(bounded(self._waiting.pop(0)))
 
@@ -191,7 +191,7 @@ class VehicleBody:
     def _wake(self) -> None:
         now_s = self._clock.now_s()
         if now_s < self._armed_s:
-            return  # An earlier call has been asked for since, and was this one's.
+            return  # This call was replaced by an earlier one.
         self._armed_s = float("inf")
         if now_s >= self.control.wake_at_s:
             self._handle(Woke())
@@ -200,4 +200,4 @@ class VehicleBody:
 
 
 def _nobody_hears(report: Report) -> None:
-    """What is reported before an agent listens; the state tells it all the same."""
+    """Ignore a body's reports before its agent listens; its state contains them."""

@@ -1,6 +1,6 @@
-"""Commissioning: a vehicle is walked through all that its agent will want of it, and each step is written down.
+"""Commissioning: it tries all that the agent will need of a vehicle, and records each step.
 
-Nothing moves before it is asked for: the first steps only listen. What is found out becomes a profile.
+The first steps only listen: nothing moves without being asked for. The findings become a profile.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from dray.ports import Clock
 LOOK_S = 0.2
 
 FIRST_STATE_S = 65.0
-"""A vehicle says how it is within 30 s, by the text; twice that, and a little."""
+"""Timeout of the first state: the standard says 30 s; this is twice that, and a little."""
 
 FACTSHEET_S = 10.0
 DRIVE_S = 300.0
@@ -50,13 +50,13 @@ STAND_S = 10.0
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """How far commissioning goes.
+    """The extent of a commissioning.
 
     Attributes:
-        drive: the vehicle may move: to this neighbouring node and back; empty for any; None for not at all.
-        station: where it picks and drops; empty for nowhere. It must stand there, or be sent there by `drive`.
-        item: what it picks.
-        quantity: how many.
+        drive: the neighbouring node to which the vehicle may move, and back; empty for any; None for no movement.
+        station: the station for a pick and a drop; empty for none. The vehicle must stand there, or `drive` must lead there.
+        item: the item to pick.
+        quantity: the pieces to pick.
     """
 
     drive: str | None = None
@@ -67,18 +67,18 @@ class Wanted:
 
 @dataclass
 class Commissioning:
-    """Of one vehicle.
+    """The commissioning of one vehicle.
 
     Args:
-        body: it has been linked, or will be.
-        plant: where it is.
-        kind: what the plant file says of it.
-        profile: with which it is spoken to.
+        body: its body, linked now or later.
+        plant: its plant.
+        kind: its type in the plant file.
+        profile: the profile used.
         clock: the plant's.
-        wanted: how far to go.
+        wanted: the extent.
 
     Attributes:
-        steps: what came of them so far.
+        steps: the results so far.
     """
 
     body: VehicleBody
@@ -92,7 +92,7 @@ class Commissioning:
     _order: int = 0
 
     async def run(self) -> AsyncIterator[Step]:
-        """Walk through all steps; a step on which others stand ends it when it fails."""
+        """Run all steps; a failed step on which others depend ends them."""
         self.body.attach(self._heard.append)
         for step in (self._listen, self._state, self._factsheet, self._names, self._position, self._ready):
             self.steps.append(await step())
@@ -115,11 +115,11 @@ class Commissioning:
 
     @property
     def passed(self) -> bool:
-        """Nothing that was tried has failed."""
+        """Whether no step has failed."""
         return bool(self.steps) and all(step.passed is not False for step in self.steps)
 
     def suggested(self) -> Profile:
-        """The profile with which it was spoken to, with what was found out about the vehicle."""
+        """The profile used, with the findings about the vehicle."""
         view = self.body.control.view
         changes: dict[str, object] = {}
         if view.heard_s != NEVER_S and view.state.loads is None:
@@ -131,7 +131,7 @@ class Commissioning:
             changes["maps"] = (*others, fit)
         elif view.map_id and not self.profile.map.id and not view.names.frames:
             changes["map"] = msgspec.structs.replace(self.profile.map, id=view.map_id)
-        # It says which topic it could not read: the list has another name in 1.1.
+        # The vehicle reports a topic that it could not read: the list has another name in 1.1.
         if any(error.names("instantActions") for error in view.state.errors or ()):
             changes["instant_actions"] = "instantActions"
         if self.body.control.view.battery.looks_like_fraction:
@@ -141,7 +141,7 @@ class Commissioning:
         return msgspec.structs.replace(self.profile, **changes)
 
     def report(self) -> str:
-        """All of it, to be kept: Markdown."""
+        """The whole report, in Markdown."""
         address = self.body.address
         odd = [f"- {count} times {reason}" for reason, count in self.body.control.view.odd.items()]
         return "\n".join(
@@ -190,7 +190,7 @@ class Commissioning:
         return Step("factsheet", not found, "; ".join(found) or "as the plant file has it")
 
     async def _names(self) -> Step:
-        """Whether what it names is in the plant: its map, its last node; and what the profile names."""
+        """Check that the plant has the vehicle's map and last node, and the names in its profile."""
         view = self.body.control.view
         names, said = view.names, view.said_node
         found = [f"its profile names {name}, which the plant does not have" for name in names.strangers]
@@ -217,7 +217,7 @@ class Commissioning:
         return Step("names", True, f"its last node is {node}{called}{f', on map {map_id}' if map_id else ''}")
 
     def _fit(self) -> MapFrame | None:
-        """How its map would have to lie, so that it stands where it says; None where it does."""
+        """The map frame that would put the vehicle at its reported node; None where the present one does."""
         view = self.body.control.view
         spot, position = self.plant.nodes.get(view.state.last_node_id or ""), view.state.position
         frame = view.names.frame(view.map_id)
@@ -228,7 +228,7 @@ class Commissioning:
 
     @property
     def _near_m(self) -> float:
-        """How far from its last node it may stand; farther where it says that it has left it."""
+        """Maximum distance to its last node; larger where it reports having left it."""
         return self.profile.node_m + (self.body.control.view.driven_m or 0.0)
 
     def _advice(self) -> str:
@@ -272,7 +272,7 @@ class Commissioning:
         return await self._go("drive", state.node, goal)
 
     async def _pause(self) -> Step:
-        """On the way back, if there is one; it ends where it stands."""
+        """Pause on the way back, if there is one; the step ends where the vehicle stands."""
         state = self._sensed()
         if self._home not in self._neighbours(state.node):
             return Step("pause", None, f"left out: no lane leads back to {self._home}")
@@ -301,7 +301,7 @@ class Commissioning:
         return Step("back", False, self._failure() or f"not at {self._home} after {DRIVE_S:.0f} s")
 
     async def _cancel(self) -> Step:
-        """On the way out again: it stands where it is, goes on from there, and comes back."""
+        """Cancel on the way out again: the vehicle stands where it is, goes on from there, and comes back."""
         home, goal, control = self._sensed().node, self._goal, self.body.control
         if home != self._home:
             return Step("cancel", None, f"left out: it is not at {self._home} again")
@@ -363,12 +363,12 @@ class Commissioning:
         return Step(name, True, f"{self.clock.now_s() - begun_s:.1f} s{twice}")
 
     def _overdue(self, what: str) -> str:
-        """Why a step has not ended in time: its problem, else what is waited for."""
+        """The reason why a step has not ended in time: the vehicle's problem, or else what it waits for."""
         waits = self.body.control.waits_for(self.clock.now_s())
         return self._sensed().problem or (f"{what}: {waits}" if waits else what)
 
     def _neighbours(self, node: str) -> list[str]:
-        """Where lanes lead to from a node; the corners of their shapes are no places to drive to."""
+        """The nodes at the ends of a node's lanes; corners of lanes are no destinations."""
         ends = [lane.end for lane in self.plant.roads.leaving[node]]
         bent = [end for start, end in self.plant.corners if start == node]
         return [*(end for end in ends if end not in self._corners), *bent]
@@ -404,7 +404,7 @@ class Commissioning:
         return next((report.reason for report in failed), "")
 
     async def _until(self, holds: Callable[[], bool], within_s: float) -> bool:
-        """Wait until it holds, in looks; by the plant's clock."""
+        """Poll until a condition holds or the time is over (plant clock)."""
         ends_s = self.clock.now_s() + within_s
         while not holds():
             if self.clock.now_s() >= ends_s:

@@ -1,8 +1,8 @@
-"""A dialogue with a vehicle as a file, and played again: the same events into a master, and what it makes of them.
+"""A vehicle's dialogue in a file, and its replay: a fresh master gets the same events, and its effects are compared.
 
-A master is pure. So a file of its events says all that it knew, and playing it again gives the same words; a changed driver, or
-another profile, shows where it would have spoken otherwise. One line of JSON each: a head, then events and effects with their times.
-A file may also come from listening alone (`dray vehicle record`): then it has no instructions, and shows what is understood of a vehicle.
+A master is pure. So a file of its events contains all that it knew, and a replay gives the same messages; a changed driver, or another
+profile, shows the differences. Each line is JSON: a head, then events and effects with their times. A file may also come from
+listening alone (`dray vehicle record`): then it has no instructions, and shows how a vehicle's messages are understood.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from dray.errors import SettingsError
 from dray.plant import Plant
 
 LARGEST_BYTES = 100 * 2**20
-"""Of one file: some eight hours of a vehicle that says ten states a second. Then nothing more is written."""
+"""Maximum size of a file: some eight hours of a vehicle that sends ten states a second. Then writing stops."""
 
 INSTRUCTIONS: dict[str, Any] = {kind.__name__: kind for kind in get_args(VehicleInstruction)}
 
 
 class Head(msgspec.Struct, frozen=True):
-    """What a dialogue begins with."""
+    """The first line of a dialogue."""
 
     agent: str
     plant: str
@@ -57,10 +57,10 @@ class Line(msgspec.Struct, frozen=True, omit_defaults=True):
     Attributes:
         at_s: on the plant's clock.
         event: the class of an event; empty for an effect.
-        effect: likewise.
+        effect: the class of an effect; empty for an event.
         about: topic, reason, text, or the class of an instruction or report.
-        text: what was heard, as text.
-        fields: of an instruction, a report, a message that was said, or a memory.
+        text: the received message, as text.
+        fields: of an instruction, a report, a sent message, or a memory.
     """
 
     at_s: float
@@ -72,7 +72,7 @@ class Line(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 def line_of(at_s: float, what: Event | Effect) -> Line:
-    """One event or effect, as it is written."""
+    """One event or effect as a line."""
     name = type(what).__name__
     match what:
         case Heard(topic, data):
@@ -97,11 +97,11 @@ class Recorder:
     """Writes a dialogue.
 
     Args:
-        path: the file; one that is there is replaced.
-        head: what it begins with.
+        path: the file; an existing one is replaced.
+        head: the first line.
 
     Raises:
-        SettingsError: it cannot be written.
+        SettingsError: writing failed.
     """
 
     def __init__(self, path: Path, head: Head) -> None:
@@ -114,12 +114,12 @@ class Recorder:
         self._write(head)
 
     def write(self, at_s: float, *what: Event | Effect) -> None:
-        """Write these down, in order."""
+        """Write events and effects, in order."""
         for one in what:
             self._write(line_of(at_s, one))
 
     def close(self) -> None:
-        """No more is written."""
+        """Stop writing."""
         self._file.close()
 
     def _write(self, what: Head | Line) -> None:
@@ -131,10 +131,10 @@ class Recorder:
 
 
 def read_dialogue(path: Path) -> tuple[Head, list[Line]]:
-    """A dialogue from its file.
+    """Read a dialogue from its file.
 
     Raises:
-        SettingsError: it cannot be read; it says in which line.
+        SettingsError: reading failed; names the line.
     """
     try:
         lines = path.read_bytes().splitlines()
@@ -159,16 +159,16 @@ def replay(head: Head, lines: list[Line], plant: Plant, profile: Profile | None 
     """Play a dialogue into a fresh master.
 
     Args:
-        head: whose it was.
-        lines: what was recorded; effects in it are passed over.
-        plant: where it was.
-        profile: another one than it was recorded with.
+        head: the first line.
+        lines: the recorded lines; effects are skipped.
+        plant: the vehicle's plant.
+        profile: another one than at the recording.
 
     Yields:
         Events, and the effects of this master after each of them.
 
     Raises:
-        SettingsError: the plant has no such type of vehicle.
+        SettingsError: the plant lacks this type of vehicle.
     """
     kind = plant.vehicle_types.get(head.type)
     if kind is None:
@@ -188,7 +188,7 @@ def replay(head: Head, lines: list[Line], plant: Plant, profile: Profile | None 
 
 
 def first_difference(recorded: list[Line], played: list[Line]) -> tuple[Line | None, Line | None] | None:
-    """The first effect that is another one; None when all are the same."""
+    """The first effect that differs; None when all are equal."""
     one = [line for line in recorded if line.effect]
     other = [line for line in played if line.effect]
     for here, there in zip(one, other, strict=False):

@@ -1,4 +1,4 @@
-"""What the master is told and what it wants done: its events and effects, and what it leaves to its next life."""
+"""The master's events and effects, and its memory for the next life."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from dray.messages.base import Part
 
 
 class OrderMemory(Part, frozen=True):
-    """The order that was said last, as the next life must know it."""
+    """The last sent order, for the next life."""
 
     id: str
     update: int
     number: int
-    """Of the agent's instruction."""
+    """The number of the agent's instruction."""
     kind: str
     nodes: tuple[str, ...]
-    """Of its base; sequence numbers are even and begin at 0."""
+    """The nodes of its base; sequence numbers are even and begin at 0."""
     is_shown: bool
-    """The vehicle's state has shown it."""
+    """Whether the vehicle's state has shown it."""
     action: str = ""
     """The id of its action; empty for a step."""
     station: str = ""
@@ -29,30 +29,30 @@ class OrderMemory(Part, frozen=True):
 
 
 class Memory(Part, frozen=True):
-    """What the next life must know."""
+    """A master's memory for the next life."""
 
     load: str = ""
     quantity: int = 0
     order: OrderMemory | None = None
-    """Until it is over."""
+    """The present order, until it is over."""
     doubt: str = ""
-    """Why it is not known what is on board; empty when it is."""
+    """Why the load on board is unknown; empty when it is known."""
 
 
 DAMAGED = Memory(
     doubt="what was remembered is damaged: see what is on board, and switch it to MANUAL and back"
 )
-"""What is known where a life has left something that cannot be read."""
+"""The memory after unreadable data."""
 
 
 class Instructed(Part, frozen=True):
-    """Its agent wants something done."""
+    """An instruction of its agent."""
 
     instruction: VehicleInstruction
 
 
 class Heard(Part, frozen=True):
-    """The vehicle has said something."""
+    """A message of the vehicle."""
 
     topic: str
     """The last chunk: state, visualization, connection, factsheet."""
@@ -64,15 +64,15 @@ class Woke(Part, frozen=True):
 
 
 class Cancel(Part, frozen=True):
-    """Whoever commissions the vehicle wants its present order cancelled; what is left of a way goes on from where it stands."""
+    """A commissioning cancels the present order; the rest of a way continues from the present position."""
 
 
 class Linked(Part, frozen=True):
-    """The broker is there, and what the vehicle says is subscribed to."""
+    """The broker is connected, and the vehicle's topics are subscribed to."""
 
 
 class Unlinked(Part, frozen=True):
-    """The broker is away."""
+    """The connection to the broker is lost."""
 
     reason: str
 
@@ -86,7 +86,7 @@ def kind_of(event: Event) -> str:
 
 
 class Say(Part, frozen=True):
-    """Publish this under the vehicle's topics. The shell puts the header before it."""
+    """Publish this under the vehicle's topics. The shell adds the header."""
 
     topic: Literal["order", "instantActions"]
     body: dict[str, Any]
@@ -99,13 +99,13 @@ class Tell(Part, frozen=True):
 
 
 class Remember(Part, frozen=True):
-    """Write this down before anything that follows is said."""
+    """Store this before any later effect is sent."""
 
     memory: Memory
 
 
 class Note(Part, frozen=True):
-    """Something that people should read in the log."""
+    """A text for people in the log."""
 
     text: str
 

@@ -1,8 +1,7 @@
-"""The link of one vehicle's master to its broker: MQTT on asyncio, joined again whenever it is lost.
+"""The link of one vehicle's master to its broker: MQTT on asyncio, reconnected after each loss.
 
-Thin on purpose: what is said and heard is decided elsewhere (`control`). QoS is 0 but for `connection`, as the text wants.
-A broker that is away is told to the body as such; nothing that was to be said meanwhile is kept, since the master says again
-what matters.
+It is thin on purpose: `control` decides on the messages. QoS is 0 but for `connection`, as the standard wants. The body is told
+about a lost broker. Messages of that time are not kept, since the master repeats what matters.
 """
 
 from __future__ import annotations
@@ -21,30 +20,30 @@ from dray.errors import SettingsError
 from dray.supervision import Failures
 
 PORT, TLS_PORT = 1883, 8883
-"""Where brokers listen by custom, without and with TLS."""
+"""Customary ports of brokers, without and with TLS."""
 
 KEEPALIVE_S = 10
-"""A broker that is silent for half as much again is gone."""
+"""MQTT keepalive; a broker silent for half as much again is gone."""
 
 CONNECT_S = 5.0
-"""Longest wait for a broker that has taken the connection."""
+"""Timeout of the MQTT handshake, once the connection is open."""
 
 AGAIN_S = (0.5, 1.0, 2.0, 5.0)
-"""Waits between attempts to reach it; the last one for ever."""
+"""Delays between attempts; the last one repeats."""
 
 UNSAID_MAX = 200
-"""Messages that wait to be said: a healthy link has none."""
+"""Maximum waiting outgoing messages: a healthy link has none."""
 
 UNHEARD_MAX = 1000
-"""Messages that wait to be heard: ten states a second for more than a minute. What comes beyond that is dropped by the client."""
+"""Maximum waiting incoming messages: ten states a second for more than a minute. The client drops more."""
 
 
 OTHER_TOPIC = "another topic"
-"""A kind of message that has failed."""
+"""The name for messages on other topics in the count of failures."""
 
 
 class BrokerAddress(msgspec.Struct, frozen=True):
-    """Where a broker is, and how one logs in."""
+    """A broker's address and login."""
 
     host: str
     port: int
@@ -52,19 +51,19 @@ class BrokerAddress(msgspec.Struct, frozen=True):
     user: str = ""
     password: str = ""
     authority: Path | None = None
-    """Who has signed the broker's certificate, as PEM; None for whom the computer trusts."""
+    """The authority of the broker's certificate, as PEM; None for those that the computer trusts."""
     certificate: Path | None = None
     key: Path | None = None
-    """Our own, where the broker asks for one."""
+    """Our own key, where the broker asks for a certificate."""
 
     def __str__(self) -> str:
         return f"{'mqtts' if self.tls else 'mqtt'}://{self.host}:{self.port}"
 
     def context(self) -> ssl.SSLContext | None:
-        """What TLS needs; None without.
+        """The TLS context; None without TLS.
 
         Raises:
-            SettingsError: a file cannot be used; it names it.
+            SettingsError: a file cannot be used; names it.
         """
         if not self.tls:
             return None
@@ -81,10 +80,10 @@ class BrokerAddress(msgspec.Struct, frozen=True):
 
 
 def read_address(text: str) -> tuple[str, int, bool]:
-    """Host, port and whether TLS is used, of mqtt://HOST:PORT or mqtts://HOST:PORT.
+    """Host, port and use of TLS, from mqtt://HOST:PORT or mqtts://HOST:PORT.
 
     Raises:
-        ValueError: it is no such thing.
+        ValueError: it has another form.
     """
     parts = urlsplit(text)
     if parts.scheme not in ("mqtt", "mqtts") or not parts.hostname or parts.path.strip("/") or parts.username:
@@ -96,32 +95,32 @@ def read_address(text: str) -> tuple[str, int, bool]:
 
 
 class Listener(Protocol):
-    """Whoever is told what comes. What it raises is our own bug and ends no link, but for `UnavailableError`: a disk that is full, say."""
+    """The receiver of messages. Its exceptions are our own bugs and end no link, except `UnavailableError`: a full disk, say."""
 
     def on_link(self) -> None:
-        """The broker is there, and the topics are subscribed to."""
+        """The broker is connected, and the topics are subscribed to."""
 
     def on_link_lost(self, reason: str) -> None:
-        """The broker is away."""
+        """The connection to the broker is lost."""
 
     def on_message(self, topic: str, data: bytes) -> None:
-        """Something came on one of the topics (the last chunk)."""
+        """A message has come on one of the topics (the last chunk)."""
 
 
 class MqttLink:
-    """One connection, joined again whenever it is lost.
+    """A connection to a broker, reopened after each loss.
 
     Args:
-        broker: where it is.
+        broker: its address.
         prefix: of the vehicle's topics, MANUFACTURER/SERIAL included; empty where the topics are whole.
-        client: its name at the broker; a second one of this name ends the first.
-        topics: what is listened to, the last chunks.
-        retained: told in place of the listener what the broker has kept; None where the listener is.
-        will: what the broker is to say on `connection` when the link is cut; of a vehicle. None for none.
+        client: our client name at the broker; a second client of this name ends the first.
+        topics: the subscribed topics, as last chunks.
+        retained: receives retained messages instead of the listener; None for the listener.
+        will: a vehicle's last will on `connection`. None for none.
 
     Attributes:
-        dropped: messages that were to be said while the broker was away, or too many at once.
-        failures: what the listener could not deal with, by topic.
+        dropped: outgoing messages lost while the broker was away, or beyond the maximum.
+        failures: errors of the listener, by topic.
     """
 
     def __init__(
@@ -144,7 +143,7 @@ class MqttLink:
         self.failures = Failures(prefix)
 
     def publish(self, topic: str, data: bytes, *, retain: bool = False) -> None:
-        """Say it on one of the vehicle's topics (the last chunk); dropped and counted while the broker is away."""
+        """Publish on one of the vehicle's topics (the last chunk); dropped and counted while the broker is away."""
         if self._unsaid is None:
             self.dropped += 1
             return
@@ -154,13 +153,13 @@ class MqttLink:
             self.dropped += 1
 
     async def run(self, listener: Listener) -> None:
-        """Be linked until cancelled, whatever one message makes of the listener.
+        """Stay linked until cancelled, whatever errors a message causes in the listener.
 
         Raises:
-            UnavailableError: the listener has.
+            UnavailableError: raised by the listener.
 
-        Between two steps it looks by itself whether it was cancelled: what it waits for (`asyncio.wait_for` in the client, and
-        the client's own end, whose error takes the place of the cancellation) can swallow that.
+        The loop checks for cancellation itself, because it can get lost: in `asyncio.wait_for` in the client, and in the
+        client's own end, whose error replaces the cancellation.
         """
         attempt = 0
         while True:
@@ -173,7 +172,7 @@ class MqttLink:
                     self.failures.tell("the link", listener.on_link)
                     await self._serve(client, self._unsaid, listener)
             except (aiomqtt.MqttError, OSError, ValueError) as error:
-                # A ValueError is the client's own word for an address or a message that cannot be.
+                # A ValueError is the client's error for an impossible address or message.
                 self._unsaid = None
                 _end_if_cancelled()
                 self.failures.tell("the link", listener.on_link_lost, f"{self._broker}: {_words(error)}")
@@ -233,10 +232,10 @@ class MqttLink:
 
 
 def _end_if_cancelled() -> None:
-    """End a task that was cancelled and did not notice.
+    """End a task that missed its cancellation.
 
     Raises:
-        asyncio.CancelledError: it was.
+        asyncio.CancelledError: the task was cancelled.
     """
     task = asyncio.current_task()
     if task is not None and task.cancelling():

@@ -1,4 +1,4 @@
-"""How a vehicle's map lies in the plant, guessed from what it says at a node that it names: a unit, an axis the other way, another origin."""
+"""A guess of a vehicle's map frame from its positions at known nodes: a unit, an inverted axis, another origin."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ UNITS = (1.0, 0.001, 0.01)
 """Metres, millimetres, centimetres."""
 
 Seen = tuple[float, float, float, float]
-"""x and y that the vehicle says, and where its node lies (m)."""
+"""The reported x and y, and its node's position (m)."""
 
 
 def fitting(seen: Iterable[Seen], frame: MapFrame, node_m: float) -> MapFrame | None:
-    """A map under which what was said lies at the nodes, the simplest first; None where the present one does, or nothing was seen.
+    """A frame that puts the reported positions at the nodes, the simplest first; None where the present one does, or without data.
 
     Args:
-        seen: one or more.
-        frame: how the map is taken to lie.
-        node_m: so near to a node is at it.
+        seen: one or more observations.
+        frame: the present frame.
+        node_m: maximum distance from a node.
     """
     pairs = list(seen)
     if not pairs or _off_m(pairs, frame) <= node_m:
@@ -51,7 +51,7 @@ def fitting(seen: Iterable[Seen], frame: MapFrame, node_m: float) -> MapFrame | 
 
 
 def described(frame: MapFrame) -> str:
-    """A map as a line of a profile: what differs from the plant's frame."""
+    """A frame as a line of a profile: its differences from the plant's frame."""
     plain = MapFrame()
     said = [
         f"{name}: {str(value).lower() if isinstance(value, bool) else format(value, 'g')}"
@@ -62,7 +62,7 @@ def described(frame: MapFrame) -> str:
 
 
 def _off_m(pairs: list[Seen], frame: MapFrame) -> float:
-    """How far the farthest of them is from its node."""
+    """The largest distance between a position and its node."""
     off_m = 0.0
     for x, y, x_m, y_m in pairs:
         at_x_m, at_y_m, _ = frame.to_plant(x, y, 0.0)

@@ -1,8 +1,8 @@
-"""What a vehicle type understands, as a file that an integrator writes.
+"""The profile of a vehicle type: a file that an integrator writes.
 
-A profile says how vehicles of one type want to be spoken to: the version, the names of their actions, whether a way may
-grow while they drive, whether they can pause, what they tell of their load, and where their map lies in the plant. What
-a profile leaves out is as in `default.yaml`: what worked with nearly all.
+A profile tells how to talk to vehicles of one type: the version, the names of their actions, and their map's frame.
+It also tells whether a way may grow during the drive, whether they can pause, and how they report loads.
+Missing fields are as in `default.yaml`, which worked with nearly all.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from dray.plant.model import Foreign, MapFrame
 
 DEFAULT = "default"
 LARGEST_BYTES = 2**20
-"""A profile has 2 kB, and 40 bytes for each name in it."""
+"""Maximum size; a profile has 2 kB, and 40 bytes for each name in it."""
 
 NEEDED = frozenset(
     {
@@ -30,7 +30,7 @@ NEEDED = frozenset(
         *("startNodeId", "endNodeId", "actionId", "actionType", "blockingType", "actionParameters"),
     }
 )
-"""What every order has to say."""
+"""Mandatory fields of every order."""
 
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
@@ -41,13 +41,13 @@ class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class ActionUse(Item, frozen=True):
-    """How one of our instructions is said as an action."""
+    """The action for one of our instructions."""
 
     type: Annotated[str, Meta(min_length=1)]
     """`actionType`."""
     blocking: Literal["NONE", "SOFT", "HARD"] = "HARD"
     parameters: dict[str, Value] = {}
-    """By key. In a text {station}, {node}, {item}, {quantity} and {goal} stand for those of the instruction."""
+    """Values by key. In a text {station}, {node}, {item}, {quantity} and {goal} stand for those of the instruction."""
 
     def values(self, **known: Value) -> dict[str, Value]:
         """The parameters of one action."""
@@ -55,30 +55,30 @@ class ActionUse(Item, frozen=True):
 
 
 class OwnNames(Item, frozen=True):
-    """What vehicles of one type call the things of the plant, beside what the plant file says (`originals`): our name, then theirs."""
+    """A vehicle type's own names for the plant's things, beside those of the plant file (`originals`): our name, then theirs."""
 
     nodes: dict[str, Foreign] = {}
     edges: dict[str, Foreign] = {}
-    """Of lanes: both nodes with two dashes between them, as `N1--N2`."""
+    """Names of lanes: both nodes with two dashes between them, as `N1--N2`."""
     stations: dict[str, Foreign] = {}
-    """Of all places."""
+    """Names of all places."""
     maps: dict[str, Foreign] = {}
 
 
 class Profile(Item, frozen=True):
-    """Of one vehicle type."""
+    """The profile of one vehicle type."""
 
     version: Version = "2.1"
     topics: str = ""
-    """Before MANUFACTURER/SERIAL; empty for what the text of the version suggests."""
+    """The prefix before MANUFACTURER/SERIAL; empty for the standard's suggestion."""
     instant_actions: Literal["actions", "instantActions"] = "actions"
     """The name of the list in `instantActions`: many vehicles want that of 1.1."""
 
     pick: ActionUse = ActionUse("pick")
     pick_by_hand: ActionUse = ActionUse("waitForTrigger", parameters={"triggerType": "manualLoading"})
-    """A person loads it, at a node where no station is, and confirms that on the vehicle."""
+    """A person loads it, at a node without a station, and confirms that on the vehicle."""
     by_hand_s: Positive = 120.0
-    """So long it waits for that person; then the order is cancelled, and its agent asks again whether anybody hands the load over."""
+    """Maximum wait for that person; then the order is cancelled, and its agent asks again whether anybody hands the load over."""
     drop: ActionUse = ActionUse("drop")
     charge: ActionUse = ActionUse("startCharging")
     stop_charging: str = "stopCharging"
@@ -87,73 +87,73 @@ class Profile(Item, frozen=True):
     """Whether an order with an action lists its node twice (sequence 0 and 2); tried anyway where an action only waits."""
 
     updates: bool = False
-    """Whether the base may grow while it drives. Without, each step is an order of its own."""
+    """Whether the base may grow while it drives. Otherwise each step is an order of its own."""
     base_m: NotNegative = 0.0
-    """How far ahead a base reaches: a base cannot be taken back. One lane at least."""
+    """Length of a base, which cannot be withdrawn. At least one lane."""
     trajectory: bool = True
-    """Whether an edge that is not straight says its shape, as a NURBS of degree 1. Without, only its length: for vehicles that know the shape."""
+    """Whether an edge that is not straight has its shape, as a NURBS of degree 1. Otherwise only its length: for vehicles that know the shape."""
     leave_out: tuple[str, ...] = ("trajectory", "length", "allowedDeviationXY", "allowedDeviationXy")
-    """What is left out of orders when the vehicle says that it does not support it: fields of nodes and edges, parameters of
-    actions. Without `maxSpeed` (`maximumSpeed`) it drives faster than people allow, so that is not among them."""
+    """Fields of nodes and edges and parameters of actions that are left out when the vehicle reports them as unsupported. Without
+    `maxSpeed` (`maximumSpeed`) it would drive faster than people allow, so that is not among them."""
     horizon: Annotated[int, Meta(ge=0, le=20)] = 0
-    """Nodes behind the base that are told and not released; only with `updates`."""
+    """Number of unreleased nodes sent beyond the base; only with `updates`."""
 
     pause: bool = True
-    """Whether it obeys startPause and stopPause. Without, a stop cancels its order."""
+    """Whether it obeys startPause and stopPause. Otherwise a stop cancels its order."""
     restart_at: Literal["last_node", "temporary_node"] = "last_node"
-    """What a way between two nodes begins with: the last node, at the place where the vehicle is, or a node of no other name."""
+    """The first node of a way between two nodes: the last node, with the vehicle's position, or a node with a temporary name."""
     load: Literal["none", "any", "type"] = "any"
-    """What `loads` is good for: nothing, whether something is on board, or what (`loadType` is the item)."""
+    """The meaning of `loads`: nothing, whether something is on board, or what (`loadType` is the item)."""
 
     map: MapFrame = MapFrame()
-    """Where its map lies; as the plant file has it, where only its id is said, or nothing."""
+    """Its map's frame; the plant file's, where only the map's id or nothing is given."""
     maps: tuple[MapFrame, ...] = ()
-    """Likewise, of several maps: as a rule one a floor."""
+    """The frames of several maps: usually one per floor."""
     names: OwnNames = OwnNames()
     node_m: Positive = 0.5
-    """So far from a node a vehicle still stands there."""
+    """Maximum distance from a node at which a vehicle still stands there."""
     lane_m: Positive = 1.0
-    """So far from a lane it is still on it."""
+    """Maximum distance from a lane at which it is still on it."""
     deviation_m: Positive = 0.5
-    """Allowed at a node of an order."""
+    """The allowed deviation at a node of an order."""
     first_deviation_m: Positive = 1.0
-    """Allowed at the first one, where it stands already."""
+    """The allowed deviation at the first one, where it stands already."""
 
     problems: dict[str, ProblemKind] = {}
-    """What is wrong, by the vehicle's `errorType`; what is not here is guessed from words in it."""
+    """The kind of problem by the vehicle's `errorType`; other types are guessed from words in them."""
 
     kept_until_order: tuple[str, ...] = ()
-    """`errorType`s at FATAL that the vehicle shows until its next order, and that keep it from none: as CRITICAL ones of 3.0."""
+    """`errorType`s at FATAL that the vehicle shows until its next order, and that block none: as CRITICAL ones of 3.0."""
 
     state_every_s: Positive = 30.0
-    """It says how it is at least so often; 30 s is the text's."""
+    """Maximum seconds between states; 30 s is the standard's."""
     resend_s: Positive = 2.0
-    """An order or instant action is said again so long after it was said."""
+    """Seconds before an order or instant action is sent again."""
     silent_s: Positive = 10.0
-    """An order that is not shown by then was refused in silence."""
+    """Seconds after which an order that is not shown counts as silently refused."""
     waiting_s: Positive = 15.0
-    """An action that only waits for so long is tried again."""
+    """Seconds of only waiting after which an action is retried."""
     acting_s: Positive = 300.0
-    """A pick or drop that has not ended by then is a problem."""
+    """Seconds after which a pick or drop that has not ended is a problem."""
     tries: Annotated[int, Meta(ge=1, le=20)] = 4
-    """Of one order, under another id each time."""
+    """Maximum offers of one order, each under another id."""
     battery_scale: Literal["percent", "fraction"] = "percent"
-    """Whether its battery counts to 100, as the text has it, or to 1."""
+    """Whether its battery counts to 100, as in the standard, or to 1."""
     full_percent: Annotated[float, Meta(gt=0, le=100)] = 99.0
-    """A battery is full from here on."""
+    """The level from which a battery is full."""
 
     @property
     def dialect(self) -> Dialect:
-        """Of its version."""
+        """Its version's dialect."""
         return DIALECTS[self.version]
 
     def topic(self, manufacturer: str, serial: str, name: str) -> str:
-        """Where something is said."""
+        """The topic of a kind of message."""
         return f"{self.topics or self.dialect.prefix}/{manufacturer}/{serial}/{name}"
 
 
 def shipped_profiles() -> tuple[str, ...]:
-    """The names of those that are part of the package."""
+    """The names of the profiles in the package."""
     folder = files("dray.adapters.vda5050") / "profiles"
     return tuple(
         sorted(file.name.removesuffix(".yaml") for file in folder.iterdir() if file.name.endswith(".yaml"))
@@ -164,10 +164,10 @@ def load_profile(name: str) -> Profile:
     """Read a profile.
 
     Args:
-        name: a YAML file, or one that is part of the package; a file of that name comes first.
+        name: a YAML file, or the name of one in the package; a file takes precedence.
 
     Raises:
-        SettingsError: there is none, or it cannot be used; it says where.
+        SettingsError: there is none, or it cannot be used; names the place.
     """
     file = Path(name)
     try:
@@ -214,7 +214,7 @@ def parse_profile(data: bytes, name: str) -> Profile:
 
 
 def write_profile(profile: Profile) -> str:
-    """A profile as YAML: only what differs from the default."""
+    """A profile as YAML: only its differences from the default."""
     plain = msgspec.to_builtins(Profile())
     said = {key: value for key, value in msgspec.to_builtins(profile).items() if plain[key] != value}
     return msgspec.yaml.encode(said).decode() if said else "{}\n"
@@ -225,7 +225,7 @@ def _filled(value: Value, known: dict[str, Value]) -> Value:
         return tuple(str(_filled(each, known)) for each in value)
     if not isinstance(value, str):
         return value
-    # A value that is nothing but one name keeps its type: a quantity stays a number.
+    # A value that consists of one name keeps its type: a quantity stays a number.
     if value.startswith("{") and value.endswith("}") and value[1:-1] in known:
         return known[value[1:-1]]
     return value.format(**known)

@@ -1,13 +1,11 @@
-"""Zenoh's access control: what a wired process takes from no link with a vehicle, whoever may have said it.
+"""Zenoh's access control: the messages that a wired process refuses on links with vehicles, from any sender.
 
-A link's certificate tells who the neighbour is, and not who has spoken: neighbours pass on what others say. So a link can
-be denied no more than what its neighbour has no business to pass on. That is nothing as long as any way may be gone
-round by any other. Where wired processes never reach one another over vehicles (a plant says so: `DRAY_BUS_APART`),
-nothing that is theirs comes in over a link with a vehicle: neither their words, nor that they are there, nor that they
-listen to what is said to them alone.
+A link's certificate identifies the neighbour, not the sender: neighbours relay messages. So a link can be denied only the messages
+that its neighbour never needs to relay. As long as any path may bypass any other, there are none. With `DRAY_BUS_APART` wired
+processes never reach one another over vehicles. Then nothing of theirs is accepted on a link with a vehicle: neither their
+messages, nor their presence, nor their subscriptions to their own letters.
 
-This comes on top of seals and letters, and takes the place of neither: it ends at the first link what the others
-only see through.
+This adds to seals and letters, and replaces neither: it stops at the first link the messages that those only detect.
 """
 
 from __future__ import annotations
@@ -18,7 +16,7 @@ from typing import Any
 from dray.messages.keys import Keys
 
 VEHICLES = "vehicles"
-"""The only subject. Zenoh 1.10 takes a message that one of several subjects of a link is not denied."""
+"""The only subject. With several subjects for a link, Zenoh 1.10 accepts a message that one of them is not denied."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +26,7 @@ class Apart:
     Attributes:
         plant: the plant's id.
         vehicles: common names of the vehicles' certificates.
-        wired: names of agents that are reached over no vehicle.
+        wired: names of agents that are never reached over vehicles.
     """
 
     plant: str
@@ -36,7 +34,7 @@ class Apart:
     wired: tuple[str, ...]
 
     def config(self) -> dict[str, Any]:
-        """`access_control` in Zenoh's words, for a wired process."""
+        """`access_control` in Zenoh's configuration, for a wired process."""
         keys = Keys(self.plant)
         words = [
             keys.machine_heartbeat("*"),

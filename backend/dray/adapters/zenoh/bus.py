@@ -2,17 +2,17 @@
 
 One process has one Zenoh session, and any number of agents on it: one for a vehicle, some for a gateway.
 
-    publish  {key}                           whoever listens on a pattern that matches
-    send     {plant}/agent/@{to}             one agent: a chunk with an @ is matched by no wildcard; with
-                                            certificates nobody else can read it (`letters`)
-    join     {plant}/alive/{agent}/{life}/…  a liveliness token: who is there, in which life (`tokens`)
+    publish  {key}                           all subscribers with a matching pattern
+    send     {plant}/agent/@{to}             one agent: no wildcard matches a chunk with an @; with
+                                            certificates only this agent can read it (`letters`)
+    join     {plant}/alive/{agent}/{life}/…  a liveliness token: presence, and the life (`tokens`)
 
-Two threads meet here. Agents call on their loop, and a call goes straight into Zenoh's queues, which never
-hold it up. What comes in comes on Zenoh's threads: there it is read and judged, and crosses to the loop by
-a bounded queue (`Crossing`, which says what is dropped when it is full).
+Two threads meet here. Agents call on their loop, and a call goes straight into Zenoh's queues, which never block.
+Incoming messages are read and verified on Zenoh's threads, and cross to the loop by a bounded queue. `Crossing`
+defines what is dropped when it is full.
 
-What a link cannot take is lost at the sender or on the way, where nobody can count it. So every message
-carries its number (`Stamp`), and whoever hears it counts the numbers that are missing.
+Messages that a link cannot take are lost at the sender or on the way, where they cannot be counted. So every message
+carries its number (`Stamp`), and its receiver counts the missing numbers.
 """
 
 from __future__ import annotations
@@ -50,11 +50,11 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 MAX_OWNERS = 10_000
-"""Keys of which a session remembers by which of its patterns it hears them: ten times those of a plant
-of three hundred agents."""
+"""Maximum keys for which a session remembers the pattern that receives them: ten times those of a plant of three hundred
+agents."""
 
 ROLL_CALL_S = 2.0
-"""Longest wait for neighbours' answers; who is there is known in milliseconds when links are well."""
+"""Longest wait for neighbours' answers; on healthy links they come in milliseconds."""
 
 UNREADABLE = "no message of ours"
 NEWER = "a newer wire version"
@@ -63,11 +63,11 @@ FAILED = "a fault of ours"
 
 
 class _ShutOutError(Exception):
-    """A message came in from an agent that nobody hears any more."""
+    """A message of an excluded agent has come."""
 
 
 class Heard(NamedTuple):
-    """A message that came in and may be heard."""
+    """A verified incoming message."""
 
     sender: str
     message: Message
@@ -76,7 +76,7 @@ class Heard(NamedTuple):
 
 
 class ZenohSession:
-    """One agent's place on the bus (see `dray.ports.Session`)."""
+    """One agent's session on the bus (see `dray.ports.Session`)."""
 
     def __init__(
         self, bus: ZenohBus, agent: str, receive: Receive, life: int, arrivals: Crossing | None = None
@@ -89,15 +89,15 @@ class ZenohSession:
         self._receive = receive
         self._left = False
         self._replaced = False
-        """Another life was seen. Said to the loop once, however often others come and go."""
+        """Another life was seen. Told to the loop once, however many others come and go."""
         self._said: Counter[str] = Counter()
-        """How many messages on each key; keys are few: agents, cells, products, dwell points."""
+        """Number of messages on each key; keys are few: agents, cells, products, dwell points."""
         self._heard = Tally()
         self._shares = Shares(self._heard, bus.speed)
         self._patterns: dict[str, zenoh.KeyExpr] = {}
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._owners: dict[str, str] = {}
-        """By which of its patterns a key is heard, so that two that match do not make it heard twice."""
+        """The pattern that receives a key, so that a second matching pattern does not deliver it twice."""
         self.life = life
         self._token = bus.tokens.of(agent, life)
         keys, inner = bus.keys, bus.inner
@@ -109,13 +109,13 @@ class ZenohSession:
         self._alive = inner.liveliness().declare_token(bus.tokens.key(self._token))
 
     def publish(self, key: str, message: Message) -> None:
-        """Say it to all that listen on `key`."""
+        """Publish to all subscribers of `key`."""
         if "*" in key:
             raise ProtocolViolation(f"published on {key!r}: only subscriptions may hold wildcards")
         self._say(key, message)
 
     def send(self, to: str, message: Message) -> None:
-        """Say it to one agent alone."""
+        """Send to one agent alone."""
         self._say(self._bus.keys.addressed(to), message, to)
 
     def subscribe(self, key: str) -> None:
@@ -127,7 +127,7 @@ class ZenohSession:
             self._subscribers[key] = self._bus.inner.declare_subscriber(key, heard)
 
     def unsubscribe(self, key: str) -> None:
-        """Hear it no longer."""
+        """Stop hearing it."""
         if key in self._patterns:
             self._subscribers.pop(key).undeclare()
             del self._patterns[key]
@@ -177,7 +177,7 @@ class ZenohSession:
         if not self._left:
             log.warning("%s has joined the bus elsewhere; this one leaves", self.agent)
             self.leave()
-            if not self._beside:  # Else this is another loop than that of whoever wants to know.
+            if not self._beside:  # Otherwise this is not the loop of the `replaced` callback.
                 self._bus.replaced(self.agent)
 
     # --- on Zenoh's threads ----------------------------------------------------------------------
@@ -194,7 +194,7 @@ class ZenohSession:
             self._on_sample(key, sample)
 
     def _owner(self, key: str) -> str:
-        """The first of all patterns that match; none any more for what was under way."""
+        """The first of all matching patterns; none any more for messages that were under way."""
         patterns = tuple(self._patterns.items())
         return next((name for name, pattern in patterns if pattern.includes(key)), "")
 
@@ -208,7 +208,7 @@ class ZenohSession:
             self._arrivals.say(message, self._arrive, sender, message, context)
 
     def _see_other(self, sample: zenoh.Sample) -> None:
-        """Another life of this agent is there, or was: the latest of them is the agent."""
+        """Another life of this agent is or was there: the latest life is the agent."""
         if self._replaced or sample.kind != zenoh.SampleKind.PUT:
             return
         other = self._bus.tokens.read(str(sample.key_expr))
@@ -218,31 +218,31 @@ class ZenohSession:
 
 
 class ZenohBus:
-    """One process's place on the bus (see `dray.ports.Bus`).
+    """One process's connection to the bus (see `dray.ports.Bus`).
 
-    Used on the loop on which it was made.
+    It must be used on the loop on which it was created.
 
     Args:
         links: opened by this call, which takes some 10 ms; closed by `close`.
         plant: the plant's id.
-        replaced: told when an agent of this process has joined elsewhere since, and has left here.
+        replaced: called when an agent of this process has joined elsewhere, and has left here.
         speed: seconds of the plant's clock per second.
 
     Attributes:
         keys: the plant's.
-        seals: by which agents are known; None on a bus without certificates.
-        letters: to one agent alone; None on a bus without certificates.
-        tokens: of those who are there.
+        seals: the known agents; None on a bus without certificates.
+        letters: encryption of messages to one agent; None on a bus without certificates.
+        tokens: the tokens of present agents.
         inner: Zenoh's session.
-        lock: held where Zenoh's threads count.
-        arrivals: what has come in and waits for its agent; counts what it drops.
+        lock: guards the counts of Zenoh's threads.
+        arrivals: incoming messages that wait for their agent; counts the dropped ones.
         delivered: messages that reached an agent.
-        unsaid: messages of agents that had left, or are shut out and know it.
-        unaddressed: letters to agents that are not there, or whose certificate is not known yet.
-        missed: messages that were lost on the way, by the numbers of those that came after them.
-        refused: what came in and reached nobody, by reason; reasons are few and fixed.
-        failures: what came in and could not be dealt with, by our own fault.
-        shut_out: agents that nobody in this process hears any more; replaced as a whole.
+        unsaid: messages of agents that had left, or that know of their exclusion.
+        unaddressed: letters to absent agents, or to those without a known certificate.
+        missed: messages lost on the way, by the numbers of later ones.
+        refused: incoming messages that reached nobody, by reason; reasons are few and fixed.
+        failures: incoming messages whose handling failed by our own fault.
+        shut_out: excluded agents for this process; replaced as a whole.
     """
 
     def __init__(
@@ -271,7 +271,7 @@ class ZenohBus:
         self.inner = links.open()
         self._present: zenoh.Subscriber[None] | None = None
         if self.seals is not None:
-            # Whom a letter can be written to: everybody's token brings a certificate.
+            # Possible readers of letters: every token contains a certificate.
             meet = self.on_zenohs_thread(self._meet)
             self._present = self.inner.liveliness().declare_subscriber(
                 self.tokens.everybody, meet, history=True
@@ -283,10 +283,10 @@ class ZenohBus:
         """See `dray.ports.Bus.join`; also when another life has joined in another process.
 
         Args:
-            agent: as whom.
+            agent: its id.
             receive: called on the loop of `arrivals`.
-            life: which of its lives this is.
-            arrivals: to the agent's own loop, where that is not the bus's.
+            life: its incarnation.
+            arrivals: the queue to the agent's own loop, where that is not the bus's.
 
         Raises:
             SettingsError: the process's certificate does not name the agent.
@@ -310,13 +310,13 @@ class ZenohBus:
         yield Beside(self)
 
     async def roll_call(self) -> frozenset[str]:
-        """Who is there now, in any process, as far as the links reach."""
+        """The agents present now, in any process, as far as the links reach."""
         present: set[str] = set()
         all_told = asyncio.Event()
 
         def note(reply: zenoh.Reply) -> None:
             key = "" if reply.ok is None else str(reply.ok.key_expr)
-            # One that is there is there, however many tokens it has declared.
+            # An agent counts once, whatever the number of its tokens.
             if key and key.rsplit("/", 3)[1] not in present and (token := self.tokens.read(key)):
                 present.add(token.agent)
 
@@ -329,15 +329,13 @@ class ZenohBus:
         return frozenset(present)
 
     def forget(self, session: ZenohSession) -> None:
-        """Let go of a session that has left."""
+        """Remove a session that has left."""
         if self._sessions.get(session.agent) is session:
             del self._sessions[session.agent]
 
     def read(self, key: str, sample: zenoh.Sample, shares: Shares) -> Heard | None:
-        """What has come in on `key` for one agent; None, and refused, when it may not hear it. On any thread."""
-        shut_out = (
-            self.shut_out
-        )  # The same for all of it: whoever is called back meanwhile must have signed it.
+        """An incoming message on `key` for one agent; None, and counted as refused, when it is not acceptable. Thread-safe."""
+        shut_out = self.shut_out  # One snapshot for all checks: a readmission in between skips none.
         try:
             attachment = sample.attachment
             stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
@@ -365,13 +363,13 @@ class ZenohBus:
     def _open(
         self, key: str, stamp: Stamp, data: bytes, shut_out: frozenset[str], shares: Shares
     ) -> tuple[Kind | None, str, Message, str]:
-        """What its sender is, who has really said it, the message, and its context.
+        """The kind of the sender, its verified name, the message, and its context.
 
         Raises:
-            ShareSpentError: its sender has said all that it may.
-            _ShutOutError: its sender is shut out. Nobody hears it, whoever has said it: however much that is, it costs neither a signature
-                nor an encryption.
-            WireError: it cannot be read, or somebody else has said it, or nobody.
+            ShareSpentError: the sender has used up its share.
+            _ShutOutError: the sender is excluded. This check precedes signatures and encryption, so that many such messages cost
+                little.
+            WireError: it is unreadable, or its sender is not the claimed one.
         """
         reader = self.keys.addressee(key)
         if self.seals is None or self.letters is None:
@@ -394,7 +392,7 @@ class ZenohBus:
         return kind, sender, message, context
 
     def _meet(self, sample: zenoh.Sample) -> None:
-        """Somebody is there, or was; our own agents see to their tokens. On Zenoh's threads."""
+        """Process another process's token; our own agents handle theirs. On Zenoh's threads."""
         key = str(sample.key_expr)
         if self.seals is None or sample.kind != zenoh.SampleKind.PUT:
             return
@@ -404,14 +402,14 @@ class ZenohBus:
             self.seals.register.meet(token.agent, token.life, token.certificate)
 
     def refuse(self, reason: str) -> None:
-        """Count what came in and reaches nobody; on any thread."""
+        """Count an incoming message that reaches nobody. Thread-safe."""
         with self.lock:
             self.refused[reason] += 1
 
     def on_zenohs_thread(self, on_sample: Callable[[zenoh.Sample], None]) -> Callback[zenoh.Sample]:
-        """Call it where a sample comes in: with no thread and no queue between that nobody bounds.
+        """Call it on the thread on which a sample comes in: without a thread and an unbounded queue in between.
 
-        One that it fails on is counted and said: Zenoh would go on, and tell nobody.
+        A failure is counted and logged: Zenoh would ignore it silently.
         """
 
         def served(sample: zenoh.Sample) -> None:
@@ -423,7 +421,7 @@ class ZenohBus:
         return Callback(served, indirect=False)
 
     def leave(self) -> None:
-        """Let all agents leave; nothing is declared on the links any more."""
+        """Let all agents leave; no declarations remain on the links."""
         for session in tuple(self._sessions.values()):
             session.leave()
         if self._present is not None:
@@ -438,10 +436,10 @@ class ZenohBus:
 
 
 class Beside:
-    """A bus as agents on another loop see it: what they hear crosses to that loop by a queue of their own.
+    """The bus for agents on another loop: incoming messages cross to that loop by a queue of their own.
 
     Args:
-        bus: the process's.
+        bus: the process's bus.
     """
 
     def __init__(self, bus: ZenohBus) -> None:
@@ -449,5 +447,5 @@ class Beside:
         self._arrivals = Crossing(asyncio.get_running_loop())
 
     def join(self, agent: str, receive: Receive, life: int = NO_LIFE) -> ZenohSession:
-        """See `ZenohBus.join`; the session is used on the loop on which this was made."""
+        """See `ZenohBus.join`; use the session on the loop on which this was created."""
         return self._bus.join(agent, receive, life, self._arrivals)

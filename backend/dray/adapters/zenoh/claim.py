@@ -1,9 +1,9 @@
-"""A claim: what only one process of a plant may be at a time, and the first keeps.
+"""A claim: a role that only one process of a plant may have at a time, and the first keeps.
 
-An agent is another matter: there the latest life counts, since its journal has all that the one before knew.
+For an agent, in contrast, the latest life counts, since its journal has the knowledge of the earlier ones.
 
-With certificates a claim is signed, and only that of the agent whose name it has counts. Whoever has seen a claim may
-say it again when it has ended: this is good enough for a floor that is simulated, and for nothing that more depends on.
+With certificates a claim is signed, and counts only if its agent matches its name. A process that has seen a claim may
+replay it after its end. This is good enough for a simulated floor, and for nothing more important.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from dray.adapters.zenoh.tokens import Tokens
 class Claim:
     """Holds a claim until it is ended, or its bus is closed.
 
-    Whoever meets an earlier claim is told, however late the links to it come about. Two computers whose clocks differ
-    by more than the time between their starts take the wrong one for the first.
+    A later claimant is told about an earlier claim, however late their link comes about. If two computers' clocks differ by more than
+    the time between their starts, the wrong one counts as the first.
 
     Args:
-        bus: of this process.
-        name: what is claimed; with certificates, one that the process's own certificate names.
-        lost: called on the loop of the bus when another one was first.
+        bus: the bus of this process.
+        name: the claimed role; with certificates, a name in the process's own certificate.
+        lost: called on the loop of the bus when another process was first.
     """
 
     def __init__(self, bus: ZenohBus, name: str, lost: Callable[[], None]) -> None:
@@ -40,7 +40,7 @@ class Claim:
         self._token = liveliness.declare_token(self._claims.key(self._own))
 
     def end(self) -> None:
-        """Leave it to others."""
+        """Give up the claim."""
         self._token.undeclare()
         self._others.undeclare()
 

@@ -1,8 +1,7 @@
-"""Exclusions on the real bus: what one process knows of who is shut out.
+"""Exclusions on the real bus: one process's knowledge of the excluded agents.
 
-Gateways say the list again and again on one key (`dray.messages.shutout`); each process listens there for itself,
-whatever its agents do. It writes the newest list down, so that its next life knows it before it hears anybody, also
-while no gateway is there.
+Gateways repeat the list on one key (`dray.messages.shutout`), and each process subscribes to it, independently of its
+agents. It stores the newest list, so that its next life knows it before any message, even while no gateway is there.
 """
 
 from __future__ import annotations
@@ -27,11 +26,11 @@ _write = msgspec.json.Encoder().encode
 
 
 class Exclusions:
-    """Tells a bus whom its agents hear no more, until it is ended.
+    """Tells a bus which agents are excluded, until it is ended.
 
     Args:
-        bus: of this process.
-        file: where the list is kept; made when there is something to keep.
+        bus: the bus of this process.
+        file: the stored list; created when there is something to store.
     """
 
     def __init__(self, bus: ZenohBus, file: Path) -> None:
@@ -43,7 +42,7 @@ class Exclusions:
         self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, bus.on_zenohs_thread(self._on_sample))
 
     def end(self) -> None:
-        """Hear of no more decisions; what was decided holds as long as the bus is used."""
+        """Take no more decisions; earlier ones hold as long as the bus is used."""
         self._ear.undeclare()
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
@@ -72,7 +71,7 @@ class Exclusions:
             return ShutOut(number=0)
 
     def _keep(self, said: ShutOut) -> None:
-        """Replace the file as a whole: a process that ends meanwhile leaves the old one."""
+        """Replace the file as a whole: an interrupted process leaves the old one."""
         fresh = self._file.with_name(f"{self._file.name}.new")
         try:
             self._file.parent.mkdir(parents=True, exist_ok=True)

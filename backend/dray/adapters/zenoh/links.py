@@ -1,8 +1,7 @@
-"""How a process is linked with the others: which addresses, found how, secured how.
+"""A process's links to the others: their addresses, their discovery, their security.
 
-Every session is a Zenoh router, which is how neighbours pass on what others say to one another: a cut
-link is gone round by whatever way is left. Links are TLS with mutual authentication; plain TCP must be
-asked for.
+Every session is a Zenoh router, so neighbours relay for one another. Any remaining path bypasses a cut link. Links are TLS with
+mutual authentication; plain TCP must be requested explicitly.
 """
 
 from __future__ import annotations
@@ -19,23 +18,23 @@ from dray.adapters.zenoh.access import Apart
 from dray.errors import SettingsError, UnavailableError
 
 RETRY_MS = {"period_init_ms": 500, "period_max_ms": 4000, "period_increase_factor": 2}
-"""How often a peer that does not answer is called again: it is back within some seconds, and a peer that
-is gone for good costs nothing to speak of."""
+"""Delays between calls of a peer that does not answer: it is back within some seconds, and a peer gone for good costs almost
+nothing."""
 
 QUEUE_BATCHES = 16
-"""Of 64 kB each, to be sent on one link: 1 MB is more than all agents say within any lease, and whoever
-cannot take it has been silent for longer than that."""
+"""Maximum batches of 64 kB each that wait on one link: 1 MB is more than all agents send within any lease. A peer that cannot
+take it has been silent for longer."""
 
 DROP_AT_ONCE_US = 0
-"""A full link holds nobody up: what it cannot take is lost, and its receivers count it."""
+"""A full link delays nobody: further messages are lost, and their receivers count them."""
 
 RUNTIME = ("ZENOH_RUNTIME", "(rx: (worker_threads: 32))")
-"""Set before Zenoh begins, unless somebody has. A link that dies silently with something unsent on it holds one of
-these threads for ten seconds, in which the system still tries to send that (eclipse-zenoh/zenoh#1101). With two of
-them, as by default, a vehicle that lost its WLAN heard nothing by its radio either. 32 links may die at once."""
+"""Set before Zenoh starts, unless it is set already. A link that dies silently with unsent data holds one of these threads for
+ten seconds (eclipse-zenoh/zenoh#1101). In that time the system still tries to send. With the default of two threads, a vehicle
+that lost its WLAN heard nothing by its radio either. Now 32 links may die at once."""
 
 SCOUTING_MS = 10
-"""The wait for others at the start: nobody is needed there, and whoever comes later is linked later."""
+"""The wait for other processes at the start: none is needed, and later ones are linked later."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +43,12 @@ class Links:
 
     Attributes:
         listen: HOST:PORT each; port 0 lets the system choose one.
-        peers: HOST:PORT of those that are called, again and again until they answer.
-        multicast: find others on the same network without being told.
-        identity: who we are; None only with `plain`.
-        plain: TCP without encryption or authentication: whoever reaches the port may say anything.
-        lease_s: a link on which nothing has come for so long is closed, and gone round.
-        apart: what comes in over no link with a vehicle; only with an identity, and in a wired process.
+        peers: HOST:PORT of the peers, called until they answer.
+        multicast: find others on the same network by multicast.
+        identity: our own identity; None only with `plain`.
+        plain: TCP without encryption or authentication: any process that reaches the port may send anything.
+        lease_s: seconds of silence after which a link is closed and bypassed.
+        apart: messages refused on links with vehicles; only with an identity, and in a wired process.
     """
 
     listen: tuple[str, ...] = ()
@@ -64,8 +63,8 @@ class Links:
         """Open the links; takes some 10 ms, and does not wait for peers.
 
         Raises:
-            SettingsError: neither an identity nor `plain`, or an address that is none.
-            UnavailableError: an address cannot be listened on.
+            SettingsError: there is neither an identity nor `plain`, or an address is invalid.
+            UnavailableError: listening on an address failed.
         """
         config = self.config()
         os.environ.setdefault(*RUNTIME)
@@ -73,14 +72,14 @@ class Links:
             return zenoh.open(config)
         except zenoh.ZError as error:
             where = ", ".join(self.listen) or "no address"
-            # After this it tells where in its own sources it was noticed.
+            # The text after this names a place in Zenoh's own sources.
             reason = str(error).splitlines()[0].partition(" at /")[0]
             raise UnavailableError(
                 f"the bus on {where}", reason, "choose another address, or free this one"
             ) from None
 
     def config(self) -> zenoh.Config:
-        """The same in Zenoh's words."""
+        """The links as Zenoh's configuration."""
         if self.identity is None and not self.plain:
             raise SettingsError(
                 "DRAY_BUS_CERTIFICATES",
@@ -111,7 +110,7 @@ class Links:
                 "transport/link/protocols": ["tls"],
                 "transport/link/tls/root_ca_certificate": str(self.identity.authority),
                 "transport/link/tls/enable_mtls": True,
-                # A vehicle has no name in anybody's register; who it is stands in its certificate.
+                # A vehicle has no name in a DNS; its certificate has its identity.
                 "transport/link/tls/verify_name_on_connect": False,
                 "transport/link/tls/close_link_on_expiration": True,
             }

@@ -1,7 +1,7 @@
-"""A vehicle's modem on a real network: whether it is on the WLAN, or left with the radio of its neighbours.
+"""A vehicle's modem on a real network: it tells whether the vehicle is on the WLAN, or on its neighbours' radio only.
 
-Zenoh goes round a link that is gone and tells nobody. A vehicle has to know: without WLAN it keeps its task
-and takes on no other. So its body is asked, and the modem answers for the link.
+Zenoh bypasses a lost link silently. A vehicle must know of it: without WLAN it keeps its task and takes no other. So the modem adds
+the state of the links to the body's state.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from dray.ports import Body
 Network = IPv4Network | IPv6Network
 
 SETTLE_S = 0.25
-"""From a change of links until the vehicle hears of it. Zenoh chooses its ways anew after 0.1 s, and what is said
-before that goes the old way, into the void: also the heartbeat by which others are to learn of it."""
+"""Delay between a change of links and its report. Zenoh chooses new paths after 0.1 s. Messages before that are lost on the old
+path, including the heartbeat about the change."""
 
 
 class Modem:
-    """A vehicle's body that senses its links too (see `dray.ports.Body`).
+    """A vehicle's body that also senses its links (see `dray.ports.Body`).
 
-    Any link that is not on the radio is WLAN: while one is open, the vehicle is on it. A link is open until
-    nothing has come over it for a lease.
+    Any link that is not on the radio is WLAN, and an open one means that the vehicle is on it. A link is open until it has been
+    silent for a lease.
 
     Args:
-        body: everything else that the vehicle senses and does.
-        session: whose links these are.
+        body: the vehicle's other senses and instructions.
+        session: the session of the links.
         radio: the networks of the vehicles' own radio.
     """
 
@@ -71,7 +71,7 @@ class Modem:
         return any(address in network for network in self._radio)
 
     def _notice(self) -> None:
-        # Whoever closes all links has left.
+        # Closing all links is leaving.
         if self._session.is_closed() or (link := self._look()) is self._link:
             return
         self._link = link
@@ -81,11 +81,11 @@ class Modem:
     # --- on Zenoh's threads ----------------------------------------------------------------------
 
     def _see(self, _event: zenoh.LinkEvent) -> None:
-        # An event that finds no room is not missed: those that wait there look later, at all links.
+        # A full queue loses nothing: the waiting events check all links later.
         self._crossing.offer(self._loop.call_later, SETTLE_S, self._notice)
 
 
 def address_of(locator: str) -> IPv4Address | IPv6Address:
-    """The address in a locator of Zenoh's, as ``tls/10.8.0.3:40112`` or ``tls/[fd00::3]:40112``."""
+    """The address in a Zenoh locator, as ``tls/10.8.0.3:40112`` or ``tls/[fd00::3]:40112``."""
     host = locator.partition("/")[2].rpartition(":")[0]
     return ip_address(host.strip("[]"))

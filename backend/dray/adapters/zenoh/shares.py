@@ -1,4 +1,4 @@
-"""Shares: how much one agent may say to another one, so that one that never stops talking costs the others next to nothing."""
+"""Shares: a limit of one agent's messages to another one, so that an agent that never stops talking costs the others little."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from dray.adapters.zenoh.stamp import Stamp, Tally
 from dray.messages.kinds import Kind
 
 SAID_PER_S = 100.0
-"""Messages that one agent may say to another one, by the plant's clock. The most that was seen in a second of a small fleet, start and attack
-included, is 7 of a vehicle, 34 of a machine, and 60 of a station that keeps a book."""
+"""Maximum rate of messages from one agent to another one, by the plant's clock. The maximum in a small fleet, with
+its start and an attack, was 7 for a vehicle, 34 for a machine, and 60 for a station with a book."""
 
 AT_ONCE_S = 10.0
-"""Real seconds of it that may be said at once: what a link that was away has kept back."""
+"""Real seconds of the rate that may come at once: a backlog after a link's outage."""
 
 TALKATIVE = "more than one agent may say"
 
 
 class ShareSpentError(Exception):
-    """A message came in from an agent that has said all that it may."""
+    """A message has come from an agent that has used up its share."""
 
 
 UNBOUNDED = frozenset({Kind.STRATEGIST, Kind.GATEWAY})
-"""They speak for thousands of orders, and are the plant's own software."""
+"""Kinds without a limit: they speak for thousands of orders, and are the plant's own software."""
 
 
 class Shares:
-    """What one agent hears of each of the others, on the threads on which messages come in.
+    """One agent's limits for each of the others, on the threads of incoming messages.
 
-    Only what an agent has signed counts as its own, and what is said again (whoever says it again) has a share of its own: so nobody can
-    use up what another one has to say. Once a share is spent, all that comes in that name is refused unexamined.
+    Only messages that an agent has signed count for it, and replays by any process have a separate share. So nobody can use up
+    another agent's share. Once a share is spent, all messages in that name are refused without verification.
 
     Args:
-        tally: which numbers were heard.
+        tally: the received numbers.
         speed: seconds of the plant's clock per second.
-        now_s: real time that never goes back; for tests.
+        now_s: monotonic real time; for tests.
     """
 
     def __init__(self, tally: Tally, speed: float = 1.0, now_s: Callable[[], float] = time.monotonic) -> None:
@@ -45,20 +45,20 @@ class Shares:
         self._now_s = now_s
         self._lock = threading.Lock()
         self._free_s: dict[str, float] = {}
-        """Share -> when all of what it has said has been its due. Only certificates make one, so they are few."""
+        """Share -> the time at which its messages are within the rate again. Only certificates create one, so they are few."""
 
     def check(self, speaker: str, key: str, stamp: Stamp) -> None:
-        """Look whether it may say this now.
+        """Check whether the sender may send now.
 
         Raises:
-            ShareSpentError: it must be silent for a while.
+            ShareSpentError: it must pause.
         """
         free_s = self._free_s.get(self._share(speaker, key, stamp))
         if free_s is not None and free_s - self._now_s() > AT_ONCE_S:
             raise ShareSpentError
 
     def note(self, speaker: str, key: str, stamp: Stamp, kind: Kind | None) -> None:
-        """It has said something, as its signature shows; kind None where there are no signatures, and nobody is known."""
+        """Count a message with a verified sender; kind is None without signatures, and then nobody is limited."""
         if kind is None or kind in UNBOUNDED:
             return
         share = self._share(speaker, key, stamp)
@@ -66,5 +66,5 @@ class Shares:
             self._free_s[share] = max(self._free_s.get(share, 0.0), self._now_s()) + 1.0 / self._per_s
 
     def _share(self, speaker: str, key: str, stamp: Stamp) -> str:
-        # No name holds a space.
+        # No name contains a space.
         return speaker if self._tally.is_news(speaker, key, stamp) else f"{speaker} again"

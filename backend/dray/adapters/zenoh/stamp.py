@@ -1,7 +1,7 @@
-"""What a message carries beside itself: which life of its sender it is from, its number, and its seal.
+"""A message's stamp: the sender's life, the message's number, and its seal.
 
-The stamp is Zenoh's attachment, in MessagePack. Numbers count one sender's messages on one key from 1, so
-that a receiver sees what has been lost between two of them.
+The stamp is Zenoh's attachment, in MessagePack. Numbers count one sender's messages on one key from 1, so that a receiver
+sees the losses in between.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ import msgspec
 from dray.errors import WireError
 
 KNOWN = 10_000
-"""Senders and keys whose last number is known: ten times those of a plant of three hundred agents."""
+"""Maximum senders and keys with a known last number: ten times those of a plant of three hundred agents."""
 
 NEVER_HEARD = -1
-"""Before every life."""
+"""A number below all lives."""
 
 Number = Annotated[int, msgspec.Meta(ge=0)]
 
 
 class Stamp(msgspec.Struct, frozen=True, gc=False, array_like=True):
-    """What stands beside a message.
+    """The data beside a message.
 
     Attributes:
-        life: which life of its sender it is from (`dray.ports.Bus.join`).
-        number: the how-manyth of this life on this key.
+        life: the sender's life (`dray.ports.Bus.join`).
+        number: the message's number in this life on this key.
         seal: see `dray.adapters.security.seals`; empty on a bus without certificates.
     """
 
@@ -45,7 +45,7 @@ def read_stamp(data: bytes) -> Stamp:
     """Read a stamp.
 
     Raises:
-        WireError: it is none.
+        WireError: it is invalid.
     """
     try:
         return _decoder.decode(data)
@@ -54,15 +54,15 @@ def read_stamp(data: bytes) -> Stamp:
 
 
 class Tally:
-    """Finds out how many messages have not come, by the numbers of those that have."""
+    """Counts missing messages, by the numbers of received ones."""
 
     def __init__(self) -> None:
         self._last: dict[tuple[str, str], tuple[int, int]] = {}
 
     def skipped(self, sender: str, key: str, stamp: Stamp) -> int:
-        """How many messages are missing between this one and the last of its sender and key.
+        """The number of missing messages between this one and the last of its sender and key.
 
-        Nothing is missing before the first that is heard, and none that comes late or twice.
+        None are missing before the first received one; late and repeated messages count nothing.
         """
         place = (sender, key)
         life, last = self._last.get(place, (NEVER_HEARD, 0))
@@ -74,10 +74,10 @@ class Tally:
         return stamp.number - last - 1 if stamp.life == life else 0
 
     def is_news(self, sender: str, key: str, stamp: Stamp) -> bool:
-        """Whether a message is later than all that were counted of its sender and key."""
+        """Whether a message is later than all counted ones of its sender and key."""
         life, last = self._last.get((sender, key), (NEVER_HEARD, 0))
         return (stamp.life, stamp.number) > (life, last)
 
     def forget(self) -> None:
-        """Begin anew: what is not listened to is not missed."""
+        """Start again after an interruption of listening, without missing messages."""
         self._last.clear()

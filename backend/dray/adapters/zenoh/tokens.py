@@ -1,11 +1,10 @@
-"""Liveliness tokens: who is there, and in which of its lives.
+"""Liveliness tokens: the present agents, with their lives.
 
     {plant}/alive/{agent}/{life}/{seal}
 
-The life is the agent's incarnation, from its journal, and no time: whatever clocks do, a restart is later than the
-life that it replaces. With certificates the last chunk is the agent's signature over its name and its life, and
-brings its certificate along; so nobody can say that another agent lives on elsewhere. A token that is said again by
-somebody else says nothing new: the latest life counts.
+The life is the agent's incarnation from its journal, not a time: whatever clocks do, a restart is later than the life that it
+replaces. With certificates the last chunk contains the agent's signature over its name and its life, and its certificate. So no
+process can claim that another agent lives elsewhere. A replayed token has no effect, because the latest life counts.
 """
 
 from __future__ import annotations
@@ -22,23 +21,23 @@ from dray.errors import SealError
 UNSIGNED = "a token that is not signed by its agent"
 
 NO_LIFE = 0
-"""Of whoever keeps no journal, a tool that only looks: it replaces nobody."""
+"""The life of a tool without a journal, which only listens: it replaces no other life."""
 
 _LIFE = re.compile(r"[0-9]{1,16}")
 """As long as a `Count` may be."""
 
 _NONCE_BYTES = 8
-"""Of a token without certificates: enough for two lives with one number never to be the same."""
+"""Length of the nonce without certificates: it distinguishes two lives with one number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """One life of an agent that is there, or was.
+    """A present or past life of an agent.
 
     Attributes:
-        agent: whose.
+        agent: its id.
         life: see `dray.ports.Bus.join`.
-        seal: says that it was the agent who has said so; without certificates something that no other token has.
+        seal: proves the agent's authorship; without certificates a unique text.
         certificate: the agent's, in DER; empty without certificates.
     """
 
@@ -50,25 +49,25 @@ class Token:
     def replaces(self, other: Token) -> bool:
         """Whether this is a later life of the same agent.
 
-        Two lives with one number come from a journal that was copied. One of them has to go; which one, both sides
-        say alike.
+        Two lives with one number come from a copied journal. One of them must leave, and both sides choose
+        the same one.
         """
         return self.life != NO_LIFE and (self.life, self.seal) > (other.life, other.seal)
 
 
 class Tokens:
-    """All tokens of one sort in a plant. On any thread.
+    """All tokens of one sort in a plant. Thread-safe.
 
     Args:
-        under: the path under which they are.
-        seals: by which agents are known; None on a bus without certificates.
-        refuse: told the reason why a token says nothing.
+        under: the path above them.
+        seals: the known agents; None on a bus without certificates.
+        refuse: called with the reason for an invalid token.
     """
 
     def __init__(self, under: str, seals: Seals | None, refuse: Callable[[str], None]) -> None:
         self._under, self._seals, self._refuse = under, seals, refuse
         self.everybody = f"{under}/*/*/*"
-        """Matches all of them."""
+        """The pattern of all tokens."""
 
     def of(self, agent: str, life: int) -> Token:
         """The token of an agent of this process, in this life."""
@@ -77,15 +76,15 @@ class Tokens:
         return Token(agent, life, self._seals.vouch(self._words(agent, life)))
 
     def key(self, token: Token) -> str:
-        """The key that says it."""
+        """A token's key."""
         return f"{self._words(token.agent, token.life)}/{token.seal}"
 
     def all_of(self, agent: str) -> str:
-        """Matches those of one agent."""
+        """The pattern of one agent's tokens."""
         return f"{self._under}/{agent}/*/*"
 
     def read(self, key: str) -> Token | None:
-        """What a key on `everybody` says; None, and refused, when it says nothing."""
+        """The token of a key on `everybody`; None, and refused, when it is invalid."""
         agent, life, seal = key.rsplit("/", 3)[1:]
         if _LIFE.fullmatch(life):
             with contextlib.suppress(SealError):
@@ -94,9 +93,9 @@ class Tokens:
         return None
 
     def brings_news(self, key: str) -> bool:
-        """Whether a key on `everybody` brings a certificate by which its agent is not known yet.
+        """Whether a key on `everybody` contains a new certificate of its agent.
 
-        An agent may declare any number of tokens: what is known already costs others no signature.
+        An agent may declare any number of tokens: known ones cost others no verification.
         """
         agent, _, seal = key.rsplit("/", 3)[1:]
         try:
@@ -106,10 +105,10 @@ class Tokens:
             return False
 
     def _certificate(self, agent: str, life: int, seal: str) -> bytes:
-        """The certificate of the agent, who has said that this life is there; on a plain bus everybody is believed.
+        """The agent's certificate, by its signature of this life; on a plain bus every token is believed.
 
         Raises:
-            SealError: it has not.
+            SealError: the signature is not the agent's.
         """
         if self._seals is None:
             return b""

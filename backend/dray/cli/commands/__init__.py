@@ -1,1 +1,1 @@
-"""What a person types: one Typer module per command or group. Work is left to the other rooms."""
+"""The commands: one Typer module per command or group. The other rooms do the work."""

@@ -1,7 +1,7 @@
 """`dray agent`, `dray strategist`: the agents of a plant, one process each.
 
-Settings come from the environment and from a file (see `dray.settings`): where the others are, which
-certificate is ours, where the journal is.
+Settings come from the environment and from a file (see `dray.settings`): the addresses of the others, our certificate, the
+journal.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def machine(
     mapping: Mapping = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a machine; one that joins takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
+    """Run the agent of a machine; a joining one takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
     import asyncio
 
     from dray import __version__
@@ -162,7 +162,7 @@ def atv(
     ] = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a vehicle, a simulated or a real one; one that joins takes part as soon as it is there.
+    """Run the agent of a vehicle, a simulated or a real one; a joining one takes part as soon as it is there.
 
     SIGTERM lets it shut down gracefully.
     """
@@ -226,7 +226,7 @@ def station(
     mapping: Mapping = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it shut down gracefully."""
+    """Run the station of a storage, without which nothing is fetched there. SIGTERM lets it shut down gracefully."""
     import asyncio
 
     from dray import __version__
@@ -268,9 +268,9 @@ def gate(
     broker: Broker = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the gate of the delivery warehouses, which says what has arrived. SIGTERM lets it shut down gracefully.
+    """Run the gate of the delivery warehouses, which counts arrivals. SIGTERM lets it shut down gracefully.
 
-    Without it no order is known to be delivered; what is admitted is let in all the same, and counted when it is back.
+    Without it no order is known to be delivered. Admitted goods are let in all the same, and counted when it is back.
     """
     import asyncio
 
@@ -343,10 +343,10 @@ def _surroundings(
 
 
 def _with_body(where: Surroundings, agent: str, *real: str) -> Surroundings:
-    """The same, where its body is one that such an agent can have.
+    """The same surroundings, if this kind of agent can have their body.
 
     Raises:
-        SettingsError: it is not.
+        SettingsError: it cannot.
     """
     from dray.errors import SettingsError
 
@@ -362,7 +362,7 @@ def _grown(plant: Plant, file: Path, name: str) -> Plant:
 
     Raises:
         PlantError: that file cannot be used, or the machine does not fit into the plant of the others.
-        SettingsError: it does not have the machine, or the plant has it already.
+        SettingsError: that file lacks the machine, or the plant has it already.
     """
     from dray.cli.runtime.output import one_of
     from dray.errors import SettingsError
@@ -375,10 +375,10 @@ def _grown(plant: Plant, file: Path, name: str) -> Plant:
 
 
 def _joining(plant: Plant, name: str, type_: str | None, node: str | None) -> VehicleSpec | None:
-    """A vehicle that the plant does not know; None when nothing was said of one.
+    """A joining vehicle that the plant file lacks; None without one.
 
     Raises:
-        SettingsError: too little was said of it, there is no such type or node, or the name is none or taken.
+        SettingsError: its description is incomplete, its type or node does not exist, or its name is invalid or taken.
     """
     from dray.cli.runtime.output import one_of
     from dray.errors import SettingsError

@@ -22,7 +22,7 @@ def compose(
 ) -> None:
     """Write docker-compose.yml, Prometheus' targets and certificates for every process of a plant.
 
-    Certificates that are there already stay; the authority's key belongs in no container, and gets into none.
+    Existing certificates stay; the authority's key belongs in no container, and gets into none.
     """
     import os
 
@@ -67,7 +67,7 @@ def compose(
 
 
 def _seen_from(folder: Path, file: Path) -> str:
-    """A path as a compose file in this folder names it: one that begins with a dot is no volume's name."""
+    """A path for a compose file in this folder: it begins with a dot, as volume names never do."""
     import os
 
     path = Path(os.path.relpath(file, folder)).as_posix()

@@ -1,4 +1,4 @@
-"""`dray fleet`: what a person types to start a factory of processes, to look at it, and to kill some of it."""
+"""`dray fleet`: commands that start a factory of processes, show it, update it, and kill parts of it."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def up(
     strategists: Strategists = None,
     traffic: Traffic = None,
 ) -> None:
-    """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
+    """Start every agent of a plant as a process; ended ones are started again. Ctrl-C stops all."""
     if not math.isfinite(speed):
         raise typer.BadParameter("must be a number", param_hint="--speed")
 
@@ -120,7 +120,7 @@ def update(
     folder: Folder = DEFAULT_FOLDER,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
 ) -> None:
-    """Replace agents one at a time, each a canary; all go back by themselves when one fails. Ctrl-C stops it there."""
+    """Replace agents one at a time, each a canary; if one fails, all are rolled back. Ctrl-C stops it there."""
     import asyncio
 
     from dray.cli.fleet.rollout.report import show
@@ -140,7 +140,7 @@ def update(
 
 @app.command()
 def down(folder: Folder = DEFAULT_FOLDER) -> None:
-    """End a fleet, also the processes of a `dray fleet up` that was killed."""
+    """End a fleet, including the processes of a killed `dray fleet up`."""
     import asyncio
 
     from dray.cli.fleet.ending import end_fleet
@@ -150,7 +150,7 @@ def down(folder: Folder = DEFAULT_FOLDER) -> None:
 
 @app.command()
 def status(folder: Folder = DEFAULT_FOLDER) -> None:
-    """Show the processes: who runs, who is on the bus, how often each was started, which version it is."""
+    """Show the processes: which run, which are on the bus, how often each was started, and its version."""
     import asyncio
 
     from dray.cli.fleet.process_registry import present_agents, read_registry

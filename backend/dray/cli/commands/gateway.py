@@ -1,4 +1,4 @@
-"""`dray gateway` and `dray historian`: what `dray up` has in one process, for agents that are processes."""
+"""`dray gateway` and `dray historian`: the parts of `dray up` for agents that are processes."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def gateway(
 
 
 def historian(db: Database = None, settings: SettingsFile = None) -> None:
-    """Run the historian, which writes what happens to the database; one is enough."""
+    """Run the historian, which writes the plant's events to the database; one is enough."""
     import asyncio
 
     from dray.cli.runtime.gateway.gateway_process import run_historian

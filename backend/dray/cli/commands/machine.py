@@ -1,4 +1,4 @@
-"""`dray machine`: machines whose controllers are real: commissioning."""
+"""`dray machine`: commissioning of machines with real controllers."""
 
 from __future__ import annotations
 

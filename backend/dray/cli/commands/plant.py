@@ -51,8 +51,8 @@ def check(
 ) -> None:
     """Validate a plant file; every fault is named by line and field, and the exit code is 2.
 
-    A file without faults is looked through for where two vehicles have no room, which is an error, too, and for what will starve:
-    each warning has a figure and says what to do.
+    In a file without faults, places without room for two vehicles are errors, too, and starving parts are warnings. Each has a
+    figure and a remedy.
     """
     import msgspec
 
@@ -81,7 +81,7 @@ def as_json(
 ) -> None:
     """Write a plant as JSON, every default filled in: for agents that read no YAML.
 
-    Two-lane roads are written as what is driven: stop points, and one-way lanes between them.
+    Two-lane roads are written as they are driven: stop points, and one-way lanes between them.
     """
     import msgspec
 
@@ -99,7 +99,7 @@ def draw(
         Path | None, typer.Option("-o", "--out", help="The SVG file; else standard output.")
     ] = None,
 ) -> None:
-    """Draw a plant file as a picture (SVG), for a browser or a document; of one that is not finished, what is in it."""
+    """Draw a plant file as a picture (SVG), for a browser or a document; an unfinished one as far as possible."""
     from dray.cli.runtime.output import write_text
     from dray.plant.file.file import unfinished_plant
     from dray.plant.planning.drawing import draw as drawn
@@ -129,7 +129,7 @@ def new(
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Ask nothing; take the defaults.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Write over a file that is there.")] = False,
 ) -> None:
-    """Write a small plant that runs, to go on from; asks for what no option says."""
+    """Write a small plant that runs, as a start; asks for values without an option."""
     from dray.cli.runtime.output import write_text
     from dray.errors import SettingsError
     from dray.plant import parse_plant, plant_yaml, sum_up
@@ -161,7 +161,7 @@ def new(
 
 
 def _asked(question: str, given: T | None, usual: T, silent: bool, check: Callable[[str], T]) -> T:
-    """What an option says, else what is answered, else the default."""
+    """The option's value, else the person's answer, else the default."""
     if given is not None:
         return check(str(given))
     if silent:

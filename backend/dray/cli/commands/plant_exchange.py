@@ -36,9 +36,9 @@ def import_layout(
     unit: Annotated[str, typer.Option(help="Of a LIF file: m, cm or mm; else it is found out.")] = "",
     force: Annotated[bool, typer.Option("--force", help="Write over files that are there.")] = False,
 ) -> None:
-    """Make a plant file of a layout of another system, and list what the layout cannot tell.
+    """Convert a layout of another system into a plant file, and list what the layout lacks.
 
-    What is odd or could not be taken is said with its place in FILE.
+    Odd or unusable parts are reported with their places in FILE.
     """
     from dray.cli.runtime.output import write_json, write_text
     from dray.errors import SettingsError
@@ -120,7 +120,7 @@ def floor_plan(
     ] = None,
     json: Annotated[Path | None, typer.Option(help="Write its size and what was left out here.")] = None,
 ) -> None:
-    """Make a picture of a floor plan, for the plant editor to lie under a draft. Needs the extra `dxf`."""
+    """Convert a floor plan into a picture for the plant editor's drafts. Needs the extra `dxf`."""
     from dray.cli.runtime.output import write_json, write_text
     from dray.errors import SettingsError
     from dray.plant.exchange.dxf import read_dxf

@@ -1,4 +1,4 @@
-"""`dray vehicle`: real vehicles that speak VDA 5050: commissioning, and dialogues as files."""
+"""`dray vehicle`: commissioning of real vehicles that speak VDA 5050, and their dialogues as files."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def status(
         typer.Option(help="A key with factory:read, or the administrator's token; else DRAY_ADMIN_TOKEN."),
     ] = None,
 ) -> None:
-    """Say how vehicles are: status, place, battery, problem, and in the last line what each waits for and what would end it."""
+    """Show vehicles: status, place, battery, problem, and in the last line what each waits for and what would end it."""
     import time
 
     from dray.cli.runtime.vehicle_status import ask
@@ -107,7 +107,7 @@ def record(
     type_: Annotated[str | None, typer.Option("--type", help="Its type in the plant file.")] = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Listen to a vehicle and its master, whoever that is, and write down what they say, until Ctrl-C. Says nothing itself."""
+    """Listen to a vehicle and its master, and write down their messages, until Ctrl-C. Sends nothing itself."""
     import asyncio
 
     from dray.cli.runtime.commission import listen
@@ -131,7 +131,7 @@ def replay(
         bool, typer.Option("--quiet", help="Only whether the same is said as was recorded.")
     ] = False,
 ) -> None:
-    """Play a dialogue into a fresh driver, and tell what it makes of it. Exit code 1: it says something else than was recorded."""
+    """Play a dialogue into a fresh driver, and show its reaction. Exit code 1: it differs from the recording."""
     from dray.adapters.vda5050.dialogue import first_difference, read_dialogue
     from dray.adapters.vda5050.dialogue import replay as play
     from dray.adapters.vda5050.profile import load_profile
@@ -145,7 +145,7 @@ def replay(
         for line in played:
             typer.echo(line_text(line))
     if not any(line.event == "Instructed" for line in lines):
-        return  # It was only listened to: there is nothing of ours to compare with.
+        return  # It was recorded by listening: there are no effects of ours to compare.
     difference = first_difference(lines, played)
     if difference is None:
         typer.echo(f"{sum(bool(line.effect) for line in played)} words of ours, all as recorded")

@@ -1,4 +1,4 @@
-"""`dray wire`: what agents say to one another, as documents for those who write agents of their own."""
+"""`dray wire`: the agents' messages as documents, for authors of other agents."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ app = typer.Typer(no_args_is_help=True, help="What agents say, as schemas.")
 
 @app.callback()
 def wire() -> None:
-    """What agents say, as schemas."""
+    """The agents' messages, as schemas."""
 
 
 @app.command()
@@ -30,7 +30,7 @@ def write(
     if release:
         files[RELEASED] = released()
     (folder / "schemas").mkdir(parents=True, exist_ok=True)
-    # A message that is gone leaves no schema behind.
+    # A removed message leaves no schema behind.
     for stale in {*folder.glob("schemas/*.json")} - {folder / name for name in files}:
         stale.unlink()
     for name, text in files.items():

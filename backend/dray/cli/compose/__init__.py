@@ -1,4 +1,4 @@
-"""`dray compose`: a plant as containers, with TLS between them and notes that outlive an update.
+"""`dray compose`: a plant as containers, with TLS between them and journals that outlive an update.
 
-The file that it writes for the default plant stands in the repository; a test compares the two.
+The repository contains its file for the default plant; a test compares the two.
 """

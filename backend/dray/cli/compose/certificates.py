@@ -1,4 +1,4 @@
-"""A folder of certificates for each process of a plant: a container sees its own and nobody else's."""
+"""A folder of certificates for each process of a plant: a container sees only its own."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from dray.messages.speakers import names_of
 from dray.plant import Plant
 
 USER = 10001
-"""As whom the image runs its processes (`Dockerfile`)."""
+"""The user id of the image's processes (`Dockerfile`)."""
 
 _KINDS = {"gateway": Kind.GATEWAY, **dict.fromkeys(STRATEGISTS, Kind.STRATEGIST)}
-"""Of the single processes; the others are heard by nobody as agents."""
+"""Kinds of the single processes; the others are no agents."""
 
 
 def certify(plant: Plant, folder: Path, strategists: int = 1) -> int:
-    """Write what is missing: the authority into `folder`, and below it a folder for each process.
+    """Write missing files: the authority into `folder`, and below it a folder for each process.
 
-    Everybody else's list of certificates that were called back is brought up to date, too.
+    Copies of the list of revoked certificates are updated, too.
 
     Returns:
-        How many certificates were made.
+        The number of new certificates.
 
     Raises:
-        SettingsError: the authority there is another plant's.
-        UnavailableError: it cannot be written.
+        SettingsError: the authority there belongs to another plant.
+        UnavailableError: writing failed.
     """
     try:
         return _certify(plant, folder, strategists)
@@ -69,7 +69,7 @@ def _certify(plant: Plant, folder: Path, strategists: int) -> int:
 
 
 def _give_away(folder: Path) -> None:
-    """Let the image's user read it, where we may; else whoever starts the containers has to."""
+    """Let the image's user read it, where we may; otherwise the person who starts the containers must."""
     if os.geteuid() == 0:
         for path in (folder, *folder.iterdir()):
             os.chown(path, USER, USER)

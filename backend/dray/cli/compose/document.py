@@ -1,4 +1,4 @@
-"""The compose file of a plant, and what stands beside it: text alone."""
+"""The compose file of a plant, and its companions: text alone."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from dray.messages.kinds import Kind
 from dray.plant import Plant
 
 COMPOSE_MIN = "2.26"
-"""The oldest Compose with which these files were read (`docker compose config`)."""
+"""The oldest Compose version tested with these files (`docker compose config`)."""
 
 CERTIFICATES = "certs"
-"""The folder beside the compose file that has a folder of certificates for each process."""
+"""The folder beside the compose file with a folder of certificates for each process."""
 
 METRICS_PORT = 9101
 
 SINGLE = ("gateway", "historian", "strategist", "floor")
-"""The processes of which every plant has one."""
+"""Processes that exist once in every plant."""
 
 JOURNALS = "/var/lib/dray/journals"
 
@@ -35,9 +35,9 @@ class Service:
     """One process of a plant in its compose file.
 
     Attributes:
-        name: of the service, by which others call it.
-        agent: whose certificate it has.
-        kind: what follows `dray agent`; empty for one of `SINGLE`.
+        name: the service's name, by which others call it.
+        agent: the agent in its certificate.
+        kind: the argument of `dray agent`; empty for one of `SINGLE`.
     """
 
     name: str
@@ -46,11 +46,11 @@ class Service:
 
     @property
     def journal(self) -> str:
-        """The volume that outlives its containers."""
+        """The volume of its journal, which outlives its containers."""
         return f"journal-{self.name}"
 
     def mounts(self, plant_file: str) -> str:
-        """What it has of its own, in YAML: notes, certificates, and the plant file where it is not the default one."""
+        """Its own mounts, in YAML: journal, certificates, and the plant file where it is not the default one."""
         own = [f"{self.journal}:{JOURNALS}", f"./{CERTIFICATES}/{self.agent}:/etc/dray/certs:ro"]
         if _is_mounted(plant_file):
             own.append(f"{plant_file}:/etc/dray/plant.yaml:ro")
@@ -61,11 +61,11 @@ def services_of(plant: Plant, strategists: int = 1) -> tuple[Service, ...]:
     """All processes of a plant.
 
     Args:
-        plant: its agents.
-        strategists: how many share its orders.
+        plant: the plant.
+        strategists: number of strategists.
 
     Raises:
-        SettingsError: two would have one name on the network, which knows no capitals.
+        SettingsError: two would have one name on the network, which ignores case.
     """
     single = [Service(name, name) for name in (*SINGLE, *strategists_of(strategists)[1:])]
     agents = [
@@ -86,10 +86,10 @@ def compose_text(plant: Plant, plant_file: str = "", strategists: int = 1) -> st
     """`docker-compose.yml` of a plant.
 
     Args:
-        plant: whose agents get a service each.
-        plant_file: where it is, seen from the compose file, as `./plant.yaml`; or the name of a shipped plant, which the
-            image has; empty for the default plant.
-        strategists: how many share its orders.
+        plant: the plant; each agent gets a service.
+        plant_file: its path relative to the compose file, as `./plant.yaml`; or the name of a shipped plant, which the
+            image contains; empty for the default plant.
+        strategists: number of strategists.
 
     Raises:
         SettingsError: see `services_of`.
@@ -100,7 +100,7 @@ def compose_text(plant: Plant, plant_file: str = "", strategists: int = 1) -> st
     command += [f"--plant {plant_file}"] * bool(plant_file) + [f"--strategists {strategists}"] * (
         strategists > 1
     )
-    # Nothing of this is HTML; what is quoted is quoted as JSON, which YAML reads.
+    # There is no HTML here; quoting uses JSON, which YAML reads.
     jinja = Environment(
         undefined=StrictUndefined,
         keep_trailing_newline=True,
@@ -130,12 +130,12 @@ def compose_text(plant: Plant, plant_file: str = "", strategists: int = 1) -> st
 
 
 def _is_mounted(plant_file: str) -> bool:
-    """Whether it is a file beside the compose file, and not one that the image has."""
+    """Whether it is a file beside the compose file, instead of one in the image."""
     return plant_file.startswith(".")
 
 
 def targets_text(plant: Plant, strategists: int = 1) -> str:
-    """Where Prometheus asks every process of a plant, in its own words (`file_sd_configs`).
+    """The metrics addresses of all processes, in Prometheus' format (`file_sd_configs`).
 
     Raises:
         SettingsError: see `services_of`.

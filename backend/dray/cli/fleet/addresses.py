@@ -1,4 +1,4 @@
-"""Addresses on this computer for processes that are to be started on it."""
+"""Free addresses on this computer, for processes to be started."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import socket
 
 
 def free_addresses(count: int) -> list[str]:
-    """Addresses on this computer where nobody listens."""
+    """Addresses on this computer without a listener."""
     with contextlib.ExitStack() as stack:
-        # All of them at once, so that none is given twice.
+        # Bind all at once, so that none is returned twice.
         sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
         for each in sockets:
             each.bind(("127.0.0.1", 0))

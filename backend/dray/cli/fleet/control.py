@@ -1,10 +1,10 @@
-"""How other commands reach a running `dray fleet up`: a socket in the fleet's folder, for its owner alone.
+"""The control socket of a running `dray fleet up`, in the fleet's folder, for its owner alone.
 
     asked     {"type": "Replace", "name": "ATV3", "software": {...}, "canary_tasks": 3}
     answered  {"type": "Replaced", "left_s": 1.8, "starts": 2}   or   {"type": "Refused", "reason": "..."}
 
-One line each, one question per connection. A replacement that has begun is brought to its end, also when
-nobody waits for the answer any more.
+One line each, one question per connection. A replacement that has begun is completed, even if nobody waits for the answer any
+more.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from dray.cli.fleet.software import Software
 from dray.errors import UnavailableError
 
 SOCKET = "fleet.socket"
-"""In the fleet's folder."""
+"""The socket's name in the fleet's folder."""
 
 BACKLOG = 4
-"""Commands that may wait to be let in: people type them."""
+"""Maximum waiting connections: people type these commands."""
 
 
 class Replace(msgspec.Struct, frozen=True, tag=True):
-    """Replace one process; all its later lives are of this software, too."""
+    """Replace one process; all its later lives use this software, too."""
 
     name: str
     software: Software
@@ -39,28 +39,28 @@ class Replace(msgspec.Struct, frozen=True, tag=True):
 
 
 class Settle(msgspec.Struct, frozen=True, tag=True):
-    """This process has passed as a canary."""
+    """This process has passed its time as a canary."""
 
     name: str
 
 
 class Kill(msgspec.Struct, frozen=True, tag=True):
-    """Kill this process, and start it again after so many real seconds."""
+    """Kill this process, and restart it after these real seconds."""
 
     name: str
     away_s: float
 
 
 class Settled(msgspec.Struct, frozen=True, tag=True):
-    """Noted."""
+    """The answer to `Settle`."""
 
 
 class Killed(msgspec.Struct, frozen=True, tag=True):
-    """It was."""
+    """The process was killed."""
 
 
 class Refused(msgspec.Struct, frozen=True, tag=True):
-    """It cannot be done."""
+    """The request is impossible."""
 
     reason: str
 
@@ -73,7 +73,7 @@ _answer: msgspec.json.Decoder[Answer] = msgspec.json.Decoder(Answer)
 
 
 async def replace(folder: Path, wanted: Replace) -> Replaced | Refused:
-    """Let the `dray fleet up` of a folder replace a process, and wait until it has.
+    """Ask the folder's `dray fleet up` to replace a process, and wait until it has.
 
     Raises:
         UnavailableError: nobody answers.
@@ -83,7 +83,7 @@ async def replace(folder: Path, wanted: Replace) -> Replaced | Refused:
 
 
 async def settle(folder: Path, name: str) -> None:
-    """Tell the `dray fleet up` of a folder that a canary has passed.
+    """Tell the folder's `dray fleet up` that a canary has passed.
 
     Raises:
         UnavailableError: nobody answers.
@@ -92,12 +92,12 @@ async def settle(folder: Path, name: str) -> None:
 
 
 async def kill(folder: Path, name: str, away_s: float) -> bool:
-    """Let the `dray fleet up` of a folder kill a process, and start it again later; False when it does not run.
+    """Ask the folder's `dray fleet up` to kill a process, and restart it later; False when it does not run.
 
     Args:
-        folder: the fleet's.
-        name: of the process.
-        away_s: real seconds.
+        folder: the fleet's folder.
+        name: the process's name.
+        away_s: real seconds before the restart.
 
     Raises:
         UnavailableError: nobody answers.
@@ -110,11 +110,11 @@ async def controlled(folder: Path, supervisors: Mapping[str, ProcessSupervisor])
     """Answer other commands, as long as the context lasts.
 
     Args:
-        folder: the fleet's, where nobody else does the same.
-        supervisors: by name.
+        folder: the fleet's folder, without another server.
+        supervisors: the supervisors, by name.
 
     Raises:
-        UnavailableError: there can be no socket in that folder.
+        UnavailableError: no socket can be created in that folder.
     """
     at_work: set[asyncio.Task[None]] = set()
 
@@ -191,7 +191,7 @@ async def _ask(folder: Path, question: Question) -> Answer:
 
 @contextlib.contextmanager
 def _short(folder: Path) -> Iterator[str]:
-    """A path of the socket that fits into an address (unix(7): 107 bytes), however deep the folder is."""
+    """A path of the socket short enough for an address (unix(7): 107 bytes), for any depth of the folder."""
     handle = os.open(folder, os.O_PATH | os.O_DIRECTORY)
     try:
         yield f"/proc/self/fd/{handle}/{SOCKET}"

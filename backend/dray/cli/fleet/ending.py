@@ -1,4 +1,4 @@
-"""The end of a fleet, asked for from elsewhere."""
+"""The end of a fleet, requested by another command."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from dray.cli.fleet.processes import Process
 
 
 async def end_fleet(folder: Path) -> int:
-    """End the `dray fleet up` of a folder, which ends its processes; then those that nobody keeps any more.
+    """End the `dray fleet up` of a folder with its processes, then the processes without a supervisor.
 
     Returns:
-        How many processes had been running.
+        The number of processes that had been running.
 
     Raises:
-        UnavailableError: there is no fleet, or it is somebody else's.
+        UnavailableError: there is no fleet, or another user's.
     """
     registry = read_registry(folder)
     running = registry.running
@@ -27,7 +27,7 @@ async def end_fleet(folder: Path) -> int:
         await registry.supervisor.gone()
         if not (folder / REGISTRY).exists():
             return len(running)
-        # It was told a second time, and has ended without its processes.
+        # After a second signal it has ended without its processes.
         registry = read_registry(folder)
     told = [member for member in registry.members if member.signal(signal.SIGINT)]
     async with asyncio.TaskGroup() as group:
@@ -38,7 +38,7 @@ async def end_fleet(folder: Path) -> int:
 
 
 async def _ended(process: Process) -> None:
-    """Wait until it has ended; it is killed when that takes too long."""
+    """Wait until it has ended; kill it after a timeout."""
     try:
         async with asyncio.timeout(STOP_S):
             await process.gone()

@@ -1,4 +1,4 @@
-"""The folder of a fleet: what is where in it, and what lies there before anything starts."""
+"""The folder of a fleet: its layout, and the files needed before the start."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from dray.settings import PREFIX, Settings
 REGISTRY, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
 METRICS = "metrics.json"
 CONTROLLERS = "controllers"
-"""Mapping files of the machines, where these have controllers."""
+"""The folder of mapping files, for machines with controllers."""
 
 FLEET_LOCK, UPDATE_LOCK = "fleet.lock", "update.lock"
 
@@ -31,14 +31,14 @@ GATEWAY, HISTORIAN = "gateway", "historian"
 """The names of their processes, and of their certificates."""
 
 OBSERVER = "observer"
-"""The name of the certificate for commands that look at a fleet."""
+"""The name of the certificate for commands that observe a fleet."""
 
 
 def make(folder: Path) -> None:
-    """Make the folder of a fleet, if it is not there.
+    """Create the folder of a fleet, if it is missing.
 
     Raises:
-        UnavailableError: it cannot be made here, or this is no computer for a fleet.
+        UnavailableError: creating it failed, or this computer does not support a fleet.
     """
     if not (PROC / "self").exists():
         raise UnavailableError("a fleet", "needs Linux, where /proc tells who runs", "use `dray up` here")
@@ -47,16 +47,16 @@ def make(folder: Path) -> None:
 
 
 def prepare(folder: Path, plant: Plant, strategists: Sequence[str], *, plain: bool) -> None:
-    """Make the folder ready for a fleet that begins anew.
+    """Prepare the folder for a new fleet.
 
     Args:
-        folder: the fleet's.
-        plant: whose agents get certificates.
-        strategists: those that share its orders; they get some, too.
-        plain: links have none.
+        folder: the fleet's folder.
+        plant: the plant; its agents get certificates.
+        strategists: the strategists; they get certificates, too.
+        plain: whether links have no certificates.
 
     Raises:
-        UnavailableError: it cannot be written.
+        UnavailableError: writing failed.
     """
     with _kept_in(folder):
         _forget_bodies(folder)
@@ -66,16 +66,16 @@ def prepare(folder: Path, plant: Plant, strategists: Sequence[str], *, plain: bo
 
 @contextlib.contextmanager
 def alone(folder: Path, lock: str, what: str, remedy: str) -> Iterator[None]:
-    """See to it that nobody else does the same with this folder; the lock ends with our process, however it ends.
+    """Hold a lock on this folder, so that only one process does this; it ends with our process in any case.
 
     Args:
-        folder: it is there.
+        folder: an existing folder.
         lock: the name of a file in it.
-        what: what is being done.
-        remedy: what to do when somebody else does it.
+        what: the work to be done.
+        remedy: the advice when another process holds the lock.
 
     Raises:
-        UnavailableError: somebody else does.
+        UnavailableError: another process holds the lock.
     """
     with _kept_in(folder):
         file = (folder / lock).open("ab")
@@ -88,10 +88,10 @@ def alone(folder: Path, lock: str, what: str, remedy: str) -> Iterator[None]:
 
 
 def read_settings(folder: Path) -> Settings:
-    """What a fleet was started with, whatever our own environment says.
+    """The settings of a fleet at its start, independent of our own environment.
 
     Raises:
-        UnavailableError: there is none.
+        UnavailableError: there are none.
     """
     try:
         lines = (folder / SETTINGS).read_text(encoding="utf-8").splitlines()
@@ -106,14 +106,14 @@ def read_settings(folder: Path) -> Settings:
 
 
 def write_settings(folder: Path, common: Mapping[str, str], peers: Sequence[str]) -> None:
-    """Write down what a joining agent needs: the settings of all, and some addresses to call.
+    """Write the settings for a joining agent: those of all, and some addresses to call.
 
     Raises:
-        UnavailableError: it cannot be written.
+        UnavailableError: writing failed.
     """
     file = folder / SETTINGS
     lines = [f"{name}={value}" for name, value in (*common.items(), (f"{PREFIX}BUS_PEERS", ",".join(peers)))]
-    # The URL of the database may hold a password.
+    # The URL of the database may contain a password.
     with _kept_in(folder):
         file.unlink(missing_ok=True)
         file.touch(mode=0o600)
@@ -121,14 +121,14 @@ def write_settings(folder: Path, common: Mapping[str, str], peers: Sequence[str]
 
 
 def write_targets(folder: Path, targets: Mapping[str, str]) -> None:
-    """Write down where Prometheus can ask, in its own words (`file_sd_configs`).
+    """Write the metrics addresses in Prometheus' format (`file_sd_configs`).
 
     Args:
-        folder: the fleet's.
-        targets: by the process's name, its address.
+        folder: the fleet's folder.
+        targets: the addresses by names of processes.
 
     Raises:
-        UnavailableError: it cannot be written.
+        UnavailableError: writing failed.
     """
     found = [{"targets": [address], "labels": {"instance": name}} for name, address in targets.items()]
     with _kept_in(folder):
@@ -152,10 +152,10 @@ def _certify(plant: Plant, strategists: Sequence[str], folder: Path) -> None:
 
 
 def forget_controllers(folder: Path, plant: Plant) -> None:
-    """The floor will have other controllers: forget where those of the last one were, and what they have counted.
+    """Delete the addresses and counts of the last floor's controllers: a new floor has other ones.
 
     Raises:
-        UnavailableError: it cannot be.
+        UnavailableError: deleting failed.
     """
     with _kept_in(folder):
         for machine in plant.machines:
@@ -167,7 +167,7 @@ def forget_controllers(folder: Path, plant: Plant) -> None:
 
 
 def _forget_bodies(folder: Path) -> None:
-    """The floor begins anew, so what agents were bound by to the last one is no more."""
+    """The floor begins anew, so agents' commitments about the last one are void."""
     for file in (folder / JOURNALS).glob("*.db"):
         with contextlib.closing(SqliteJournal(file)) as journal:
             journal.forget()

@@ -1,4 +1,4 @@
-"""The registry of a fleet: who runs, where, and after how many starts, in a file that other commands read."""
+"""The registry of a fleet: its processes, with addresses and starts, in a file for other commands."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from dray.cli.runtime.roster import FLOOR
 from dray.errors import UnavailableError
 
 OBSERVER_LINKS = 5
-"""Of somebody who looks at a fleet. Every new link is told to everybody, so one to each process would keep a large
-fleet busy; with so many, a few processes that are away cut nobody off."""
+"""Links of an observer of a fleet. Every new link is announced to all processes, so one to each process would load a large
+fleet. With this number, some unreachable processes cut nobody off."""
 
 ALIVE_S = 3.0
-"""For the links of whoever asks who is there; they take milliseconds when the computer is not busy."""
+"""Longest wait for an observer's links; they take milliseconds when the computer is not busy."""
 
 ALIVE_AGAIN_S = 0.1
 
@@ -34,7 +34,7 @@ _log = logging.getLogger(__name__)
 
 
 class State(StrEnum):
-    """What a process is about, as far as its supervisor knows."""
+    """The state of a process, as its supervisor knows it."""
 
     AT_WORK = ""
     DRAINING = "draining"
@@ -45,13 +45,13 @@ class Member(Process, frozen=True, kw_only=True):
     """One process of a fleet.
 
     Attributes:
-        name: of its agent.
-        kind: what it is: atv, machine, station, strategist, historian, gateway or floor.
-        address: where it is called.
-        starts: how often it was started.
-        software: of its last start.
-        proven: the last that was no canary: what it goes back to.
-        state: see there.
+        name: its agent's name.
+        kind: its kind: atv, machine, station, strategist, historian, gateway or floor.
+        address: its listening address.
+        starts: number of starts.
+        software: the software of its last start.
+        proven: the last software that was no canary, for a rollback.
+        state: its state.
     """
 
     name: str
@@ -73,8 +73,8 @@ class ProcessRegistry(msgspec.Struct, frozen=True):
 
     Attributes:
         plant: the plant's id.
-        plain: links have no certificates.
-        supervisor: the `dray fleet up` that keeps them.
+        plain: whether links have no certificates.
+        supervisor: the `dray fleet up` that supervises them.
     """
 
     plant: str
@@ -83,12 +83,12 @@ class ProcessRegistry(msgspec.Struct, frozen=True):
     members: tuple[Member, ...]
 
     def member(self, name: str) -> Member:
-        """The process of this name, which is one of the fleet's."""
+        """The process of this name, which must be in the fleet."""
         return next(member for member in self.members if member.name == name)
 
     @property
     def running(self) -> tuple[Member, ...]:
-        """Those whose process is there."""
+        """The members with a running process."""
         return tuple(member for member in self.members if member.runs)
 
 
@@ -106,7 +106,7 @@ def read_registry(folder: Path) -> ProcessRegistry:
 
 
 def peer_of(registry: ProcessRegistry, folder: Path) -> ZenohBus:
-    """A place on a fleet's bus for a command that looks at it; on the running loop."""
+    """A connection to a fleet's bus for an observing command; on the running loop."""
     identity = None if registry.plain else Identity.in_folder(folder / CERTIFICATES, OBSERVER)
     running = registry.running
     linked = running[:: -(-len(running) // OBSERVER_LINKS) or 1]
@@ -115,7 +115,7 @@ def peer_of(registry: ProcessRegistry, folder: Path) -> ZenohBus:
 
 
 async def present_agents(registry: ProcessRegistry, folder: Path) -> frozenset[str]:
-    """Who of a fleet is on the bus at this moment; waits a little for those whose process runs."""
+    """The agents of a fleet that are on the bus now; waits a little for those with a running process."""
     expected = {member.name for member in registry.running if member.joins}
     bus = peer_of(registry, folder)
     present: frozenset[str] = frozenset()
@@ -132,12 +132,12 @@ async def present_agents(registry: ProcessRegistry, folder: Path) -> frozenset[s
 
 
 class RegistryWriter:
-    """Writes the registry anew whenever something changes.
+    """Writes the registry after each change.
 
     Args:
         folder: the fleet's.
         plant: the plant's id.
-        plain: links have no certificates.
+        plain: whether links have no certificates.
     """
 
     def __init__(self, folder: Path, plant: str, *, plain: bool) -> None:
@@ -147,7 +147,7 @@ class RegistryWriter:
         self._grown = asyncio.Event()
 
     async def has(self, count: int) -> None:
-        """Wait until so many processes were started."""
+        """Wait until this number of processes was started."""
         while len(self._members) < count:
             self._grown.clear()
             await self._grown.wait()
@@ -171,23 +171,23 @@ class RegistryWriter:
         return member
 
     def entered(self, name: str, state: State) -> None:
-        """A process that was started is about something else now."""
+        """A started process has another state now."""
         member = self._members[name]
         proven = member.software if state is State.AT_WORK else member.proven
         self._members[name] = msgspec.structs.replace(member, state=state, proven=proven)
         self._write()
 
     def close(self) -> None:
-        """Nobody runs any more."""
+        """Write that no process runs any more."""
         self._file.unlink(missing_ok=True)
 
     def _write(self) -> None:
         registry = ProcessRegistry(self._plant, self._plain, self._supervisor, tuple(self._members.values()))
-        # Replaced as a whole: a reader sees the old list or the new one.
+        # Replaced atomically: a reader sees the old list or the new one.
         fresh = self._file.with_suffix(".new")
         try:
             fresh.write_bytes(msgspec.json.encode(registry))
             fresh.replace(self._file)
         except OSError as error:
-            # The processes go on all the same, and the next change is another attempt.
+            # The processes continue all the same, and the next change retries.
             _log.warning("%s is not up to date for other commands: %s", self._file, error)

@@ -1,7 +1,7 @@
-"""The process specs of a fleet: which processes there are, and how each is started.
+"""The process specs of a fleet: its processes, and their start commands.
 
-Every process calls three others, at distances of 1, 2 and 4 in a ring, so that no single one is between
-any two others, and the number of links grows with the factory and not with its square.
+Every process calls three others, at distances of 1, 2 and 4 in a ring. So no single one separates two others, and the number of
+links grows linearly with the factory.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from dray.plant import Plant
 from dray.settings import PREFIX
 
 DISTANCES = (1, 2, 4)
-"""In the ring. Any two neighbours may be gone, and all others still hear one another."""
+"""Distances in the ring. If any two neighbours are gone, all others still hear one another."""
 
 
 @dataclass(frozen=True, slots=True)
 class ProcessSpec:
-    """One process to be kept running.
+    """One process to supervise.
 
     Attributes:
-        name: of its agent.
-        kind: what it is: atv, machine, station, gate, strategist, historian, gateway or floor.
-        command: what follows `dray`.
-        address: where others call it.
-        environment: all of it.
-        metrics: where it tells Prometheus its metrics; empty: nowhere.
-        log: the file that its words are added to.
+        name: its agent's name.
+        kind: its kind: atv, machine, station, gate, strategist, historian, gateway or floor.
+        command: the arguments of `dray`.
+        address: its listening address.
+        environment: its whole environment.
+        metrics: the address of its Prometheus metrics; empty: none.
+        log: the file to which its output is appended.
     """
 
     name: str
@@ -47,21 +47,21 @@ class ProcessSpec:
 
     @property
     def speaks(self) -> bool:
-        """Whether its words are for the person who has started the fleet."""
+        """Whether its output is for the person who has started the fleet."""
         return self.kind == GATEWAY
 
     @property
     def comes_back(self) -> bool:
-        """Whether another process can go on where it has ended; not the floor, whose bodies end with it."""
+        """Whether a new process can replace it after its end; not the floor, whose bodies end with it."""
         return self.kind != FLOOR
 
     def probation(self, tasks: int) -> tuple[str, ...]:
-        """What follows the command of a canary with so many tasks; not every kind knows probation."""
+        """The arguments of a canary with this number of tasks; empty for kinds without probation."""
         return ("--probation", str(tasks)) if tasks and self.kind in ON_PROBATION else ()
 
 
 ON_PROBATION = frozenset[str]({Kind.ATV, Kind.MACHINE})
-"""Kinds of agents that take no more than they can show themselves by, while they are on probation."""
+"""Kinds of agents with probation: they take few tasks until they have proved themselves."""
 
 
 def specs_of(
@@ -77,19 +77,19 @@ def specs_of(
     vda5050: str = "",
     people_at_gate: bool = False,
 ) -> list[ProcessSpec]:
-    """The specs of all processes of a plant, in the order in which they are to be started: agents need a floor, people a panel.
+    """The specs of all processes of a plant, in starting order: agents need a floor, people a panel.
 
     Args:
         plant: the factory.
-        strategists: those that share its orders.
-        folder: the fleet's.
+        strategists: the strategists.
+        folder: the fleet's folder.
         common: the settings of all.
-        secret: further ones, for the gateway alone.
-        demand: the gateway places orders, too.
-        metrics: every process tells its own.
-        opcua: machines are behind the floor's OPC UA server.
-        vda5050: the broker at which vehicles speak VDA 5050; empty for vehicles that do not.
-        people_at_gate: people are the body of the gate.
+        secret: more settings, for the gateway alone.
+        demand: whether the gateway places orders, too.
+        metrics: whether every process serves its metrics.
+        opcua: whether machines are behind the floor's OPC UA server.
+        vda5050: the broker of vehicles that speak VDA 5050; empty for none.
+        people_at_gate: whether people operate the gate.
     """
     controllers = folder / CONTROLLERS
     commands: dict[str, tuple[str, ...]] = {
@@ -100,7 +100,7 @@ def specs_of(
             *(("--open-gate",) if people_at_gate else ()),
         ),
         HISTORIAN: (HISTORIAN,),
-        # One alone is not named: a version of Dray that knows no others can be gone back to.
+        # A single one is not named, so that a rollback to a version with only one is possible.
         **{name: (STRATEGIST,) if name == STRATEGIST else (STRATEGIST, name) for name in strategists},
         GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
         **{agent: ("agent", kind, agent) for agent, kind in agents_of(plant).items()},
@@ -115,7 +115,7 @@ def specs_of(
         links = {
             f"{PREFIX}BUS_LISTEN": addresses[name],
             f"{PREFIX}BUS_PEERS": ",".join(sorted(addresses[each] for each in called)),
-            # Said also where there is none: two processes cannot listen on what this one's variable names.
+            # Set even when empty: two processes cannot listen on the address in this one's variable.
             f"{PREFIX}METRICS_LISTEN": told[name],
         }
         command = commands[name]
@@ -149,5 +149,5 @@ def specs_of(
 
 
 def _simulated_vehicle(name: str) -> dict[str, str]:
-    """What the agent of a vehicle of the floor is told of it (`dray_sim.vda5050.floor_fleet`)."""
+    """The environment of the agent of a vehicle of the floor (`dray_sim.vda5050.floor_fleet`)."""
     return {"MANUFACTURER": "Dray", "SERIAL": name, "PROFILE": "dray-sim"}

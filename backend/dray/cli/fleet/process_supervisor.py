@@ -1,4 +1,4 @@
-"""A supervisor of one process: it keeps that process running, as a service manager does, and replaces it when asked."""
+"""A supervisor of one process: it restarts the process after each end, as a service manager does, and replaces it on request."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from dray.cli.fleet.software import Software
 from dray.cli.runtime.readiness import listening
 
 REST_S = 1.0
-"""Before a process that has ended is started again: one that ends at once must not take the computer."""
+"""Seconds before a restart: a process that ends at once must not take over the computer."""
 
 REST_MAX_S = 60.0
-"""The rest doubles with every life that was too short, up to this: what hinders it may be over by then."""
+"""Maximum delay of a restart, doubled after each short life: the obstacle may be gone by then."""
 
 STEADY_S = 60.0
-"""A process that has lived for so long was well: what ends it has nothing to do with what ended the one before."""
+"""Seconds after which a life counts as stable: its end is unrelated to earlier ones."""
 
 READY_S = 60.0
-"""Longest that others wait for their turn to be started because one does not say that it takes part."""
+"""Longest time that a starting process without a ready message delays the start of others."""
 
 STOP_S = 10.0
-"""To end at once; then it is killed."""
+"""Seconds for an immediate end; then the process is killed."""
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
 class Filling:
-    """How a process is to be started from now on.
+    """The configuration of a process's next starts.
 
     Attributes:
-        software: what runs.
-        canary_tasks: tasks that every life has to do well before it counts as one like the others; 0 for none.
+        software: its software.
+        canary_tasks: tasks that every life must do well as a canary; 0 for none.
     """
 
     software: Software
@@ -49,17 +49,17 @@ class Filling:
 
     @property
     def state(self) -> State:
-        """What a process is about that was started so."""
+        """The state of a process started like this."""
         return State.CANARY if self.canary_tasks else State.AT_WORK
 
 
 class Replaced(msgspec.Struct, frozen=True, tag=True):
-    """How a process was replaced.
+    """The result of a replacement.
 
     Attributes:
         left_s: real seconds until the old one had ended.
-        killed: it had to be killed.
-        starts: of the process, with the one of the new process.
+        killed: whether it had to be killed.
+        starts: number of starts, including the new process.
     """
 
     left_s: float
@@ -68,14 +68,14 @@ class Replaced(msgspec.Struct, frozen=True, tag=True):
 
 
 class ProcessSupervisor:
-    """Keeps one process running.
+    """Supervises one process.
 
     Args:
-        spec: what is to be kept.
-        registry: where every start is written down.
-        turns: held from a start until the process takes part: how many may begin at once.
-        leave_s: real seconds in which a process that is asked to shut down gracefully does so.
-        filling: how the process is started at first.
+        spec: the process.
+        registry: records every start.
+        turns: limits concurrent starts; held from a start until the process is ready.
+        leave_s: real seconds for a graceful shutdown.
+        filling: the initial configuration.
     """
 
     def __init__(
@@ -91,20 +91,20 @@ class ProcessSupervisor:
         self._filling = filling
         self._process: asyncio.subprocess.Process | None = None
         self._starting = asyncio.Lock()
-        """Held while a process is being started: it runs then, or has not begun."""
+        """Held during a start: outside it, the process runs or has not begun."""
         self._replacing = asyncio.Lock()
         self._hurry = asyncio.Event()
-        """Set: there is no need to rest."""
+        """Set to skip the delay before a restart."""
         self._rest_s = REST_S
-        """Before the next start, should the process end by itself."""
+        """The delay of the next restart, if the process ends by itself."""
         self._away_s: float | None = None
-        """How long the process stays away when it ends next; None for as long as usual."""
+        """The delay after the next end; None for the usual one."""
         self._next_start: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 
     async def keep(self) -> None:
-        """Start the process, and again whenever it ends; when cancelled, let it end at once.
+        """Start the process, and restart it after each end; on cancellation, end it at once.
 
-        Returns when it has ended and cannot come back.
+        Returns when it has ended and cannot be restarted.
         """
         while True:
             began_s = time.monotonic()
@@ -126,7 +126,7 @@ class ProcessSupervisor:
                     await self._hurry.wait()
 
     def _rest(self, lived_s: float) -> float:
-        """How long the process stays away now that it has ended."""
+        """The delay before the restart of a process that has ended."""
         if self._away_s is not None:
             rest_s, self._away_s = self._away_s, None
             return rest_s
@@ -138,13 +138,13 @@ class ProcessSupervisor:
         return rest_s
 
     def kill(self, away_s: float) -> bool:
-        """Kill the process, and keep it away, as of a computer that stays away.
+        """Kill the process, and keep it down, like a computer that stays off.
 
         Args:
-            away_s: real seconds; a replacement ends them.
+            away_s: real seconds before the restart; a replacement ends the delay.
 
         Returns:
-            False when nothing runs, or what runs is killed already.
+            False when nothing runs, or the process is already killed.
         """
         process = self._process
         if process is None or process.returncode is not None or self._away_s is not None:
@@ -154,11 +154,11 @@ class ProcessSupervisor:
         return True
 
     async def replace(self, filling: Filling, *, at_once: bool) -> Replaced:
-        """Let the process leave, and start another one so; one replacement after the other.
+        """Shut the process down, and start another one; replacements run one after the other.
 
         Args:
-            filling: holds for all later starts, too.
-            at_once: it need not finish what it has begun.
+            filling: the configuration for all later starts, too.
+            at_once: whether to end it without a graceful shutdown.
 
         Raises:
             OSError: the new one cannot be started.
@@ -175,19 +175,19 @@ class ProcessSupervisor:
             left_s = time.monotonic() - began_s
             self._hurry.set()
             starts = await started
-            # How often the one before has ended says nothing of this one.
+            # The earlier software's failures say nothing about this one.
             self._rest_s = REST_S
             return Replaced(left_s, killed, starts)
 
     def settle(self) -> None:
-        """It has passed: no later life is a canary any more."""
+        """It has passed: no later life is a canary."""
         self._filling = Filling(self._filling.software)
         self._registry.entered(self._spec.name, State.AT_WORK)
 
     async def _begin(self) -> None:
-        """Start it, and wait until it takes part, has ended, or must not hold up the others any longer.
+        """Start it, and wait until it is ready or has ended, with a timeout for the sake of the others.
 
-        What hinders a start, a full disk say, may be over at the next one.
+        A failed start, by a full disk, say, is retried later.
         """
         try:
             with listening() as listener:
@@ -205,10 +205,10 @@ class ProcessSupervisor:
             self._answer(error)
 
     async def _start(self, told: Mapping[str, str]) -> asyncio.subprocess.Process:
-        """Start it with these variables, too.
+        """Start it with additional variables.
 
         Raises:
-            OSError: that cannot be done.
+            OSError: starting failed.
         """
         async with self._starting:
             spec, filling = self._spec, self._filling
@@ -218,10 +218,10 @@ class ProcessSupervisor:
                     process = self._process = await asyncio.create_subprocess_exec(
                         *filling.software.command(*spec.command, *spec.probation(filling.canary_tasks)),
                         env=filling.software.environment({**spec.environment, **told}),
-                        # The gateway tells on the terminal where the panels are.
+                        # The gateway prints the panels' address on the terminal.
                         stdout=None if spec.speaks else log,
                         stderr=log,
-                        # Ctrl-C is for us; we tell them.
+                        # Ctrl-C is for us; we signal it.
                         start_new_session=True,
                     )
                 except OSError as error:
@@ -232,23 +232,23 @@ class ProcessSupervisor:
         return process
 
     def _answer(self, outcome: int | OSError) -> None:
-        """Tell whoever waits for the next start how often it was started, or why it was not."""
+        """Give waiting callers the number of starts, or the error of the failed start."""
         waiting, self._next_start = self._next_start, asyncio.get_running_loop().create_future()
         if isinstance(outcome, OSError):
             waiting.set_exception(outcome)
-            # Nobody may wait.
+            # There may be no waiting caller.
             waiting.exception()
         else:
             waiting.set_result(outcome)
 
 
 async def _leave(process: asyncio.subprocess.Process, within_s: float) -> bool:
-    """Let it finish what it has begun; whether it had to be killed."""
+    """Shut it down gracefully; returns whether it had to be killed."""
     return await _told(process, signal.SIGTERM, within_s + STOP_S)
 
 
 async def _end(process: asyncio.subprocess.Process) -> bool:
-    """Let it end as it stands; whether it had to be killed."""
+    """End it at once; returns whether it had to be killed."""
     return await _told(process, signal.SIGINT, STOP_S)
 
 

@@ -1,6 +1,6 @@
-"""Processes of this computer, known by number and birth.
+"""Processes of this computer, identified by number and birth.
 
-The number of a process that has ended is given to another one some day; no stranger may be signalled then.
+The system reuses the number of an ended process; then no other process may be signalled.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from dray.errors import UnavailableError
 PROC = Path("/proc")
 
 ENDED = frozenset("ZX")
-"""States of a process that has ended and that its parent has not yet asked about."""
+"""States of an ended process that its parent has not waited for."""
 
 NOBODY = frozenset({errno.ESRCH, errno.EINVAL, errno.ENOENT})
-"""What the kernel says of a number that is no process any more: it is nobody's, or a thread's by now."""
+"""The kernel's errors for a number without a process: unused, or now a thread's."""
 
 STATE, BIRTH = 0, 19
-"""Places in `/proc/PID/stat`, counted after the name of the program (proc(5), fields 3 and 22)."""
+"""Indexes in `/proc/PID/stat`, counted after the name of the program (proc(5), fields 3 and 22)."""
 
 
 class Process(msgspec.Struct, frozen=True):
@@ -34,7 +34,7 @@ class Process(msgspec.Struct, frozen=True):
 
     Attributes:
         pid: its number.
-        born: the start of the computer, and of the process since then; empty for one that had ended at once.
+        born: boot time of the computer, and start of the process since then; empty for one that had ended at once.
     """
 
     pid: int
@@ -42,19 +42,19 @@ class Process(msgspec.Struct, frozen=True):
 
     @classmethod
     def of(cls, pid: int) -> Process:
-        """The process that has this number now."""
+        """The present process with this number."""
         return cls(pid, birth_of(pid))
 
     @property
     def runs(self) -> bool:
-        """Whether it is there still."""
+        """Whether it still runs."""
         return self.born != "" and birth_of(self.pid) == self.born
 
     def signal(self, number: signal.Signals) -> bool:
         """Send it a signal; False when it has ended.
 
         Raises:
-            UnavailableError: it is somebody else's.
+            UnavailableError: it belongs to another user.
         """
         with self._held() as handle:
             if handle is None:
@@ -70,7 +70,7 @@ class Process(msgspec.Struct, frozen=True):
             return True
 
     async def gone(self) -> None:
-        """Wait until it has ended, also when it is no child of ours."""
+        """Wait until it has ended, even if it is no child of ours."""
         ended = asyncio.Event()
         loop = asyncio.get_running_loop()
         with self._held() as handle:
@@ -84,7 +84,7 @@ class Process(msgspec.Struct, frozen=True):
 
     @contextlib.contextmanager
     def _held(self) -> Iterator[int | None]:
-        """A handle that means this process and no later one; None when it has ended."""
+        """A handle of exactly this process; None when it has ended."""
         try:
             handle = os.pidfd_open(self.pid) if self.runs else None
         except OSError as error:
@@ -95,19 +95,19 @@ class Process(msgspec.Struct, frozen=True):
             yield None
             return
         try:
-            # Asked once more: had the number been given anew meanwhile, this would be another birth.
+            # Check again: if the number was reused meanwhile, the birth differs.
             yield handle if self.runs else None
         finally:
             os.close(handle)
 
 
 def birth_of(pid: int) -> str:
-    """When the process of this number began, in words that fit no other process; empty when there is none."""
+    """The birth of the process with this number, as a unique text; empty when there is none."""
     try:
         told = (PROC / str(pid) / "stat").read_text(encoding="utf-8", errors="replace")
         boot = (PROC / "sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
     except (FileNotFoundError, ProcessLookupError):
         return ""
-    # The program's name stands in brackets, and may hold brackets itself.
+    # The program's name is in brackets, and may contain brackets itself.
     fields = told.rpartition(")")[2].split()
     return "" if fields[STATE] in ENDED else f"{boot}/{fields[BIRTH]}"

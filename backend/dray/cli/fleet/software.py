@@ -1,4 +1,4 @@
-"""A version of Dray: what is installed in one environment of Python."""
+"""A version of Dray, as installed in one Python environment."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from dray.errors import SettingsError
 from dray.messages import WIRE_VERSION
 
 ANSWER_S = 60.0
-"""Longest wait for `dray --version`, which takes a second on a computer with nothing else to do."""
+"""Timeout of `dray --version`, which takes a second on an idle computer."""
 
 OF_ONE_PYTHON = ("PYTHONPATH", "PYTHONHOME")
-"""Variables by which the packages of one environment would be used by another."""
+"""Variables that would make one environment use another's packages."""
 
 _TOLD = re.compile(r"dray (\S+), wire version (\d+)")
 
 
 class Software(msgspec.Struct, frozen=True):
-    """One version in one place.
+    """One version in one environment.
 
     Attributes:
         python: the interpreter, as an absolute path.
-        version: as `dray --version` and heartbeats say it.
-        wire: the version of the wire that it speaks.
+        version: the version, as in `dray --version` and heartbeats.
+        wire: its wire version.
     """
 
     python: str
@@ -38,18 +38,18 @@ class Software(msgspec.Struct, frozen=True):
     wire: int
 
     def command(self, *arguments: str) -> tuple[str, ...]:
-        """What to start for `dray` with these arguments."""
-        # Not what lies in the working folder, by chance.
+        """The command line of `dray` with these arguments."""
+        # Not a package that happens to be in the working folder.
         return (self.python, "-P", "-m", "dray", *arguments)
 
     def environment(self, variables: Mapping[str, str]) -> dict[str, str]:
-        """The variables to start it with: without those that belong to our own interpreter."""
+        """The environment to start it with: without the variables of our own interpreter."""
         ours = () if self.python == OWN.python else OF_ONE_PYTHON
         return {name: value for name, value in variables.items() if name not in ours}
 
 
 OWN = Software(sys.executable, __version__, WIRE_VERSION)
-"""What runs at this moment."""
+"""The running software."""
 
 
 def ask(python: Path) -> Software:
@@ -59,9 +59,9 @@ def ask(python: Path) -> Software:
         python: its interpreter.
 
     Raises:
-        SettingsError: it cannot be run, or has no Dray that says which it is.
+        SettingsError: it cannot be run, or its Dray does not report its version.
     """
-    # As it was given: an environment is known by the link that leads to its interpreter.
+    # Keep the given path: the link to its interpreter identifies an environment.
     asked = Software(str(python.absolute()), "", 0)
     try:
         done = subprocess.run(  # noqa: S603 - a program that the person at the command line has named

@@ -1,4 +1,4 @@
-"""What `dray fleet up` does: it prepares a fleet, starts it, and keeps it running until a signal."""
+"""The implementation of `dray fleet up`: it prepares a fleet, starts it, and supervises it until a signal."""
 
 from __future__ import annotations
 
@@ -44,25 +44,25 @@ from dray.settings import PREFIX, Settings
 from dray.store import open_store
 
 STARTS_AT_ONCE = max(2, os.cpu_count() or 1)
-"""A start is mostly work for a processor. When all begin at once, those that take part already are not
-heard for so long that others give them up, which is more work still."""
+"""Maximum concurrent starts; a start is mostly processor work. If all began at once, running agents would be silent for too
+long. Others would count them as failed, which causes more work."""
 
 
 @dataclass(frozen=True, slots=True)
 class FleetOptions:
-    """A fleet that is to be started.
+    """The parameters of a fleet.
 
     Attributes:
-        settings: of the gateway: its port and its database.
+        settings: the gateway's settings, with its port and its database.
         plant: the factory.
-        folder: where everything is kept.
+        folder: the fleet's folder.
         speed: factory seconds per real second.
-        plain: links without certificates.
-        demand: let orders be placed.
-        metrics: let every process tell Prometheus its metrics.
-        opcua: put machines behind an OPC UA server of the floor.
-        vda5050: the broker at which vehicles speak VDA 5050; empty for vehicles that do not.
-        people_at_gate: let people be the body of the gate.
+        plain: whether links have no certificates.
+        demand: whether orders are placed automatically.
+        metrics: whether every process serves Prometheus metrics.
+        opcua: whether machines are behind an OPC UA server of the floor.
+        vda5050: the broker of vehicles that speak VDA 5050; empty for none.
+        people_at_gate: whether people operate the gate.
     """
 
     settings: Settings
@@ -81,7 +81,7 @@ async def run_fleet(options: FleetOptions) -> None:
     """Run a fleet until a signal.
 
     Raises:
-        UnavailableError: the folder, the port or the database is not to be had, processes of an earlier fleet
+        UnavailableError: the folder, the port or the database is unavailable, processes of an earlier fleet
             run, or the floor has ended.
     """
     folder = options.folder.resolve()
@@ -91,7 +91,7 @@ async def run_fleet(options: FleetOptions) -> None:
         _refuse_leftovers(folder)
         token = options.settings.admin_token or SecretStr(new_token())
         strategists = strategists_of(options.settings.strategists)
-        # Held until all others have addresses: then the gateway finds it free.
+        # Hold the port until all others have addresses: then the gateway finds it free.
         with contextlib.closing(listen(options.settings.host, options.settings.port)) as held:
             prepare(folder, options.plant, strategists, plain=options.plain)
             if options.opcua:
@@ -102,7 +102,7 @@ async def run_fleet(options: FleetOptions) -> None:
                 strategists,
                 folder,
                 common,
-                # The same for all of its lives: programs that have it go on after an update.
+                # The same for all of its lives: programs with this token continue after an update.
                 {f"{PREFIX}ADMIN_TOKEN": token.get_secret_value()},
                 demand=options.demand,
                 metrics=options.metrics,
@@ -132,7 +132,7 @@ async def run_fleet(options: FleetOptions) -> None:
 async def _keep(
     supervisors: Mapping[str, ProcessSupervisor], registry: RegistryWriter, greeting: str
 ) -> bool:
-    """Keep all running until a signal, or until the floor has ended; returns whether it has."""
+    """Supervise all processes until a signal, or until the floor has ended; returns whether it has."""
     stopped = asyncio.Event()
     with stopped_by_signals(stopped.set):
         async with asyncio.TaskGroup() as group:
@@ -150,7 +150,7 @@ async def _keep(
 
 
 def _refuse_leftovers(folder: Path) -> None:
-    """A `dray fleet up` that was killed has left its processes behind: on one floor, two fleets would quarrel."""
+    """Refuse to start beside the processes of a killed `dray fleet up`: two fleets would conflict on one floor."""
     try:
         left = read_registry(folder).running
     except UnavailableError:
@@ -167,7 +167,7 @@ def _refuse_leftovers(folder: Path) -> None:
 async def _common_environment(options: FleetOptions, folder: Path, port: int) -> dict[str, str]:
     """The settings of all processes; the port is the gateway's, in all of its lives."""
     settings = options.settings
-    # Opened here first, so that no two processes make its tables at once.
+    # Open it here first, so that no two processes create its tables at once.
     store = await open_store(settings.database_url)
     try:
         trusted = (await authority_of(store)).public.hex()
@@ -182,7 +182,7 @@ async def _common_environment(options: FleetOptions, folder: Path, port: int) ->
         f"{PREFIX}PLANT_SPEED": str(options.speed),
         f"{PREFIX}PLANT_EPOCH_S": str(time.time()),
         f"{PREFIX}BUS_PLAIN": str(options.plain),
-        # Said also where it is as ever: whoever has started us may have set something else for one process.
+        # Set even at its default: our own environment may have another value for one process.
         f"{PREFIX}BUS_CERTIFICATES": "" if options.plain else str(folder / CERTIFICATES),
         f"{PREFIX}GATEWAY_NAME": GATEWAY,
         f"{PREFIX}TRAFFIC": str(settings.traffic),

@@ -1,1 +1,1 @@
-"""A process in service: what it begins with, readiness, logs, traces, meters; `gateway` is the one with panels. Nothing here is simulated."""
+"""A process in service: surroundings, readiness, logs, traces, meters; `gateway` is the one with panels. Nothing here is simulated."""

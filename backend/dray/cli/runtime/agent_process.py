@@ -31,15 +31,15 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent, embo
     """Run one agent until a signal: SIGTERM asks it to shut down gracefully, Ctrl-C ends it at once.
 
     Args:
-        surroundings: what it begins with.
+        surroundings: the process's surroundings.
         name: its id.
-        make: makes it.
-        embody: makes its body.
+        make: creates the agent.
+        embody: creates its body.
 
     Raises:
-        UnavailableError: it has been started elsewhere meanwhile, its body is lost or is not the one that its
-            journal is about, or something else that it needs is not there.
-        whatever the agent raises.
+        UnavailableError: it was started elsewhere meanwhile, its body is lost or is not the one in its
+            journal, or another resource is unavailable.
+        Exception: any that the agent raises.
     """
     settings, plant = surroundings.settings, surroundings.plant
     elsewhere = False
@@ -62,7 +62,7 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent, embo
                     bus=watched(settings, tracing, surroundings.time.to_wall_s)(bus),
                     clock=clock,
                     keys=Keys(plant.id),
-                    # A machine has wires, whatever a computer's settings name for its vehicles.
+                    # A machine has wires, whatever a computer's settings say about radio for its vehicles.
                     body=Modem(body, bus.inner, settings.bus_radio)
                     if body is not None and drives and settings.bus_radio
                     else body,
@@ -84,11 +84,11 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent, embo
 
 @asynccontextmanager
 async def _in_touch(embodied: Embodied, worker: Worker) -> AsyncIterator[None]:
-    """Let an agent live as long as its body does: without one it must not say that all is well.
+    """Let an agent live as long as its body does: without a body it must not send healthy heartbeats.
 
     Raises:
-        UnavailableError: nothing was heard of the body any more.
-        whatever has ended its link.
+        UnavailableError: the body is silent.
+        Exception: any that has ended its link.
     """
     lost = asyncio.ensure_future(embodied.lost())
     lost.add_done_callback(lambda _: worker.stop())

@@ -1,4 +1,4 @@
-"""What `dray vehicle` runs: a vehicle that is commissioned, and one that is listened to."""
+"""The work of `dray vehicle` and `dray machine`: commissioning, and listening to a vehicle."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 SAID = ("order", "instantActions")
 
 NAME = "check"
-"""The agent that commissions: its orders begin with it."""
+"""The commissioning agent's name, and the prefix of its orders."""
 
 
 class _World:
-    """A link, people who read, and nothing that is remembered: the one who commissions lives once."""
+    """A link and a log without a memory: a commissioning has only one life."""
 
     def __init__(self, link: MqttLink, say: Callable[[str], None]) -> None:
         self._link, self._say = link, say
@@ -46,7 +46,7 @@ class _World:
         self._link.publish(topic, data)
 
     def remember(self, memory: Memory) -> None:
-        """Nobody comes after it."""
+        """Keep nothing: no later life follows."""
 
     def note(self, text: str) -> None:
         self._say(f"     {text}")
@@ -55,17 +55,17 @@ class _World:
 async def commission(
     where: Surroundings, kind: VehicleType, wanted: Wanted, record: Path | None, say: Callable[[str], None]
 ) -> Commissioning:
-    """Walk a vehicle through its commissioning.
+    """Run a vehicle's commissioning.
 
     Args:
-        where: the settings name broker and vehicle.
+        where: the surroundings; the settings name broker and vehicle.
         kind: its type in the plant.
-        wanted: how far to go.
-        record: where the dialogue is written; None for nowhere.
+        wanted: the extent.
+        record: the file for the dialogue; None for none.
         say: tells people.
 
     Raises:
-        SettingsError: something is missing, or cannot be used.
+        SettingsError: something is missing, or unusable.
     """
     real = RealVehicle.of(where.settings)
     link = real.link(f"dray-{NAME}-{real.address.serial}")
@@ -89,17 +89,17 @@ async def commission(
 async def commission_machine(
     where: Surroundings, name: str, *, cycle: bool, dock: bool, say: Callable[[str], None]
 ) -> MachineCommissioning | MqttCommissioning:
-    """Walk the controller of a machine, or of a storage's dock, through its commissioning.
+    """Run the commissioning of the controller of a machine, or of a storage's dock.
 
     Args:
-        where: the settings name the mapping.
+        where: the surroundings; the settings name the mapping.
         name: the id of a machine, a storage or a source warehouse.
-        cycle: it may make a piece.
-        dock: it may open its dock.
+        cycle: whether it may make a piece.
+        dock: whether it may open its dock.
         say: tells people.
 
     Raises:
-        SettingsError: something is missing, or cannot be used.
+        SettingsError: something is missing, or unusable.
     """
     plant = where.plant
     if (store := plant.stores.get(name)) is not None:
@@ -127,10 +127,10 @@ async def commission_machine(
 
 
 async def listen(where: Surroundings, kind: VehicleType, file: Path, say: Callable[[str], None]) -> None:
-    """Write down what a vehicle and its master say, until cancelled.
+    """Record the messages of a vehicle and its master, until cancelled.
 
     Raises:
-        SettingsError: something is missing, or cannot be used.
+        SettingsError: something is missing, or unusable.
     """
     real = RealVehicle.of(where.settings)
     prefix = real.profile.topic(real.address.manufacturer, real.address.serial, "").rstrip("/")
@@ -147,7 +147,7 @@ async def listen(where: Surroundings, kind: VehicleType, file: Path, say: Callab
 
 
 class _Ear:
-    """Hears both sides."""
+    """Listens to both sides."""
 
     def __init__(self, recorder: Recorder, now_s: Callable[[], float], say: Callable[[str], None]) -> None:
         self._recorder, self._now_s, self._say = recorder, now_s, say

@@ -1,4 +1,4 @@
-"""A port that is ours before anything starts. It loads no server: agents and fleets need none."""
+"""A port that is taken before anything starts. It imports no server: agents and fleets need none."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import socket
 from dray.errors import UnavailableError
 
 BACKLOG = 1024
-"""Connections that may wait to be accepted. Whoever finds the queue full tries again after a second, and a crowd must
-not let a Stop wait for that."""
+"""Maximum connections that wait to be accepted. With a full queue a client retries after a second, and many clients must not
+delay a Stop by that."""
 
 ANY_ADDRESS = frozenset({"0.0.0.0", "::", ""})  # noqa: S104 (compared with, not bound to)
 
@@ -20,10 +20,10 @@ def listen(host: str, port: int, option: str = "--port") -> socket.socket:
     Args:
         host: a name or address of this machine.
         port: 0 lets the system choose one.
-        option: where it was chosen.
+        option: the option of the port, for the error.
 
     Raises:
-        UnavailableError: with a remedy, when it is taken or not allowed.
+        UnavailableError: the port is taken or not allowed; contains a remedy.
     """
     what = f"port {port} on {host}"
     try:
@@ -33,7 +33,7 @@ def listen(host: str, port: int, option: str = "--port") -> socket.socket:
         raise UnavailableError(f"host {host}", _reason(error), remedy) from error
     listener = socket.socket(family, kind, proto)
     try:
-        # A port whose last connections are still fading may be taken at once; one in use may not.
+        # A port with fading connections may be taken at once; one in use may not.
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
         listener.listen(BACKLOG)
@@ -48,12 +48,12 @@ def listen(host: str, port: int, option: str = "--port") -> socket.socket:
 
 
 def address_of(listener: socket.socket, host: str) -> str:
-    """What to type into a browser on this machine."""
+    """The address for a browser on this machine."""
     return url_of(host, listener.getsockname()[1])
 
 
 def url_of(host: str, port: int) -> str:
-    """How a server that listens there is called from this machine."""
+    """The address of a server with this listener, from this machine."""
     if host in ANY_ADDRESS:
         host = "127.0.0.1"
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"

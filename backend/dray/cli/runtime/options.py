@@ -43,22 +43,22 @@ Strategists = Annotated[
 ]
 
 OPTIONS = {"--database-url": "--db", "--gateway-name": "--name", "--plant-file": "--plant"}
-"""Options whose name is not that of the setting."""
+"""Options whose name differs from the setting's."""
 
 
 def right_of_way(traffic: bool | None) -> bool:
-    """Whether vehicles drive with right of way: as the option says, else as the setting does.
+    """Whether vehicles drive with right of way: by the option, else by the setting.
 
     Raises:
-        SettingsError: a variable cannot be used.
+        SettingsError: a variable is invalid.
     """
     return load_settings(traffic=traffic).traffic
 
 
 def load_settings(settings_file: Path | None = None, **options: object) -> Settings:
-    """A file, overridden by the environment, overridden by the options that were given.
+    """Settings from a file, overridden by the environment, overridden by the given options.
 
-    Says on stderr which variable is probably misspelt.
+    Probably misspelt variables are named on stderr.
 
     Raises:
         SettingsError: names the option as the user typed it.
@@ -76,5 +76,5 @@ def load_settings(settings_file: Path | None = None, **options: object) -> Setti
 
 @cache
 def _say_once(line: str) -> None:
-    """A command may load its settings several times."""
+    """Print a line once, though a command may load its settings several times."""
     typer.echo(line, err=True)

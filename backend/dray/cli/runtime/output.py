@@ -1,4 +1,4 @@
-"""What commands have in common: tables, JSON files, choices by name."""
+"""Common parts of commands: tables, JSON files, choices by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dray.errors import SettingsError, UnavailableError
 T = TypeVar("T")
 
 FILE_WIDTH = 120
-"""Columns of a table that goes to a file or a pipe: as wide as a code review shows."""
+"""Columns of a table in a file or a pipe: the width of a code review."""
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
@@ -37,7 +37,7 @@ def one_of(choices: Mapping[str, T], name: str, kind: str) -> T:
     """The choice of this name.
 
     Raises:
-        SettingsError: there is none; it says which there are.
+        SettingsError: there is none; lists the choices.
     """
     if name not in choices:
         raise SettingsError(kind, f"there is no {name!r}; choose one of {', '.join(choices)}")
@@ -57,10 +57,10 @@ def write_json(file: Path, content: object) -> None:
 
 
 def write_text(file: Path, text: str, option: str = "--json") -> None:
-    """Write what an option asks for.
+    """Write a file that an option names.
 
     Raises:
-        UnavailableError: the file cannot be written.
+        UnavailableError: writing failed.
     """
     try:
         file.write_text(text, encoding="utf-8")

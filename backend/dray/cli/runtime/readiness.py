@@ -1,7 +1,7 @@
-"""Readiness: a process that was started tells whoever has started it that it takes part (sd_notify(3)).
+"""Readiness: a started process tells its parent that it takes part (sd_notify(3)).
 
-systemd listens for `Type=notify` units, `dray fleet up` for its processes. Who listens is named by an
-environment variable; when nobody does, there is nobody to tell. A person reads a line on stdout.
+systemd listens for `Type=notify` units, `dray fleet up` for its processes. An environment variable names the listener; without it
+nobody is told. A person reads a line on stdout.
 """
 
 from __future__ import annotations
@@ -20,34 +20,34 @@ VARIABLE = "NOTIFY_SOCKET"
 READY = b"READY=1"
 
 SAID = "{name} is ready"
-"""What a process says when it takes part, on a line of its own."""
+"""The line on stdout of a process that takes part."""
 
 LONGEST_BYTES = 4096
-"""Of one notice: far more than anyone has to say."""
+"""Maximum size of one notice: far more than needed."""
 
 
 def tell_ready() -> None:
-    """Tell that this process takes part."""
+    """Notify the listener that this process takes part."""
     address = os.environ.get(VARIABLE, "")
     if not address:
         return
-    # Nobody may listen any more, and a process that takes part does not depend on being waited for.
+    # The listener may have gone, and a process that takes part does not depend on it.
     with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as teller:
         teller.setblocking(False)
-        # A leading @ stands for Linux' addresses that are no files.
+        # A leading @ means an abstract address of Linux, without a file.
         teller.sendto(READY, address.replace("@", "\0", 1) if address.startswith("@") else address)
 
 
 def say_ready(name: str) -> None:
-    """Tell whoever has started this process that it takes part."""
+    """Notify the listener, and print a line, that this process takes part."""
     typer.echo(SAID.format(name=name))
-    # A pipe would hold the line back.
+    # A pipe would buffer the line.
     sys.stdout.flush()
     tell_ready()
 
 
 class Listener:
-    """Hears when one process takes part.
+    """Waits for the readiness of one process.
 
     Args:
         inbox: a datagram socket that has an address.
@@ -56,7 +56,7 @@ class Listener:
     def __init__(self, inbox: socket.socket) -> None:
         self._inbox = inbox
         self.environment = {VARIABLE: "@" + inbox.getsockname()[1:].decode()}
-        """What the process has to be started with."""
+        """Variables for the start of the process."""
 
     async def ready(self) -> None:
         """Wait until it takes part."""
@@ -67,7 +67,7 @@ class Listener:
 
 @contextlib.contextmanager
 def listening() -> Iterator[Listener]:
-    """Listen for one process, at an address that nobody else has."""
+    """Listen for one process, at an unused address."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as inbox:
         inbox.setblocking(False)
         inbox.bind("")  # Linux chooses a free address that is no file (unix(7), autobind)

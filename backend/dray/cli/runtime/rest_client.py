@@ -1,4 +1,4 @@
-"""A running gateway, asked from the command line over REST."""
+"""A REST client of a running gateway, for the command line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from dray.errors import InputError, SettingsError, UnavailableError
 T = TypeVar("T")
 
 PATIENCE_S = 15.0
-"""Longer than a gateway waits for its factory."""
+"""Timeout in seconds: longer than a gateway's own for its factory."""
 
 REMEDY = "start one with `dray up`, or say with --url where it is"
 
@@ -31,22 +31,22 @@ class FieldError(msgspec.Struct, frozen=True):
 
 
 class ProblemAnswer(msgspec.Struct, frozen=True):
-    """What a gateway says when it does not do what was asked (RFC 9457)."""
+    """A gateway's refusal or error (RFC 9457)."""
 
     detail: str
     errors: tuple[FieldError, ...] = ()
 
 
 class RestClient:
-    """Asks one gateway.
+    """A client of one gateway.
 
     Args:
-        url: where its panel is; None for the address that `dray up` has by default.
-        token: who asks; None for the administrator's of the environment.
-        otherwise: what to do when it refuses for a reason of its own.
+        url: its panel's address; None for the default of `dray up`.
+        token: the caller's; None for the administrator's of the environment.
+        otherwise: the advice for a refusal with another reason.
 
     Raises:
-        SettingsError: it is no address of the web.
+        SettingsError: the URL is invalid.
     """
 
     def __init__(self, url: str | None, token: str | None, otherwise: str) -> None:
@@ -61,15 +61,15 @@ class RestClient:
             usable = False
         if not usable:
             raise SettingsError("--url", f"{self._url!r} is no address as http://127.0.0.1:8000")
-        # No proxy: what is asked for is on this machine or in this plant.
+        # No proxy: the gateway is on this machine or in this plant.
         self._opener = build_opener(ProxyHandler({}))
 
     def ask(self, method: str, path: str, shape: type[T], body: object = None) -> T:
-        """One request.
+        """Send one request.
 
         Raises:
-            InputError: the gateway cannot use it; says why in the gateway's words.
-            UnavailableError: nobody answers there, or not as Dray does.
+            InputError: the gateway refuses it; contains the gateway's reason.
+            UnavailableError: nobody answers there, or another server.
         """
         answer, _ = self._exchange(method, path, body)
         try:
@@ -78,7 +78,7 @@ class RestClient:
             raise UnavailableError(self._url, f"does not answer as Dray does: {error}", REMEDY) from None
 
     def date_s(self) -> float | None:
-        """The gateway's wall clock (unix time) in whole seconds, up to a second old; None where its answers have no date.
+        """The gateway's wall clock (unix time) in whole seconds, up to a second old; None without a date in its answers.
 
         Raises:
             UnavailableError: nobody answers there.
@@ -91,12 +91,12 @@ class RestClient:
 
     @property
     def url(self) -> str:
-        """Where it asks."""
+        """The gateway's address."""
         return self._url
 
     @property
     def has_token(self) -> bool:
-        """Whether it says who asks."""
+        """Whether requests carry a token."""
         return bool(self._token)
 
     def _exchange(self, method: str, path: str, body: object = None) -> tuple[bytes, str]:

@@ -1,4 +1,4 @@
-"""The roster of a plant: its agents that have a process each, and the floor. The one list of them."""
+"""The roster of a plant: its agents with a process each, and the floor. It is the only such list."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FLOOR = "floor"
 
 
 def agents_of(plant: Plant) -> dict[str, Kind]:
-    """All agents that the plant file names, its gate, and what they are, in the order in which they are started."""
+    """All agents in the plant file, and the gate, with their kinds, in starting order."""
     return {
         **dict.fromkeys(plant.stores, Kind.STATION),
         **dict.fromkeys(plant.machines, Kind.MACHINE),
@@ -24,7 +24,7 @@ def agents_of(plant: Plant) -> dict[str, Kind]:
 
 
 def certified_of(plant: Plant, strategists: Iterable[str], gateway: str) -> dict[str, dict[str, Kind]]:
-    """Whom each process of a plant speaks for, by the name of its certificate."""
+    """The agents of each process of a plant, by the name of its certificate."""
     return {
         **{agent: {agent: kind} for agent, kind in agents_of(plant).items()},
         **{strategist: {strategist: Kind.STRATEGIST} for strategist in strategists},

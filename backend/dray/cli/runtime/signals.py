@@ -1,4 +1,4 @@
-"""Signals that end a process: asked to leave first where it can, and stopped when that is not enough."""
+"""Signals that end a process: a graceful shutdown where possible, then an immediate end."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def stopped_by_signals(stop: Callable[[], None]) -> Generator[None]:
 
 @contextlib.contextmanager
 def asked_by_signals(leave: Callable[[], None], stop: Callable[[], None], within_s: float) -> Generator[None]:
-    """Call `leave` on the running loop at SIGTERM, and `stop` when that is not enough.
+    """Call `leave` on the running loop at SIGTERM, and `stop` when that takes too long.
 
     Args:
-        leave: let it end gracefully.
-        stop: let it end at once: at Ctrl-C, at a second SIGTERM, or when its time is over. The next signal
+        leave: begins a graceful shutdown.
+        stop: ends it at once: at Ctrl-C, at a second SIGTERM, or after the timeout. The next signal
             ends the process.
-        within_s: that time, from the first SIGTERM (real seconds).
+        within_s: the timeout from the first SIGTERM (real seconds).
     """
     loop = asyncio.get_running_loop()
     waiting: list[asyncio.TimerHandle] = []

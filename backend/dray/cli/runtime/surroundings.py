@@ -1,4 +1,4 @@
-"""What a process of a plant begins with: its settings, the plant, the plant's clock, a place on the bus, its metrics."""
+"""The surroundings of a process of a plant: its settings, the plant, the plant's clock, a connection to the bus, its metrics."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from dray.settings import Settings
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What a process of a plant begins with.
+    """The surroundings of a process of a plant.
 
     Attributes:
-        settings: of the process.
-        plant: what stands where.
+        settings: the process's settings.
+        plant: the plant file's content.
     """
 
     settings: Settings
@@ -51,9 +51,9 @@ class Surroundings:
 
     @property
     def traffic(self) -> TrafficMap | None:
-        """What agents need for right of way; None where vehicles drive without.
+        """The map for right of way; None where vehicles drive without.
 
-        Of the plant as all know it: places and districts must be the same for a machine that joins.
+        It is of the common plant file: places and districts must be the same for a joining machine.
         """
         return TrafficMap(self.plant, is_signed) if self.settings.traffic else None
 
@@ -80,12 +80,12 @@ class Surroundings:
         """The bus, as long as the context lasts.
 
         Args:
-            name: of the certificate; the agent's.
+            name: the certificate's name, which is the agent's.
             replaced: see `ZenohBus`.
 
         Raises:
-            SettingsError: no certificates, and plain links were not asked for.
-            UnavailableError: an address cannot be listened on.
+            SettingsError: there are no certificates, and plain links were not requested.
+            UnavailableError: listening on an address failed.
         """
         links = links_of(self.settings, self.plant, name)
         bus = ZenohBus(links, self.plant.id, replaced, self.settings.plant_speed)
@@ -98,13 +98,13 @@ class Surroundings:
 
     @asynccontextmanager
     async def told(self, *meters: Collector) -> AsyncIterator[None]:
-        """The metrics of the process, told to Prometheus as long as the context lasts, if that is asked for.
+        """Serve the process's metrics to Prometheus as long as the context lasts, if the settings ask for it.
 
         Args:
-            meters: of what is in this process.
+            meters: meters of this process's parts.
 
         Raises:
-            UnavailableError: the address for it cannot be listened on.
+            UnavailableError: listening on its address failed.
         """
         if not self.settings.metrics_listen:
             yield
@@ -121,15 +121,15 @@ class Surroundings:
 
 
 def links_of(settings: Settings, plant: Plant, name: str) -> Links:
-    """The links that the settings ask for, with the certificate of this name.
+    """The links by the settings, with the certificate of this name.
 
     Raises:
-        SettingsError: its files are not there.
+        SettingsError: its files are missing.
     """
     folder = settings.bus_certificates
     strategists = strategists_of(settings.strategists)
     wired = (*plant.machines, *plant.stores, GATE, *strategists, HISTORIAN, settings.gateway_name)
-    # A vehicle may be linked over another one, and everybody's words come to it that way.
+    # A vehicle may be linked over another one, and all agents' messages come to it that way.
     apart = settings.bus_apart and name in wired
     return Links(
         listen=settings.bus_listen,

@@ -1,4 +1,4 @@
-"""How vehicles are, as a running gateway tells it, in lines for a terminal."""
+"""Vehicles' states from a running gateway, as lines for a terminal."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import msgspec
 from dray.cli.runtime.rest_client import RestClient
 
 PAGE = 100
-"""Vehicles that are asked for at once."""
+"""Vehicles per request."""
 
 
 class Wait(msgspec.Struct, frozen=True):
-    """What a vehicle's body waits for."""
+    """The wait of a vehicle's body."""
 
     what: str
     since_at_s: float
@@ -21,7 +21,7 @@ class Wait(msgspec.Struct, frozen=True):
 
 
 class Vehicle(msgspec.Struct, frozen=True):
-    """What is shown of one."""
+    """The displayed fields of one vehicle."""
 
     id: str
     status: str
@@ -36,7 +36,7 @@ class Vehicle(msgspec.Struct, frozen=True):
 
 
 class Page(msgspec.Struct, frozen=True):
-    """Some of them."""
+    """A page of vehicles."""
 
     items: tuple[Vehicle, ...]
     next_cursor: str | None = None
@@ -47,14 +47,14 @@ def ask(atv: str, url: str | None, token: str | None, now_s: float) -> list[list
 
     Args:
         atv: its id; empty for all.
-        url: where the gateway's panel is; None for the address that `dray up` has by default.
-        token: who asks; None for the administrator's of the environment.
+        url: the address of the gateway's panel; None for the default of `dray up`.
+        token: the caller's; None for the administrator's of the environment.
         now_s: unix time.
 
     Raises:
         InputError: there is no such vehicle.
         UnavailableError: no gateway answers there.
-        SettingsError: the address or the token cannot be used.
+        SettingsError: the address or the token is invalid.
     """
     client = RestClient(url, token, "see GET /api/atvs")
     if atv:
@@ -70,7 +70,7 @@ def ask(atv: str, url: str | None, token: str | None, now_s: float) -> list[list
 
 
 def lines_of(vehicle: Vehicle, now_s: float) -> list[str]:
-    """One vehicle; the last line says what its body waits for, since when and what would end it."""
+    """One vehicle; the last line tells what its body waits for, since when, and what would end the wait."""
     load = f"{vehicle.load_quantity} x {vehicle.load}" if vehicle.load else "nothing on board"
     about = "about " if vehicle.battery_reckoned else ""
     level = f"battery {about}{100 * vehicle.battery_frac:.0f} %"

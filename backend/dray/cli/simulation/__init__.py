@@ -1,1 +1,1 @@
-"""Processes with something simulated in them: `dray up`, the floor, customers, faults by hand, and their meters."""
+"""Processes with simulated parts: `dray up`, the floor, customers, injected faults, and their meters."""

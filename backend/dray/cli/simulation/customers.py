@@ -1,4 +1,4 @@
-"""The simulated customers of `dray up`: they order as anybody does, so that there is something to see."""
+"""The simulated customers of `dray up`: they place orders like any client, so that there is something to see."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from dray.plant import Plant
 from dray_sim.people import demand
 
 LOAD = 0.6
-"""Part of the machines' time that the demand takes: lively, with room for a person's own orders."""
+"""The demand's fraction of the machines' time: lively, with room for a person's own orders."""
 
 HEAD_START_S = 2000.0
-"""The demand begins as if it had run for this long: some six orders at once, so that a plant in real
-time is busy from its first minute."""
+"""The demand begins as if it had run for this long: some six orders at once, so that a plant in real time is busy from its first
+minute."""
 
 FIRST_S = 2.0
-"""Wall seconds before the first orders: the agents have heard of one another by then."""
+"""Wall seconds before the first orders: by then the agents know one another."""
 
 FOREVER_S = float("inf")
 
 MAX_OPEN = 40
-"""Open orders at which customers wait. A plant that keeps up has some 15; one in which somebody has
-stopped the vehicles must not drown in orders."""
+"""Open orders above which customers wait. A plant that keeps up has some 15; the limit protects one with stopped
+vehicles."""
 
 CUSTOMER = "Simulated demand"
 
 REFERENCE = re.compile(r"D([0-9]{1,18})")
-"""Of an order of the demand, with its number."""
+"""The reference of an order of the demand, with its number."""
 
 _log = logging.getLogger(__name__)
 
@@ -46,7 +46,7 @@ def customers_of(plant: Plant, *, speed: float, seed: int) -> Customers:
     Args:
         plant: what can be ordered.
         speed: factory seconds per real second.
-        seed: the same orders at the same times follow from it.
+        seed: determines the orders and their times.
     """
 
     async def order(placement: OrderPlacement) -> None:
@@ -56,16 +56,16 @@ def customers_of(plant: Plant, *, speed: float, seed: int) -> Customers:
 
 
 async def place_demand(placement: OrderPlacement, plant: Plant, *, speed: float, seed: int) -> None:
-    """Place orders until cancelled. References go on after those that the database has.
+    """Place orders until cancelled. References continue after those in the database.
 
     Args:
-        placement: where to.
+        placement: places the orders.
         plant: what can be ordered.
         speed: factory seconds per real second.
-        seed: the same orders at the same times follow from it, and from the number of the first one.
+        seed: determines the orders and their times, together with the first one's number.
     """
     began_s = placement.now_s + FIRST_S
-    # So many may have been placed at one moment, of which none is the newest.
+    # Orders placed at one moment have no newest one, so as many are read as one moment may have.
     first = _number_after(await placement.newest_references(CUSTOMER, MAX_OPEN))
     random = Random(f"{seed} demand" if first == 1 else f"{seed} demand from {first}")
     for order in demand.orders(plant, random, load=LOAD, until_s=FOREVER_S, first=first):
@@ -85,7 +85,7 @@ async def place_demand(placement: OrderPlacement, plant: Plant, *, speed: float,
         try:
             await placement.place(draft)
         except Problem as problem:
-            # A customer who is refused comes back with the next order.
+            # A refused customer returns with the next order.
             _log.warning("simulated order %s was refused: %s", order.id, problem)
 
 

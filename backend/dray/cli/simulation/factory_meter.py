@@ -1,6 +1,6 @@
-"""What a whole simulated factory counts.
+"""Metrics of a whole simulated factory.
 
-It does so in another thread; reading a number, or copying a small counter, needs no lock.
+The factory counts in another thread; reading a number, or copying a small counter, needs no lock.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from dray_sim.network.bridge import BridgedBus
 
 
 class FactoryMeter(Collector):
-    """What a simulated factory and the bridge to it have counted.
+    """The counts of a simulated factory and of the bridge to it.
 
     Args:
-        factory: built.
-        bridge: to it.
+        factory: a built factory.
+        bridge: the bridge to it.
     """
 
     def __init__(self, factory: SimFactory, bridge: BridgedBus) -> None:
         self._factory, self._bridge = factory, bridge
         self._lives: dict[str, tuple[Worker, Counts]] = {}
-        """By agent, its last known life, and what that one had counted by then."""
+        """By agent, its last known life, and that life's counts so far."""
         self._past: Counts = Counter()
-        """What earlier lives have counted: the sum of all must never fall."""
+        """The counts of earlier lives: the sum over lives must never fall."""
 
     def collect(self) -> Iterator[Metric]:
-        """Everything as of now."""
+        """All present metrics."""
         network = self._factory.bus
         yield from families_of(self._counts())
         yield counter("bus_messages_delivered", "Messages that reached an agent.", network.delivered)
@@ -48,7 +48,7 @@ class FactoryMeter(Collector):
         yield counters("bridge_messages_dropped", "Messages between factory and gateway.", "kind", crossing)
 
     def _counts(self) -> Counts:
-        """Over all lives of all agents."""
+        """The counts over all lives of all agents."""
         for agent, worker in tuple(self._factory.workers.items()):
             known, before = self._lives.get(agent, (worker, Counter()))
             if known is not worker:

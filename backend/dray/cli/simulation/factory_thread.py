@@ -11,22 +11,22 @@ from dray.errors import UnavailableError
 T = TypeVar("T")
 
 ANSWER_S = 10.0
-"""Wall seconds to wait for the factory: a call takes a moment, but the factory may have a lot to do."""
+"""Timeout in wall seconds: a call takes a moment, but the factory may be busy."""
 
 
 async def inside(loop: asyncio.AbstractEventLoop, call: Callable[[], T]) -> T:
     """Call something in the factory's thread.
 
     Args:
-        loop: of the factory.
-        call: made on that loop.
+        loop: the factory's loop.
+        call: the function to run there.
 
     Returns:
-        What it returns.
+        Its result.
 
     Raises:
-        UnavailableError: the factory has ended, or has too much to do.
-        whatever `call` raises.
+        UnavailableError: the factory has ended, or is too busy.
+        Exception: any that `call` raises.
     """
 
     async def called() -> T:

@@ -1,4 +1,4 @@
-"""Faults by hand in the simulated factory of `dray up`: the gateway's fault injector, across the threads."""
+"""Fault injection into the simulated factory of `dray up`: the gateway's fault injector, across the threads."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class SimFaultInjector:
     """Begins and ends faults in a factory that runs in another thread.
 
     Args:
-        faults: of the factory; used in its thread only.
+        faults: the factory's faults; used in its thread only.
         loop: the factory's loop.
         wall_s: the wall clock.
     """
@@ -56,8 +56,8 @@ class SimFaultInjector:
         """Call in the factory's thread.
 
         Raises:
-            FaultRefused: as the simulator's `FaultError`.
-            UnavailableError: the factory has ended, or has too much to do.
+            FaultRefused: for the simulator's `FaultError`.
+            UnavailableError: the factory has ended, or is too busy.
         """
         try:
             return await inside(self._loop, call)

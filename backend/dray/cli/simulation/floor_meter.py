@@ -1,4 +1,4 @@
-"""What a simulated floor counts whose agents are elsewhere."""
+"""Metrics of a simulated floor for agents elsewhere."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from dray_sim.remote import FloorMonitor, FloorServer
 
 
 class FloorMeter(Collector):
-    """What has gone between a floor's bodies and their agents.
+    """The messages between a floor's bodies and their agents.
 
     Args:
-        server: the floor's.
-        monitor: who sees whether two vehicles are in one spot, if anybody does.
+        server: the floor's server.
+        monitor: detects two vehicles in one place, if there is one.
     """
 
     def __init__(self, server: FloorServer, monitor: FloorMonitor | None = None) -> None:
         self._server, self._monitor = server, monitor
 
     def collect(self) -> Iterator[Metric]:
-        """Everything as of now."""
+        """All present metrics."""
         traffic = self._server.traffic
         yield gauges(
             "floor_bodies", "Simulated bodies, by whether an agent has them.", "state", traffic.bodies

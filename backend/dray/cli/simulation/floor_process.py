@@ -1,4 +1,4 @@
-"""The process of a simulated floor: the bodies of agents that are processes of their own."""
+"""The process of a simulated floor: the bodies of agents with their own processes."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ async def serve_floor(
     """Run the simulated floor until a signal. SIGHUP cuts all connections to its OPC UA server.
 
     Args:
-        surroundings: of the process.
-        seed: how full buffers are at the start follows from it.
-        controllers: by whose nodes machines speak with their agents; None for machines whose bodies agents use over the bus.
-        vda5050: the broker at which vehicles speak VDA 5050; None for vehicles whose bodies agents use over the bus.
-        open_gate: the gate lets everything in: people are the body of its agent.
+        surroundings: the process's surroundings.
+        seed: determines the initial filling of buffers.
+        controllers: the OPC UA server of machines' controllers; None for machines with bodies on the bus.
+        vda5050: the broker of vehicles that speak VDA 5050; None for vehicles with bodies on the bus.
+        open_gate: whether the gate lets everything in, because people operate it.
 
     Raises:
-        SettingsError: a foreign vehicle is none of the plant's.
-        UnavailableError: the bus is not to be had, or the plant has a floor already, whose bodies are at work.
+        SettingsError: a foreign vehicle is not in the plant.
+        UnavailableError: the bus is unavailable, or the plant has a floor already.
     """
     stopped = asyncio.Event()
     second = False
@@ -100,7 +100,7 @@ async def serve_floor(
 def _control(
     server: ControllerServer | None, floor: Floor, clock: SystemClock, speed: float
 ) -> Callable[[], None]:
-    """Give each machine a controller, where there is a server for them; returns what ends them all."""
+    """Give each machine a controller, if there is a server for them; returns a function that ends them all."""
     if server is None:
         return lambda: None
     from dray_sim.controllers.opcua_controllers import OpcUaControllers
@@ -112,7 +112,7 @@ def _control(
 
 
 def _monitor(surroundings: Surroundings, floor: Floor, clock: SystemClock) -> FloorMonitor | None:
-    """Who sees whether two vehicles are in one spot; nobody where they drive as if each were alone."""
+    """The monitor for two vehicles in one place; None where vehicles drive independently."""
     settings = surroundings.settings
     if not settings.traffic:
         return None

@@ -1,4 +1,4 @@
-"""The faults of a running gateway, from the command line over REST."""
+"""A client for the fault injection of a running gateway, for the command line."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray.cli.runtime.rest_client import RestClient
 
 
 class Fault(msgspec.Struct, frozen=True):
-    """A fault that is at work."""
+    """An active fault."""
 
     id: str
     kind: str
@@ -20,7 +20,7 @@ class Fault(msgspec.Struct, frozen=True):
 
 
 class Kind(msgspec.Struct, frozen=True):
-    """What can go wrong."""
+    """A kind of fault."""
 
     kind: str
     what: str
@@ -29,34 +29,34 @@ class Kind(msgspec.Struct, frozen=True):
 
 
 class Faults(msgspec.Struct, frozen=True):
-    """Those at work, and the kinds that there are."""
+    """The active faults, and the possible kinds."""
 
     items: tuple[Fault, ...]
     kinds: tuple[Kind, ...]
 
 
 class Gateway:
-    """One gateway.
+    """A client of one gateway.
 
     Args:
-        url: where its panel is; None for the address that `dray up` has by default.
-        token: who asks; None for the administrator's of the environment.
+        url: its panel's address; None for the default of `dray up`.
+        token: the caller's; None for the administrator's of the environment.
 
     Raises:
-        SettingsError: it is no address of the web.
+        SettingsError: the URL is invalid.
     """
 
     def __init__(self, url: str | None, token: str | None) -> None:
         self._client = RestClient(url, token, "see `dray fault list`")
 
     def faults(self) -> Faults:
-        """What is wrong by hand, and what could be."""
+        """The injected faults, and the possible kinds."""
         return self._client.ask("GET", "/api/faults", Faults)
 
     def begin_fault(self, fault: dict[str, Any]) -> Fault:
-        """Let something go wrong."""
+        """Inject a fault."""
         return self._client.ask("POST", "/api/faults", Fault, fault)
 
     def end_fault(self, fault: str) -> Fault:
-        """Put it right again."""
+        """End a fault."""
         return self._client.ask("DELETE", f"/api/faults/{quote(fault, safe='')}", Fault)

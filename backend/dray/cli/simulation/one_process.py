@@ -1,7 +1,7 @@
-"""What `dray up` runs: a simulated factory in a thread of its own, and the gateway on this one.
+"""The work of `dray up`: a simulated factory in its own thread, and the gateway on this one.
 
-The start goes in the order of what may fail: the port, the database, the factory. What was opened is
-closed in the opposite order, whatever happens.
+The start follows the likelihood of failure: the port, the database, the factory. Everything is closed in the opposite order, after
+any error.
 """
 
 from __future__ import annotations
@@ -68,13 +68,13 @@ BUILDING_S = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Inside:
-    """What the outside needs of a factory that has been built.
+    """The interface of a built factory to the outside.
 
     Attributes:
-        factory: to be used in its own thread only, except for reading what it counts.
-        faults: to be used in the factory's thread only.
+        factory: for its own thread only, except for reading its counts.
+        faults: for the factory's thread only.
         time: the factory's clock and ours.
-        play: what is played in it, to be used in the factory's thread only; None where nobody wrote its day.
+        play: the scenario in it, for the factory's thread only; None without a script.
     """
 
     factory: SimFactory
@@ -97,16 +97,16 @@ async def run_service(
     """Run until a signal.
 
     Args:
-        service: what is to be run.
-        seed: of everything that is left to chance in the factory.
-        broker: through which vehicles speak VDA 5050 with their agents; None for vehicles without it.
-        live: what is played in the factory, in whose plant the service is; None for a factory without a script.
+        service: the parameters of the service.
+        seed: determines all randomness in the factory.
+        broker: the broker of vehicles that speak VDA 5050; None for none.
+        live: the scenario to play, whose plant is the service's; None for a factory without a script.
         wall: the clock of factory and gateway; the computer's when None.
-        controllers: by whose nodes machines speak with their agents; None for machines without controllers.
+        controllers: the OPC UA server of machines' controllers; None for machines without controllers.
 
     Raises:
-        UnavailableError: the port or the database is not to be had.
-        whatever ended the factory.
+        UnavailableError: the port or the database is unavailable.
+        Exception: any that ended the factory.
     """
     wall = wall or HurryingClock().wall
     service, token = with_admin_token(service)
@@ -156,14 +156,14 @@ def _life(
     live_part: LivePart | None,
     wall: Wall,
 ) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
-    """What the factory's thread runs."""
+    """The main function of the factory's thread."""
 
     async def live(ready: Callable[[Inside], None]) -> None:
         loop = virtual_loop()
         now = loop.clock
 
         def to_wall_s(plant_s: float) -> float:
-            """The clocks are compared when the factory has been built; nobody speaks before."""
+            """Convert by the clocks' offset, taken when the factory was built; no agent speaks earlier."""
             return scale.to_wall_s(plant_s)
 
         documents = FetchedDocuments()
@@ -193,7 +193,7 @@ def _life(
                 play = LivePlay(live_part.part, service.plant, seed, make)
             factory, faults = play.stage.factory, play.stage.faults
         if factory.traffic is not None:
-            # Else nobody holds places that somebody would have to free.
+            # Otherwise there are no held places that people would have to free.
             Porters(factory, faults)
         loop.begin()
         scale = TimeScale(now.now_s(), wall.now_s(), service.speed)
@@ -221,7 +221,7 @@ def _life(
 def _machines(
     service: Service, controllers: ControllerServer, now: VirtualClock, documents: FetchedDocuments
 ) -> OpcUaMachines:
-    """The machines of the factory behind their controllers, made on its loop."""
+    """The controllers of the factory's machines, created on its loop."""
     from dray_sim.controllers.opcua_machines import OpcUaMachines
 
     return OpcUaMachines(service.plant, now, controllers, service.speed, documents)
@@ -266,7 +266,7 @@ def _app(
 
 
 def _player(factory: Factory, inside: Inside, live: LivePart | None, wall: Wall) -> SimScenarioPlayer | None:
-    """Who tells of the scenario that is played; None where none is."""
+    """The player of the scenario; None without one."""
     if inside.play is None or live is None:
         return None
     return SimScenarioPlayer(inside.play, factory.loop, live.shows, inside.time, wall.hurry)

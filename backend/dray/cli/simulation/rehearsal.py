@@ -1,7 +1,7 @@
-"""A rehearsal: a scenario that is played live is played once more in a process beside it, in virtual time, to know when its steps will come.
+"""A rehearsal: a second run of a live scenario in another process, in virtual time, which predicts its steps.
 
-It has the same seed, and goes as the play does as long as nobody from outside is on the network. It is heard of step by step, long
-before the play has come so far.
+It has the same seed, and runs like the live one as long as nobody from outside is on the network. It reports each step long before
+the live scenario reaches it.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from dray_sim.run.stage import with_right_of_way
 from dray_sim.scenarios import LIVE
 
 MOST_BYTES = 2 * 1024**3
-"""Of memory for a rehearsal: four times what the largest scenario takes."""
+"""Memory limit of a rehearsal: four times what the largest scenario takes."""
 
 _log = logging.getLogger(__name__)
 
 
 class Expected(msgspec.Struct, frozen=True):
-    """When a step has happened in a rehearsal.
+    """The time of a step in a rehearsal.
 
     Attributes:
-        step: which one.
+        step: the step.
         after_s: factory seconds after the scenario began.
     """
 
@@ -43,11 +43,11 @@ class Expected(msgspec.Struct, frozen=True):
 
 
 class Rehearsed(msgspec.Struct, frozen=True):
-    """Which play is rehearsed.
+    """The scenario to rehearse.
 
     Attributes:
-        name: of its part, as in `dray up --scenario`.
-        seed: everything that is left to chance follows from it.
+        name: the name of its part, as in `dray up --scenario`.
+        seed: determines all randomness.
         traffic: whether vehicles drive with right of way.
     """
 
@@ -58,10 +58,10 @@ class Rehearsed(msgspec.Struct, frozen=True):
 
 @asynccontextmanager
 async def rehearsing(play: Rehearsed, tell: Callable[[Expected], None]) -> AsyncIterator[None]:
-    """Let it be rehearsed beside, as long as the context lasts.
+    """Run a rehearsal in another process, as long as the context lasts.
 
     Args:
-        play: which one.
+        play: the scenario.
         tell: called for each step, on this loop.
 
     Raises:
@@ -87,10 +87,10 @@ async def _listen(process: asyncio.subprocess.Process, tell: Callable[[Expected]
 
 
 def rehearse(play: Rehearsed, tell: Callable[[Expected], None]) -> None:
-    """Play it in virtual time, and tell of each step.
+    """Run it in virtual time, and report each step.
 
     Args:
-        play: which one.
+        play: the scenario.
         tell: called for each step when it has happened.
     """
     with with_right_of_way(play.traffic):
@@ -99,7 +99,7 @@ def rehearse(play: Rehearsed, tell: Callable[[Expected], None]) -> None:
 
 async def _rehearse(rehearsed: Rehearsed, tell: Callable[[Expected], None]) -> None:
     part = LIVE[rehearsed.name].part
-    # As in `one_process`: not `SimFactory` itself, with which nobody real would look for loads.
+    # As in `one_process`: not `SimFactory` itself, in which no person would check loads.
     play = LivePlay(part, part.plant(), rehearsed.seed, partial(SimFactory))
     ended = asyncio.Event()
     told: set[ScenarioStep] = set()

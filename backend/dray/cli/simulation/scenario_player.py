@@ -15,14 +15,14 @@ from dray_sim.run.live import LivePlay
 
 
 class SimScenarioPlayer:
-    """Tells how far a play is that runs in another thread, and hurries it.
+    """Reports the progress of a scenario that runs in another thread, and can accelerate it.
 
     Args:
         play: used in its thread only.
-        loop: of that thread.
-        shows: what the scenario shows, in one line.
+        loop: that thread's loop.
+        shows: the scenario's purpose, in one line.
         time: the two clocks.
-        hurry: whether the clock passes over time in which the factory has nothing to do; called in its thread.
+        hurry: sets whether the clock skips time in which the factory is idle; called in its thread.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class SimScenarioPlayer:
         ours = asyncio.get_running_loop()
 
         def tell_there(view: ScenarioView) -> None:
-            # When the gateway has ended nobody wants to know.
+            # After the gateway's end nobody listens.
             if not ours.is_closed():
                 ours.call_soon_threadsafe(tell, view)
 
@@ -60,13 +60,13 @@ class SimScenarioPlayer:
         return await inside(self._loop, lambda: self._skip(skips=skips))
 
     def expect(self, expected: Expected) -> None:
-        """A rehearsal tells when a step will come; callable from any thread."""
+        """Take a rehearsal's prediction of a step. Thread-safe."""
 
         def note() -> None:
             self._expected[expected.step] = expected.after_s
             self._tell(self._view())
 
-        # When the factory has ended nothing will come.
+        # After the factory's end no step will come.
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(note)
 
@@ -93,15 +93,15 @@ class SimScenarioPlayer:
 
 
 def view_of(play: LivePlay, shows: str, expected: Mapping[ScenarioStep, float]) -> ScenarioView:
-    """How far it is.
+    """The scenario's progress.
 
     Args:
-        play: what is played.
-        shows: what the scenario shows, in one line.
-        expected: when steps have happened in a rehearsal (factory seconds after its begin).
+        play: the scenario.
+        shows: its purpose, in one line.
+        expected: the times of steps in a rehearsal (factory seconds after its beginning).
     """
     happened, ending = play.stage.steps.happened, play.ending
-    # How much later the play is than its rehearsal was, by the last step of both: somebody was busy a moment longer, or people took part.
+    # The live scenario's delay against its rehearsal, by their last common step: a small difference in load, or people took part.
     late_s = 0.0
     for known, at in happened.items():
         if known in expected:

@@ -1,1 +1,1 @@
-"""Who may come in, and who did what: people, sessions, keys, lock-outs, the audit log."""
+"""Access and accountability: people, sessions, keys, lock-outs, the audit log."""

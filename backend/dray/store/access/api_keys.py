@@ -1,4 +1,4 @@
-"""API keys in SQL: how other systems are recognised. A key is looked up by the SHA-256 of its token."""
+"""API keys of other systems, in SQL. A key is looked up by the SHA-256 of its token."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray.store.access.digest import digest
 from dray.store.tables import api_keys
 
 OPEN_MAX = 50
-"""Open transports of a key for which nothing else is said: what a cell of some machines asks for at once."""
+"""Default maximum of a key's open transports: a cell of some machines needs so many at once."""
 
 OPEN_EACH_MAX = 20
 """The same at one place: more loads than any place has room for."""
@@ -23,19 +23,19 @@ class ApiKey(msgspec.Struct, frozen=True, kw_only=True):
     id: str
     name: str
     scopes: str
-    """Their names, with spaces between them."""
+    """The names of its scopes, separated by spaces."""
     created_at_s: float
     expires_at_s: float | None = None
     revoked_at_s: float | None = None
     used_at_s: float | None = None
     places: str = ""
-    """The machines and storages for which alone it has something brought or taken away, with spaces between them; empty for all."""
+    """The machines and storages to or from which it may call transports, separated by spaces; empty for all."""
     items: str = ""
-    """The materials of which alone it has something brought, likewise."""
+    """The materials that it may have brought, separated by spaces; empty for all."""
     open_max: int = OPEN_MAX
-    """Transports of it that may be open at once..."""
+    """Maximum open transports of it."""
     open_each_max: int = OPEN_EACH_MAX
-    """...and at one place."""
+    """Maximum open transports of it at one place."""
     priority: str = Priority.NORMAL.value
     """The highest priority that it may ask for."""
 
@@ -52,7 +52,7 @@ class ApiKeys:
         self._connection = connection
 
     async def add(self, token: str, key: ApiKey) -> None:
-        """Keep a new key."""
+        """Store a new key."""
         row = msgspec.structs.asdict(key)
         await self._connection.execute(insert(api_keys), [{"token_hash": digest(token), **row}])
 
@@ -65,7 +65,7 @@ class ApiKeys:
         return await self._one(api_keys.c.id == key_id)
 
     async def hold(self, key_id: str) -> None:
-        """Let nobody else hold this key before this transaction ends: what is counted of it stays so until then."""
+        """Lock this key until the transaction ends, so that counts of its rows stay valid."""
         await self._connection.execute(select(api_keys.c.id).where(api_keys.c.id == key_id).with_for_update())
 
     async def all(self) -> list[ApiKey]:
@@ -76,7 +76,7 @@ class ApiKeys:
         return [ApiKey(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
 
     async def standing(self, most: int) -> list[tuple[str, ApiKey]]:
-        """Those that nobody has taken back, with the digests of their tokens; the newest come first."""
+        """The keys that are not revoked, with the digests of their tokens; the newest first."""
         query = (
             select(api_keys.c.token_hash, *_COLUMNS)
             .where(api_keys.c.revoked_at_s.is_(None))
@@ -87,11 +87,11 @@ class ApiKeys:
         return [(row["token_hash"], ApiKey(**{name: row[name] for name in _NAMES})) for row in rows]
 
     async def use(self, key_id: str, at_s: float) -> None:
-        """Note that it is in use."""
+        """Note the time of its use."""
         await self._connection.execute(update(api_keys).where(api_keys.c.id == key_id).values(used_at_s=at_s))
 
     async def revoke(self, key_id: str, at_s: float) -> int:
-        """Take it back; returns how many were taken back by this: 0 or 1."""
+        """Revoke it; returns the number of keys revoked by this: 0 or 1."""
         done = await self._connection.execute(
             update(api_keys)
             .where(api_keys.c.id == key_id, api_keys.c.revoked_at_s.is_(None))

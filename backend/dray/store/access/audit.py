@@ -1,4 +1,4 @@
-"""The audit log in SQL: who did what, or tried to, and what came of it. Rows are only ever added."""
+"""The audit log in SQL: actions and attempts, with their authors and results. Rows are only ever added."""
 
 from __future__ import annotations
 
@@ -17,30 +17,30 @@ class AuditRow(msgspec.Struct, frozen=True, kw_only=True):
     """One line of the audit log."""
 
     position: int = 0
-    """Grows with every line; given by the database."""
+    """The line's number, which the database assigns in ascending order."""
     at_s: float
     """Wall clock."""
     who: str
-    """The id of a person or key; what somebody claimed to be, where nobody was recognised."""
+    """The id of a person or key; for an unrecognised author the claimed one."""
     who_kind: str
     """person, key, admin, console or nobody."""
     from_ip: str = ""
     session: str = ""
     action: str
-    """As `vehicle.command`."""
+    """The action, as `vehicle.command`."""
     target: str = ""
-    """What it was about, as a vehicle's id."""
+    """The subject, as a vehicle's id."""
     result: str
     """done, refused (by a rule or the vehicle) or failed."""
     detail: dict[str, Any] | Annotated[msgspec.Raw, msgspec.Meta(extra_json_schema={"type": "object"})] = {}
 
 
 LINE = [audit.c[name] for name in AuditRow.__struct_fields__]
-"""What a line is read from."""
+"""The columns of a line."""
 
 
 class AuditFilter(msgspec.Struct, frozen=True, kw_only=True):
-    """Which lines are wanted; empty fields want all."""
+    """A filter for lines; empty fields match all."""
 
     since_s: float | None = None
     until_s: float | None = None
@@ -49,9 +49,9 @@ class AuditFilter(msgspec.Struct, frozen=True, kw_only=True):
     target: str = ""
     result: str = ""
     words: tuple[Sought, ...] = ()
-    """All of them stand somewhere in a line: in who, what, about what, from where, or in its detail."""
+    """Words that must all occur in a line: in author, action, subject, origin or detail."""
     by_orders: bool = False
-    """Whether words are looked for in the texts of the order that a line is about, too."""
+    """Whether words are also searched in the texts of the line's order."""
 
 
 class Audit:
@@ -72,9 +72,9 @@ class Audit:
         """Lines, newest first.
 
         Args:
-            wanted: which ones.
-            after: only those that come after the line of this position.
-            limit: how many at most.
+            wanted: the filter.
+            after: only lines after this position, in the chosen direction.
+            limit: maximum number of lines.
             oldest_first: the other direction.
         """
         position, conditions = audit.c.position, list(_conditions(wanted))
@@ -86,17 +86,17 @@ class Audit:
         return [AuditRow(**row | {"detail": msgspec.Raw(row["detail"].encode())}) for row in rows]
 
     async def total(self, wanted: AuditFilter) -> int | None:
-        """How many are wanted; None for very many."""
+        """The number of matching lines; None for very many."""
         return await total_of(self._connection, select(audit.c.position).where(*_conditions(wanted)))
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some of the lines from before this moment; returns how many."""
+        """Delete some of the lines from before this moment; returns the number."""
         old = select(audit.c.position).where(audit.c.at_s < before_s).limit(at_most)
         return (await self._connection.execute(delete(audit).where(audit.c.position.in_(old)))).rowcount
 
 
 def row_of_line(line: AuditRow) -> dict[str, object]:
-    """A new line, as the table has it."""
+    """A new line as a row of the table."""
     fields = msgspec.structs.asdict(line)
     del fields["position"]
     detail = msgspec.json.encode(line.detail).decode()
@@ -119,7 +119,7 @@ def _conditions(wanted: AuditFilter) -> list[ColumnElement[bool]]:
 
 
 def _holds(word: Sought, *, by_orders: bool) -> ColumnElement[bool]:
-    # No word has a line's end in it, so none is found across two texts.
+    # No word contains a line break, so none matches across two texts.
     texts = (word.text, *(f'"{item}"' for item in word.named))
     found = [audit.c.search.contains(text.casefold(), autoescape=True) for text in texts]
     if by_orders:

@@ -1,7 +1,7 @@
-"""Lock-outs in SQL: how often a login under a name has failed in a row, and until when none is tried.
+"""Lock-outs in SQL: consecutive failed logins by name, and the end of the pause that follows.
 
-They are kept by the name that was given, whether anybody has it or not, and only its hash: so a lock-out
-tells nobody which names there are, and a password that was typed into the wrong field is not written down.
+They are stored by the hash of the given name, whether it exists or not. So a lock-out does not reveal existing names, and a
+password typed into the wrong field is not stored.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from dray.store.tables import lockouts
 
 
 class Lockout(msgspec.Struct, frozen=True):
-    """Failed logins in a row. Times are wall clock seconds."""
+    """Consecutive failed logins. Times are wall clock seconds."""
 
     failures: int
     failed_at_s: float
     until_s: float
-    """Nothing is tried before."""
+    """Logins before this time are refused."""
 
 
 class Lockouts:
@@ -37,20 +37,20 @@ class Lockouts:
         return None if row is None else Lockout(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
 
     async def put(self, name: str, lockout: Lockout) -> None:
-        """Keep this one instead of what there was."""
+        """Store this one, replacing any earlier."""
         await self.clear(name)
         row = msgspec.structs.asdict(lockout)
         await self._connection.execute(insert(lockouts), [{"subject": digest(name), **row}])
 
     async def clear(self, name: str) -> None:
-        """Forget the failures under this name."""
+        """Delete the failures under this name."""
         await self._connection.execute(delete(lockouts).where(lockouts.c.subject == digest(name)))
 
     async def forget_before(self, at_s: float) -> None:
-        """Forget those whose last failure was before this."""
+        """Delete those whose last failure was before this."""
         await self._connection.execute(delete(lockouts).where(lockouts.c.failed_at_s < at_s))
 
     async def count(self) -> int:
-        """How many names there are."""
+        """The number of names."""
         query = select(func.count()).select_from(lockouts)
         return (await self._connection.execute(query)).scalar_one()

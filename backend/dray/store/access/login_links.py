@@ -11,13 +11,13 @@ from dray.store.tables import login_links
 
 
 class LoginLink(msgspec.Struct, frozen=True):
-    """A link by which a person logs in once. Times are wall clock seconds."""
+    """A link that logs a person in once. Times are wall clock seconds."""
 
     person_id: str
     created_at_s: float
     expires_at_s: float
     ended_at_s: float | None = None
-    """Used or taken back."""
+    """The time of its use or revocation."""
 
 
 class LoginLinks:
@@ -27,7 +27,7 @@ class LoginLinks:
         self._connection = connection
 
     async def add(self, token: str, link: LoginLink) -> None:
-        """Keep a new link."""
+        """Store a new link."""
         row = msgspec.structs.asdict(link)
         await self._connection.execute(insert(login_links), [{"token_hash": digest(token), **row}])
 
@@ -39,7 +39,7 @@ class LoginLinks:
         return None if row is None else LoginLink(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
 
     async def use(self, token: str, at_s: float) -> bool:
-        """Use it up; False when it was used, taken back or too old already. Of two at once, one is True."""
+        """Use the link up; False when it was used, revoked or expired. Only one of two concurrent calls is True."""
         done = await self._connection.execute(
             update(login_links)
             .where(
@@ -52,7 +52,7 @@ class LoginLinks:
         return done.rowcount == 1
 
     async def end_all(self, person_id: str, at_s: float) -> None:
-        """Take all links of a person back."""
+        """Revoke all links of a person."""
         await self._connection.execute(
             update(login_links)
             .where(login_links.c.person_id == person_id, login_links.c.ended_at_s.is_(None))
@@ -60,5 +60,5 @@ class LoginLinks:
         )
 
     async def forget_before(self, at_s: float) -> None:
-        """Forget those that ran out before this."""
+        """Delete those that expired before this."""
         await self._connection.execute(delete(login_links).where(login_links.c.expires_at_s < at_s))

@@ -1,4 +1,4 @@
-"""People in SQL: who may log in, where they work, and the hashes of their secrets."""
+"""People in SQL: their logins, their areas, and the hashes of their secrets."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from dray.store.tables import people, people_areas
 
 
 class Person(msgspec.Struct, frozen=True, kw_only=True):
-    """Somebody who may log in. Times are wall clock seconds."""
+    """A person who may log in. Times are wall clock seconds."""
 
     id: str
-    """What the person types to log in; never given to somebody else."""
+    """The login name; never given to another person."""
     name: str
     role: str
     """`manager` or `operator`."""
     created_at_s: float
     areas: tuple[str, ...] = ()
-    """Of an operator."""
+    """The areas of an operator."""
     password_hash: str | None = None
     pin_hash: str | None = None
     badge_hash: str | None = None
@@ -29,7 +29,7 @@ class Person(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def has_secret(self) -> bool:
-        """Whether there is a way to log in without a link."""
+        """Whether login is possible without a link."""
         return any((self.password_hash, self.pin_hash, self.badge_hash))
 
 
@@ -40,7 +40,7 @@ class People:
         self._connection = connection
 
     async def add(self, person: Person) -> None:
-        """Keep somebody new."""
+        """Store a new person."""
         row = msgspec.structs.asdict(person)
         areas = row.pop("areas")
         await self._connection.execute(insert(people), [row])
@@ -49,17 +49,17 @@ class People:
             await self._connection.execute(insert(people_areas), rows)
 
     async def get(self, person_id: str) -> Person | None:
-        """Who has this id, disabled or not."""
-        if "\0" in person_id:  # PostgreSQL has no such texts, and refuses to look for one.
+        """The person with this id, disabled or not."""
+        if "\0" in person_id:  # PostgreSQL supports no such text, and refuses the query.
             return None
         return await self._one(people.c.id == person_id)
 
     async def with_badge(self, badge_hash: str) -> Person | None:
-        """Whose badge this is."""
+        """The person with this badge."""
         return await self._one(people.c.badge_hash == badge_hash)
 
     async def all(self) -> list[Person]:
-        """Everybody, by id."""
+        """All people, by id."""
         rows = (await self._connection.execute(select(people).order_by(people.c.id))).all()
         areas = await self._areas(row.id for row in rows)
         return [Person(areas=areas.get(row.id, ()), **row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
@@ -69,7 +69,7 @@ class People:
         await self._connection.execute(update(people).where(people.c.id == person_id).values(**columns))
 
     async def move(self, person_id: str, areas: Iterable[str]) -> None:
-        """Let an operator work in these areas from now on, and in no others."""
+        """Replace an operator's areas."""
         await self._connection.execute(delete(people_areas).where(people_areas.c.person_id == person_id))
         rows = [{"person_id": person_id, "area": area} for area in areas]
         if rows:

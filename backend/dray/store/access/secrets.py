@@ -1,4 +1,4 @@
-"""Secrets in SQL: random values that are made once for a database, as the salt of badge codes."""
+"""Secrets in SQL: random values, each created once for a database, as the salt of badge codes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray.store.database.dialect import insert_new
 from dray.store.tables import secrets
 
 SIZE_BYTES = 32
-"""As long as what is hashed with them."""
+"""The length of the hashes made with them."""
 
 
 class Secrets:
@@ -21,7 +21,7 @@ class Secrets:
         self._connection = connection
 
     async def get(self, name: str) -> str:
-        """The secret of this name, in hexadecimal digits; made now when there is none. Needs a write."""
+        """The secret of this name, in hexadecimal digits; created when missing. Needs a write."""
         row = {"name": name, "value": random.token_hex(SIZE_BYTES)}
         await self._connection.execute(insert_new(self._connection, secrets), [row])
         query = select(secrets.c.value).where(secrets.c.name == name)

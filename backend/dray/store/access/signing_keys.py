@@ -1,6 +1,6 @@
-"""Signing keys in SQL: by them the gateway grants people's commands to vehicles.
+"""Signing keys in SQL: the gateway signs grants of people's commands with them.
 
-Whoever can read this table can command every vehicle that trusts the key: keep the database from others.
+Any reader of this table can command every vehicle that trusts the key: protect the database.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class SigningKeys:
         self._connection = connection
 
     async def get(self, name: str, *, private: bytes, public: bytes, now_s: float) -> bytes:
-        """The private key of this name; the one that is given, when there was none. Needs a write."""
+        """The private key of this name; the given one is stored when there was none. Needs a write."""
         row = {
             "id": name,
             "private_key": private.hex(),

@@ -1,4 +1,4 @@
-"""How many rows a list has, as far as that is cheap."""
+"""The number of rows in a list, as far as counting is cheap."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from sqlalchemy import Select, func, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 TOTAL_MOST = 10_000
-"""Rows that are counted: some milliseconds. Beyond, nobody needs the number to the last one."""
+"""Maximum rows counted, in some milliseconds. Beyond that the exact number does not matter."""
 
 
 async def total_of(connection: AsyncConnection, query: Select[Any], most: int = TOTAL_MOST) -> int | None:
-    """How many rows a query finds; None for more than `most`."""
+    """The number of rows of a query; None for more than `most`."""
     found = select(func.count()).select_from(query.limit(most + 1).subquery())
     count: int = (await connection.execute(found)).scalar_one()
     return count if count <= most else None

@@ -1,8 +1,8 @@
-"""The database: opening it, and one transaction at a time.
+"""The database: opening it, and serialising its transactions.
 
-Both databases have one writer at a time. Writers of this process queue here, in order, so that a burst of
-them holds one connection; those of other processes queue where the data is (`dray.store.database.dialect`). A commit
-returns when it is on disk.
+Both databases have one writer at a time. Writers of this process queue here in order, so that many of them use one
+connection. Writers of other processes queue in the database (`dray.store.database.dialect`). A commit returns when it is on
+disk.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ _log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 _FAULTS = (DBAPIError, PoolTimeout, OSError, sqlite3.Error)
-"""What drivers raise, beside our own bugs."""
+"""Exceptions of drivers, as opposed to our own bugs."""
 
 
 class Outage:
-    """One way to use a database, and whether it is there: the log is told once of each outage, and of its end.
+    """The outages of one way to use a database: each one and its end are logged once.
 
     Args:
-        what: that is done in this way, in words.
+        what: the purpose, in words.
     """
 
     def __init__(self, what: str) -> None:
@@ -46,7 +46,7 @@ class Outage:
         self._refused = 0
 
     def begun(self, complaint: UnavailableError) -> None:
-        """It could not be used."""
+        """The database could not be used."""
         self._refused += 1
         if self._since_s is None:
             self._since_s = time.monotonic()
@@ -58,7 +58,7 @@ class Outage:
             )
 
     def ended(self) -> None:
-        """It could be used."""
+        """The database could be used."""
         if self._since_s is not None:
             away_s, self._since_s = time.monotonic() - self._since_s, None
             _log.warning(
@@ -75,7 +75,7 @@ class Database:
 
     Args:
         engine: its engine; closed by `close`.
-        dialect: how it is spoken to.
+        dialect: its dialect.
     """
 
     def __init__(self, engine: AsyncEngine, dialect: Dialect) -> None:
@@ -88,13 +88,13 @@ class Database:
 
     @classmethod
     async def open(cls, url: str) -> Database:
-        """Connect, and see that it can be written to.
+        """Connect, and check that it is writable.
 
         Args:
             url: as `Settings.database_url`.
 
         Raises:
-            UnavailableError: with a remedy, when it cannot be opened or written.
+            UnavailableError: opening or writing failed; contains a remedy.
         """
         dialect: Dialect = Sqlite() if url.startswith("sqlite") else Postgresql()
         try:
@@ -114,23 +114,23 @@ class Database:
 
     @property
     def name(self) -> str:
-        """What a person calls it: the path of the file, or the URL without its password."""
+        """Its name for people: the path of the file, or the URL without its password."""
         url = self.engine.url
         sqlite = url.get_backend_name() == "sqlite"
         return str(url.database) if sqlite else url.render_as_string(hide_password=True)
 
     @property
     def connections_used(self) -> int:
-        """How many connections are in use."""
+        """The number of connections in use."""
         pool = self.engine.pool
         return pool.checkedout() if isinstance(pool, QueuePool) else 0
 
     @asynccontextmanager
     async def read(self) -> AsyncIterator[AsyncConnection]:
-        """A transaction that only reads: a consistent view, never waited for by writers.
+        """A reading transaction: a consistent view, for which writers never wait.
 
         Raises:
-            UnavailableError: the database cannot be read at present.
+            UnavailableError: reading is impossible at present.
         """
         with self._told(self._unread):
             async with self._reader.connect() as connection:
@@ -141,8 +141,8 @@ class Database:
         """A transaction that is on disk when the block has ended, or undone when it raises.
 
         Raises:
-            UnavailableError: the database cannot be written at present. Where it is raised by the end of the
-                block, nobody knows whether the transaction was undone.
+            UnavailableError: writing is impossible at present. If the end of the block raises it, it is unknown whether the
+                transaction was undone.
         """
         with self._told(self._unwritten):
             async with self._writing, self._writer.begin() as connection:
@@ -156,11 +156,11 @@ class Database:
 
         Args:
             work: called with the connection, perhaps in another thread.
-            at_once: makes one statement that does the same, or None; tried first where that is the shorter way. When it has
-                written nothing, `work` is called.
+            at_once: makes one statement with the same effect, or None; tried first where that is shorter. If it writes
+                nothing, `work` is called.
 
         Returns:
-            What it has returned; by then it is on disk.
+            The result of `work`; by then it is on disk.
 
         Raises:
             UnavailableError: as `write`.
@@ -174,12 +174,12 @@ class Database:
                 return await self._dialect.do(self._writer, work)
 
     async def close(self) -> None:
-        """Close all connections; harmless when done twice."""
+        """Close all connections; harmless when repeated."""
         await self._dialect.close(self.engine)
 
     @contextmanager
     def _told(self, outage: Outage) -> Iterator[None]:
-        """Tell a database that is away from a fault in what was asked of it."""
+        """Distinguish an unavailable database from an error in the request."""
         try:
             yield
         except _FAULTS as error:
@@ -192,7 +192,7 @@ class Database:
             outage.ended()
 
     async def _prove_writable(self) -> None:
-        """Try a write and undo it: BEGIN alone does not tell on a file that may only be read."""
+        """Try a write and undo it: BEGIN alone succeeds on a read-only file."""
         async with self._writer.connect() as connection, connection.begin() as transaction:
             await self._dialect.take_turn(connection)
             await connection.execute(text("CREATE TABLE dray_probe (probe INTEGER)"))

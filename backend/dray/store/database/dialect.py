@@ -1,4 +1,4 @@
-"""What SQLite and PostgreSQL want done differently; `sqlite` and `postgresql` do it."""
+"""The differences between SQLite and PostgreSQL; `sqlite` and `postgresql` implement them."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 T = TypeVar("T")
 
 BUSY_TIMEOUT_MS = 5_000
-"""How long to wait for another process's write: an upgrade or a backup takes seconds, no more."""
+"""Longest wait for another process's write: an upgrade or a backup takes seconds, not more."""
 
 
 class AtOnce(msgspec.Struct, Generic[T], frozen=True):
-    """A writing transaction that is one statement, which takes its turn itself."""
+    """A writing transaction in one statement, which takes the writers' lock itself."""
 
     statement: str
-    """As the driver takes it; its only value tells whether anything was written."""
+    """In the driver's syntax; its only value tells whether it wrote anything."""
     arguments: tuple[object, ...]
     done: T
-    """What is told when it was."""
+    """The result if it did."""
 
 
 class Dialect(Protocol):
     """One kind of database.
 
     Attributes:
-        reading: options of a connection that only reads, and sees one moment of the database.
-        writing: options of a connection that writes.
+        reading: options of a connection for reading, with one consistent view.
+        writing: options of a connection for writing.
     """
 
     reading: Mapping[str, Any]
@@ -41,48 +41,47 @@ class Dialect(Protocol):
         """An engine whose connections are ready to use. Opens nothing yet.
 
         Raises:
-            ArgumentError: it cannot be read as a URL.
+            ArgumentError: it is no valid URL.
         """
         ...
 
     async def knock(self, engine: AsyncEngine) -> None:
-        """Try whether anything is there, when a failed attempt of the driver would leave something behind."""
+        """Check that the database is there, where a failed attempt of the driver would leak something."""
         ...
 
     async def take_turn(self, connection: AsyncConnection) -> None:
         """Wait, at the beginning of a transaction, until no other process writes.
 
-        So no query has to reckon with a second writer, and rows are numbered in the order in which they
-        become visible.
+        So no query needs to handle a second writer, and rows are numbered in the order in which they become visible.
         """
         ...
 
     async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
-        """One writing transaction, turn and all; `work` may be called in another thread."""
+        """Run one writing transaction, with the wait; `work` may be called in another thread."""
         ...
 
     async def at_once(self, writer: AsyncEngine, make: Callable[[], AtOnce[T] | None]) -> T | None:
-        """One writing transaction by one message, where that is less than `do`; None when nothing was written.
+        """Run one writing transaction by one message, where that is cheaper than `do`; None when it wrote nothing.
 
-        It writes nothing when a row that it adds is there already.
+        It writes nothing when one of its new rows exists already.
         """
         ...
 
     async def close(self, engine: AsyncEngine) -> None:
-        """Close the engine's connections and what was opened beside it; harmless when done twice."""
+        """Close the engine's connections and other resources; harmless when repeated."""
         ...
 
     def is_away(self, error: Exception) -> bool:
-        """Whether it is the database that cannot be used at present, and not what was asked of it."""
+        """Whether the database is unavailable, as opposed to an error in the request."""
         ...
 
     def remedy(self, reason: str) -> str:
-        """What to do about a database that could not be opened."""
+        """The remedy for a database that could not be opened."""
         ...
 
 
 def insert_new(connection: AsyncConnection, table: Table) -> Insert:
-    """An INSERT that skips rows whose key is there already."""
+    """An INSERT that skips rows whose key exists already."""
     if connection.dialect.name == "postgresql":
         return postgresql.insert(table).on_conflict_do_nothing()
     return sqlite.insert(table).on_conflict_do_nothing()

@@ -1,8 +1,8 @@
 """Insertion: new rows of several tables, written at once.
 
-The statements are written once and handed to the driver as they are. PostgreSQL gets one for all tables, with the rows
-of each as a JSON array, so that it is gone to once, for the whole transaction where that is wanted; SQLite is at hand, and
-gets one for each table.
+The statements are built once and passed directly to the driver. PostgreSQL gets one for all tables, with each table's rows
+as a JSON array: this needs one round trip, even for the whole transaction where wanted. SQLite is local, and gets one statement
+per table.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from dray.store.database.postgresql import WRITERS
 T = TypeVar("T")
 
 Rows = Sequence[Mapping[str, object]]
-"""By the names of columns; those that a database counts by itself are left out."""
+"""Rows by column names; columns that the database numbers are left out."""
 
 
 class Insertion:
     """Writes new rows of some tables.
 
     Args:
-        tables: those that others refer to come first.
-        once: a unique column of one of them: `at_once` writes nothing when one of its values is known.
+        tables: referenced tables come first.
+        once: a unique column of one of them: `at_once` writes nothing when one of its values exists.
     """
 
     def __init__(self, *tables: Table, once: Column[Any]) -> None:
@@ -36,11 +36,11 @@ class Insertion:
         self._for_sqlite = [_statement(table) for table in tables]
 
     def write(self, connection: Connection, rows: Sequence[Rows]) -> None:
-        """Write them.
+        """Write the rows.
 
         Args:
             connection: in a transaction.
-            rows: of each of the tables, perhaps none.
+            rows: for each of the tables, possibly none.
         """
         if connection.dialect.name == "postgresql":
             connection.exec_driver_sql(self._for_postgresql, _arrays(rows))
@@ -50,12 +50,12 @@ class Insertion:
                 connection.exec_driver_sql(statement, list(map(dict, each)))
 
     def at_once(self, rows: Sequence[Rows], values: Sequence[str], done: T) -> AtOnce[T]:
-        """One statement for PostgreSQL that is a transaction of its own and writes them, if all of that is new.
+        """One statement for PostgreSQL that is its own transaction and writes the rows, if all of them are new.
 
         Args:
             rows: as `write`.
-            values: of the column `once`.
-            done: what is told when they are written.
+            values: the values of the column `once`.
+            done: the result when they are written.
         """
         return AtOnce(self._at_once, (*_arrays(rows), list(values)), done)
 
@@ -75,13 +75,13 @@ def _statement(table: Table) -> str:
 
 
 def _one_statement(tables: Sequence[Table]) -> str:
-    """Foreign keys are looked at when all of it is done."""
+    """Foreign keys are checked at the end of the statement."""
     *before, last = (_from_array(table, place) for place, table in enumerate(tables, 1))
     return f"WITH {_named(before)} {last}" if before else last
 
 
 def _one_transaction(tables: Sequence[Table], once: Column[Any]) -> str:
-    """Every row comes after the writers' lock; what others have committed while it was waited for meets the unique keys."""
+    """All rows are written under the writers' lock; unique keys detect rows committed during the wait."""
     known = f"SELECT FROM {once.table} WHERE {once.name} = ANY(${len(tables) + 1}::text[])"
     return (
         f"WITH turn AS MATERIALIZED (SELECT pg_advisory_xact_lock({WRITERS})), "  # noqa: S608 - of our own names

@@ -1,7 +1,7 @@
-"""Migrations: bringing the tables up to date, or back.
+"""Migrations: upgrading the tables, or downgrading them.
 
-The scripts lie in `migrations/` at the top of a checkout, and inside `dray.store` in a wheel. Alembic is loaded when tables are brought
-up to date: many who read rows never do that, as the processes beside a gateway.
+The scripts are in `migrations/` at the top of a checkout, and inside `dray.store` in a wheel. Alembic is imported only for a
+migration: many processes that read rows never need it, such as those beside a gateway.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from alembic.config import Config
 
 CONNECTION = "connection"
-"""Under this name the migrations' `env.py` finds the connection to work on."""
+"""The name under which the migrations' `env.py` finds the connection."""
 
 
 def migrations_folder() -> Path:
-    """Where the migration scripts are.
+    """The folder of the migration scripts.
 
     Raises:
         UnavailableError: this installation lacks them.
@@ -36,7 +36,7 @@ def migrations_folder() -> Path:
 
 
 def configuration() -> Config:
-    """Alembic's configuration, made here so that no file of it has to be found."""
+    """Alembic's configuration, built in code so that no file is needed."""
     from alembic.config import Config  # noqa: PLC0415 (see above)
 
     config = Config()
@@ -45,7 +45,7 @@ def configuration() -> Config:
 
 
 async def upgrade(database: Database, revision: str = "head") -> None:
-    """Bring the tables up to `revision`; does nothing when they are.
+    """Upgrade the tables to `revision`; does nothing when they have it.
 
     Raises:
         UnavailableError: the database was written by a newer Dray.
@@ -56,20 +56,20 @@ async def upgrade(database: Database, revision: str = "head") -> None:
 
 
 async def downgrade(database: Database, revision: str) -> None:
-    """Take the tables back to `revision`; ``base`` removes them all."""
+    """Downgrade the tables to `revision`; ``base`` removes them all."""
     from alembic import command  # noqa: PLC0415 (see above)
 
     await _run(database, lambda config: command.downgrade(config, revision))
 
 
 async def revisions(database: Database) -> tuple[str | None, str | None, bool]:
-    """Which tables there are; changes nothing.
+    """The present state of the tables; changes nothing.
 
     Returns:
-        The revision of the tables, None for no tables; the newest one; and whether this software knows the first of them.
+        The revision of the tables, None for no tables; the newest one; and whether this software knows the former.
 
     Raises:
-        UnavailableError: the database cannot be read, or the migrations are not there.
+        UnavailableError: reading failed, or the migrations are missing.
     """
     from alembic.runtime.migration import MigrationContext  # noqa: PLC0415 (see above)
     from alembic.script import ScriptDirectory  # noqa: PLC0415 (see above)

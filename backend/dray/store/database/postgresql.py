@@ -1,7 +1,7 @@
-"""PostgreSQL: a server, with any number of processes that write.
+"""PostgreSQL: a server, with any number of writing processes.
 
-They queue for one lock, as SQLite's writers queue for the file: what the factory writes is a few
-transactions a second, so the queue is short, and queries are the same on both databases.
+They queue for one lock, as SQLite's writers queue for the file. The factory writes a few transactions a second, so the
+queue is short, and queries are the same on both databases.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from dray.store.database import dialect
 T = TypeVar("T")
 
 WRITERS = 0x44726179
-"""The advisory lock of all writers; "Dray" in ASCII. Such locks are known in one database only."""
+"""The advisory lock of all writers; "Dray" in ASCII. Such a lock belongs to one database."""
 
 CONNECT_S = 5.0
-"""Seconds for a connection: a server that needs longer is not there."""
+"""Timeout of a connection: a slower server counts as absent."""
 
 COMMAND_S = 60.0
-"""Seconds for one statement: the longest is the making of an index while tables are brought up to date. A
-server whose network fell silent is given up after this."""
+"""Timeout of one statement: the longest is the creation of an index in a migration. A server behind a silent network is
+given up after this."""
 
 FORGOTTEN_MS = 60_000
-"""A transaction that does nothing for so long belongs to a process that hangs; others wait for its lock."""
+"""A transaction idle for so long belongs to a hung process; others wait for its lock."""
 
 _BEGIN = f"BEGIN ISOLATION LEVEL READ COMMITTED; SELECT pg_advisory_xact_lock({WRITERS})"
-"""A transaction that has its turn, in one message to the server."""
+"""The beginning of a transaction with the writers' lock, in one message to the server."""
 
 _AWAY = frozenset({"08", "25", "40", "53", "55", "57", "58"})
-"""Classes of SQLSTATE that say nothing about what was asked: connection lost, read-only standby, rolled
-back, no resources, lock not to be had, server being stopped, system error."""
+"""Classes of SQLSTATE for an unavailable server, not an error in the request: connection lost, read-only standby, rolled back,
+no resources, lock not available, server being stopped, system error."""
 
 
 class Postgresql:
@@ -48,18 +48,18 @@ class Postgresql:
     reading: Mapping[str, Any] = MappingProxyType(
         {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
     )
-    # Each statement must see what was committed while its transaction waited for its turn.
+    # Each statement must see everything committed while its transaction waited for the lock.
     writing: Mapping[str, Any] = MappingProxyType({"isolation_level": "READ COMMITTED"})
 
     def __init__(self) -> None:
         self._kept: AsyncConnection | None = None
-        """Of `do`, which says itself when a transaction begins and ends. The pool would try it before each use, and
-        each statement of a transaction's beginning goes to the server and back."""
+        """The connection of `do`, which begins and ends transactions itself. The pool would test it before each use, and each
+        statement at a transaction's beginning costs a round trip."""
 
     def engine(self, url: str) -> AsyncEngine:
         server_settings = {
             "application_name": "dray",
-            # An order that was answered 201 must be on disk even when the power fails right after it.
+            # An order answered with 201 must be on disk even when the power fails right after it.
             "synchronous_commit": "on",
             "lock_timeout": str(dialect.BUSY_TIMEOUT_MS),
             "idle_in_transaction_session_timeout": str(FORGOTTEN_MS),
@@ -74,10 +74,10 @@ class Postgresql:
         return create_async_engine(url, connect_args=connect, pool_pre_ping=True)
 
     async def knock(self, engine: AsyncEngine) -> None:
-        """A failed attempt leaves nothing behind."""
+        """Do nothing: a failed attempt leaks nothing."""
 
     async def take_turn(self, connection: AsyncConnection) -> None:
-        """Held until the transaction ends, however it ends."""
+        """Take the lock, held until the transaction ends in any way."""
         await connection.execute(text("SELECT pg_advisory_xact_lock(:writers)"), {"writers": WRITERS})
 
     async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
@@ -100,7 +100,7 @@ class Postgresql:
         except DBAPIError as error:
             if fresh or not _is_gone(error):
                 raise
-            # The server was started anew while nothing was said; or it has written this, and then nothing is new in it.
+            # The server was restarted while idle; or it has written this already, and then the retry finds nothing new.
             done = await self._written(writer, whole)
             if done is None:
                 raise
@@ -123,7 +123,7 @@ class Postgresql:
         await engine.dispose()
 
     async def _begun(self, writer: AsyncEngine) -> AsyncConnection:
-        """The kept connection, or a new one where the server has been away, in a transaction."""
+        """The kept connection in a transaction, or a new one if the server was away."""
         while True:
             fresh = self._kept is None
             try:
@@ -146,14 +146,14 @@ class Postgresql:
         return self._kept
 
     async def _hang_up(self) -> None:
-        """The server undoes what was not committed."""
+        """Close the connection; the server undoes uncommitted work."""
         if self._kept is not None:
             kept, self._kept = self._kept, None
             await kept.invalidate()
             await kept.close()
 
     def is_away(self, error: Exception) -> bool:
-        """A server that is not there, is stopped or started, or has no room."""
+        """Whether the server is absent, stopping, starting, or out of resources."""
         if isinstance(error, DBAPIError):
             state: str | None = getattr(error.orig, "sqlstate", None)
             return error.connection_invalidated or (state or "")[:2] in _AWAY
@@ -164,7 +164,7 @@ class Postgresql:
 
 
 def _is_gone(error: BaseException) -> bool:
-    """Whether it is the connection that has failed: the server was started anew, say."""
+    """Whether the connection itself has failed, as after a restart of the server."""
     if isinstance(error, DBAPIError):
         state: str | None = getattr(error.orig, "sqlstate", None)
         return error.connection_invalidated or (state or "")[:2] in {"08", "57"}
@@ -172,10 +172,10 @@ def _is_gone(error: BaseException) -> bool:
 
 
 async def _say(connection: AsyncConnection, command: str) -> None:
-    """Give the server a command, in the simple form that may be several statements.
+    """Send the server a command, in the simple protocol that allows several statements.
 
     Raises:
-        DBAPIError: as SQLAlchemy itself would raise it.
+        DBAPIError: as SQLAlchemy would raise it.
     """
     driver = await _driver(connection)
     with _raised(command):
@@ -188,16 +188,16 @@ async def _driver(connection: AsyncConnection) -> Any:
 
 @contextmanager
 def _raised(command: str) -> Iterator[None]:
-    """Raise what the driver raises as SQLAlchemy itself would.
+    """Convert the driver's exceptions as SQLAlchemy would.
 
     Raises:
-        DBAPIError: an `IntegrityError` for a row that is there already.
+        DBAPIError: an `IntegrityError` for a row that exists already.
     """
     try:
         yield
     except asyncpg.UniqueViolationError as error:
         raise IntegrityError(command, None, error) from error
     except (asyncpg.PostgresError, asyncpg.InterfaceError, asyncpg.InternalClientError) as error:
-        # The server has said nothing: the driver finds the connection closed, or closing.
+        # Without an error of the server, the driver finds the connection closed, or closing.
         gone = not isinstance(error, asyncpg.PostgresError)
         raise DBAPIError(command, None, error, connection_invalidated=gone) from error

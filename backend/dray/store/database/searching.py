@@ -1,4 +1,4 @@
-"""What words are looked for in: all texts of a row in one column, in small letters."""
+"""Search texts: all texts of a row in one column, in small letters."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import msgspec
 
 
 class Sought(msgspec.Struct, frozen=True, gc=False):
-    """A word that somebody looks for."""
+    """A searched word."""
 
     text: str
     named: tuple[str, ...] = ()
-    """Ids of products, and materials, whose names hold it."""
+    """Ids of products, and materials, whose names contain it."""
 
 
 def searched(texts: Iterable[str], products: Iterable[str]) -> str:
-    """What words are looked for in, of a row that is new: all of it in one column, which is read at once."""
+    """The search text of a new row: all its texts in one column, which a search reads at once."""
     return "\n".join((*texts, f"|{'|'.join(products)}|")).casefold()

@@ -1,7 +1,7 @@
-"""SQLite: a file beside the process, with one writer at a time.
+"""SQLite: a local file, with one writer at a time.
 
-A write transaction takes the lock of the file when it begins (BEGIN IMMEDIATE): a lock taken half way,
-after a read, could not be waited for.
+A write transaction locks the file when it begins (BEGIN IMMEDIATE): a lock taken later, after a read, could not be
+waited for.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ _IMMEDIATE = "dray_immediate"
 
 CHECKPOINT_PAGES = 8_000
 """Pages of the write-ahead log, 32 MB, after which a commit copies them into the file and waits for the disk twice more. An
-order changes some twenty pages, and the same ones as the orders before it."""
+order changes some twenty pages, mostly those of earlier orders."""
 
 ANSWER_WAIT_S = 5.0
-"""How long closing waits for the threads of connections that were given up half way."""
+"""Longest wait, on closing, for the threads of abandoned connections."""
 
 
 class Sqlite:
@@ -44,11 +44,11 @@ class Sqlite:
 
     def __init__(self) -> None:
         self._direct: Connection | None = None
-        """To the same file, of a thread that does whole transactions: aiosqlite goes over to its own and back some
-        twenty times for one."""
+        """A connection to the same file for a thread that runs whole transactions: aiosqlite would switch threads some twenty times
+        in each."""
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="sqlite")
         self._threads: list[threading.Thread] = []
-        """One for each connection of aiosqlite, until it has ended."""
+        """The threads of aiosqlite's connections, until they end."""
         self._closed = False
 
     def engine(self, url: str) -> AsyncEngine:
@@ -71,7 +71,7 @@ class Sqlite:
         return await asyncio.get_running_loop().run_in_executor(self._thread, self._do, writer.url, work)
 
     async def at_once(self, writer: AsyncEngine, make: Callable[[], dialect.AtOnce[T] | None]) -> T | None:
-        """The file is beside the process: several statements are no longer way."""
+        """Do nothing: the file is local, so several statements are as fast."""
         return None
 
     def _do(self, url: URL, work: Callable[[Connection], T]) -> T:
@@ -81,7 +81,7 @@ class Sqlite:
             with self._direct.begin():
                 return work(self._direct)
         except BaseException:
-            # Whatever it was, the next one begins with a new connection.
+            # After any error the next transaction uses a new connection.
             self._hang_up()
             raise
 
@@ -104,22 +104,22 @@ class Sqlite:
         await asyncio.to_thread(self._wait_for_threads)
 
     def _wait_for_threads(self) -> None:
-        # Whoever was cancelled with a connection has left a thread that still answers to the loop, which may be closed next.
+        # A cancelled task may have left a thread that still answers to the loop, which may be closed next.
         until_s = time.monotonic() + ANSWER_WAIT_S
         for thread in self._threads:
             thread.join(max(0.0, until_s - time.monotonic()))
 
     async def knock(self, engine: AsyncEngine) -> None:
-        """A failed attempt of aiosqlite would leave a thread that may answer to a closed loop."""
+        """Check the path: a failed attempt of aiosqlite would leave a thread that may answer to a closed loop."""
         await asyncio.to_thread(_open_once, engine.url.database or "")
 
     async def take_turn(self, connection: AsyncConnection) -> None:
-        """BEGIN IMMEDIATE has done so."""
+        """Do nothing: BEGIN IMMEDIATE has the lock."""
 
     def is_away(self, error: Exception) -> bool:
-        """A full disk, a lock that is held for too long, a folder that is gone, a file with wrong bytes."""
+        """Whether it is a full disk, a lock held for too long, a missing folder, or a damaged file."""
         if isinstance(error, DBAPIError) and isinstance(error.orig, sqlite3.Error):
-            # aiosqlite passes on what SQLite has said.
+            # aiosqlite passes on SQLite's errors.
             return isinstance(error, OperationalError | InterfaceError) or _is_damage(error.orig)
         return isinstance(error, OperationalError | InterfaceError | sqlite3.Error | OSError)
 
@@ -145,8 +145,8 @@ class Sqlite:
 class _Connection(sqlite3.Connection):
     """Undoes an open transaction before it closes.
 
-    SQLite itself keeps it, and the file's lock with it, for as long as somebody holds a cursor that is half read
-    (https://sqlite.org/c3ref/close.html), as the error of a cancelled task may.
+    Otherwise SQLite keeps the transaction, and the file's lock, as long as a half-read cursor exists
+    (https://sqlite.org/c3ref/close.html). The exception of a cancelled task may hold one.
     """
 
     def close(self) -> None:
@@ -156,19 +156,19 @@ class _Connection(sqlite3.Connection):
 
 
 def _open_once(path: str) -> None:
-    # It holds the key by which commands are signed: made for its owner alone. SQLite says why it cannot be made.
+    # It contains the key that signs commands, so only its owner may read it. SQLite reports a failed creation.
     with suppress(OSError):
         Path(path).touch(mode=0o600)
     with closing(sqlite3.connect(path)) as base:
         try:
             base.execute("SELECT name, sql FROM sqlite_schema").fetchall()
         except UnicodeDecodeError:
-            # The driver cannot even read what SQLite says of the names in it.
+            # The driver cannot even decode SQLite's error about its names.
             raise sqlite3.DatabaseError("database disk image is malformed") from None
 
 
 def _is_damage(error: BaseException) -> bool:
-    """Whether SQLite says that the file's bytes are wrong."""
+    """Whether SQLite reports damaged bytes."""
     code: int = getattr(error, "sqlite_errorcode", 0)
     return code & 0xFF in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 
@@ -179,11 +179,10 @@ def _listen(engine: Engine) -> None:
 
 
 def _prepare(connection: Any, _record: Any) -> None:
-    # The driver would begin transactions by itself, and only before some statements: `_begin` does it
-    # instead.
+    # The driver would begin transactions by itself, and only before some statements: `_begin` does it instead.
     connection.isolation_level = None
     cursor = connection.cursor()
-    # FULL: an order that was answered 201 must be on disk even when the power fails right after it.
+    # FULL: an order answered with 201 must be on disk even when the power fails right after it.
     for pragma in (
         f"busy_timeout = {dialect.BUSY_TIMEOUT_MS}",
         "journal_mode = WAL",

@@ -1,8 +1,8 @@
-"""Together: what waits to be written while another commit is on its way is written by the next one, all at once.
+"""Group commit: items that wait during a commit are written together by the next one.
 
-A commit waits for the disk, which takes as long for one as for a hundred. So there is one writer: it takes whatever
-waits, writes it in one transaction, and answers when that is on disk. When something in it cannot be written, the
-transaction is undone and each is tried alone, so nobody fails for another one's sake.
+A commit waits for the disk, which takes as long for one item as for a hundred. So one writer takes all waiting items, writes
+them in one transaction, and answers when that is on disk. If one of them cannot be written, the transaction is undone and
+each is tried alone. So no item fails because of another one.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ In = TypeVar("In")
 Out = TypeVar("Out")
 
 AT_ONCE = 100
-"""Written in one transaction: more would make the first of them wait longer for the sake of the last."""
+"""Maximum items in one transaction: more would delay the first for the sake of the last."""
 
 WAITING = 1_000
-"""That wait for their turn: some seconds of the slowest disk. Whoever finds no place is told to come again."""
+"""Maximum waiting items: some seconds of the slowest disk. Further ones are refused and may be retried."""
 
 
 class Together(Generic[In, Out]):
-    """Writes what comes together in one transaction.
+    """Writes concurrent items in one transaction.
 
     Args:
-        database: where to.
-        write: writes some in one transaction, in their order, and returns what became of each. It may run in another
-            thread, and again when the transaction was undone.
+        database: the database.
+        write: writes some items in one transaction, in order, and returns their results. It may run in another thread, and again
+            when the transaction was undone.
         at_once: see `Database.do`.
     """
 
@@ -49,10 +49,10 @@ class Together(Generic[In, Out]):
         self._writer: asyncio.Task[None] | None = None
 
     async def do(self, item: In) -> Out:
-        """Write one; it is on disk when this returns. Whoever is cancelled meanwhile does not undo it.
+        """Write one item; it is on disk when this returns. A cancelled caller does not undo it.
 
         Raises:
-            UnavailableError: the database cannot be written at present, or too many wait for it.
+            UnavailableError: writing is impossible at present, or too many items wait.
         """
         if len(self._waiting) >= WAITING:
             raise UnavailableError(
@@ -74,7 +74,7 @@ class Together(Generic[In, Out]):
                     await self._written([each], alone=True)
 
     async def _written(self, batch: Sequence[tuple[In, asyncio.Future[Out]]], *, alone: bool) -> bool:
-        """Write some and answer; False when nothing was done and each is to be tried alone."""
+        """Write some items and answer; False when nothing was written and each must be tried alone."""
         try:
             items = [one for one, _ in batch]
             done = await self._database.do(

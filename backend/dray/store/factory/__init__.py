@@ -1,1 +1,1 @@
-"""What people decide about a factory, and what it has achieved."""
+"""People's decisions about a factory, and its achievements."""

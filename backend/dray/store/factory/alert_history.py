@@ -1,7 +1,7 @@
-"""Alerts in SQL: what was wrong from when to when, who has taken it on until when, and what people said of it.
+"""Alerts in SQL: their times, their acknowledgements, and people's comments.
 
-The alerts themselves are made of how things are; several gateways see the same, and each writes down what it sees. An alert that
-lasts has one row, whoever was first to see it.
+Alerts follow from the present state. Several gateways see the same state, and each writes its view. A lasting alert has one row,
+whichever gateway saw it first.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from dray.store.database.searching import Sought, searched
 from dray.store.tables import Id, metadata
 
 Said = Literal["taken", "commented", "over", "worse"]
-"""What was done with an alert. The last two nobody has said: the time for which it was taken on was over, or it had become worse."""
+"""An event of an alert. The last two are no person's: the acknowledgement has expired, or the alert has become worse."""
 
 alerts = Table(
     "alerts",
@@ -75,7 +75,7 @@ Index(
 )
 
 SAME_S = 1.0
-"""Gateways look once a second: what they see to begin within less, at one subject, is one alert."""
+"""Gateways look once a second: beginnings within less, of one subject, are one alert."""
 
 alert_words = Table(
     "alert_words",
@@ -94,31 +94,31 @@ alert_words = Table(
 
 
 class Acknowledgement(msgspec.Struct, frozen=True, gc=False):
-    """An alert that lasts, and who has taken it on. Times are wall clock seconds."""
+    """A lasting alert, and its acknowledgement. Times are wall clock seconds."""
 
     alert: str
     since_at_s: float
-    """When the alert began: the same alert may come again another day."""
+    """The alert's beginning: the same alert may return another day."""
     by: str
-    """The name of the person; empty while nobody has."""
+    """The acknowledging person's name; empty for none."""
     at_s: float
     until_at_s: float | None = None
-    """Until when; None for as long as it lasts."""
+    """The end of the acknowledgement; None for as long as the alert lasts."""
     weight: float = 0.0
-    """How bad it was then."""
+    """The alert's severity then."""
     came_back: str = ""
-    """Why it asks again, since when nobody has it: the time is `over`, or it is `worse`."""
+    """Why it needs a new acknowledgement: the old one is `over`, or the alert is `worse`."""
     comment: str = ""
     comment_by: str = ""
 
     @property
     def is_held(self) -> bool:
-        """Whether somebody has it."""
+        """Whether it is acknowledged."""
         return self.by != "" and self.came_back == ""
 
 
 class NewAlert(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """An alert as it was seen. Times are wall clock seconds."""
+    """An alert as a gateway saw it. Times are wall clock seconds."""
 
     alert: str
     kind: str
@@ -126,13 +126,13 @@ class NewAlert(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     order: str
     since_at_s: float
     told: str
-    """All of it, in JSON."""
+    """The whole alert, in JSON."""
     texts: tuple[str, ...]
-    """What words are looked for in."""
+    """The searched texts."""
 
 
 class Word(msgspec.Struct, frozen=True, gc=False):
-    """What was said of an alert."""
+    """An event of an alert, with its author."""
 
     at_s: float
     by: str
@@ -142,7 +142,7 @@ class Word(msgspec.Struct, frozen=True, gc=False):
 
 
 class AlertRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """An alert that there was, or is."""
+    """A present or past alert."""
 
     number: int
     ended_at_s: float | None
@@ -153,20 +153,20 @@ class AlertRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
 
 
 class AlertFilter(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """Which alerts are wanted; empty fields want all. Times are wall clock seconds."""
+    """A filter for alerts; empty fields match all. Times are wall clock seconds."""
 
     kind: str = ""
     level: str = ""
     lasting: bool | None = None
     since_s: float | None = None
-    """Still there then, or later; the one below: begun before then."""
+    """Alerts that lasted until then or longer; the next field: alerts that began before then."""
     before_s: float | None = None
     orders: bool = True
-    """False: none that is about an order."""
+    """Whether alerts about orders match."""
     words: tuple[Sought, ...] = ()
 
     def conditions(self) -> list[ColumnElement[bool]]:
-        """What a row has to fulfil."""
+        """The conditions for a row."""
         c = alerts.c
         exact = {c.kind: self.kind, c.level: self.level}
         wanted: list[ColumnElement[bool]] = [column == value for column, value in exact.items() if value]
@@ -178,7 +178,7 @@ class AlertFilter(msgspec.Struct, frozen=True, kw_only=True, gc=False):
             wanted.append(c.since_at_s < self.before_s)
         if not self.orders:
             wanted.append(c.order_id == "")
-        # Of what was there before history was kept, only who had taken it on is known.
+        # Of alerts from before this history, only the acknowledgement is known.
         wanted.append(c.told != "")
         for word in self.words:
             texts = (word.text, *word.named)
@@ -197,21 +197,21 @@ class AlertHistory:
         self._connection = connection
 
     async def lasting(self) -> list[Acknowledgement]:
-        """All that had not ended when a gateway last looked."""
+        """All alerts that lasted when a gateway last looked."""
         query = select(*_TAKEN).where(alerts.c.ended_at_s.is_(None))
         return [Acknowledgement(*row) for row in await self._connection.execute(query)]
 
     async def get(self, alert: str) -> Acknowledgement | None:
-        """One that lasts, or None."""
+        """A lasting alert, or None."""
         query = select(*_TAKEN).where(alerts.c.alert == alert, alerts.c.ended_at_s.is_(None))
         row = (await self._connection.execute(query)).one_or_none()
         return None if row is None else Acknowledgement(*row)
 
     async def begin(self, new: Iterable[NewAlert]) -> None:
-        """Add those of which none lasts; who was first to see it has said since when it is there.
+        """Add new alerts that are not lasting yet; the first gateway determines the time of the beginning.
 
-        What another gateway has begun and ended already, before this one has got to write, is the same alert: it lasts again, until
-        this one has seen its end, too.
+        If another gateway has written both beginning and end before this one writes, it is the same alert: it lasts again, until this
+        gateway has seen its end, too.
         """
         new = tuple(new)
         for each in new:
@@ -249,9 +249,9 @@ class AlertHistory:
 
         Args:
             alert: its id.
-            since_s: it began by then: what has come again since lasts.
-            at_s: when it was seen that it is over.
-            told: all that was known of it at last, in JSON; empty where nothing is.
+            since_s: it began at or before this time: a later return lasts.
+            at_s: when its end was noticed.
+            told: its last known content, in JSON; empty for unknown.
         """
         last = {"told": told} if told else {}
         await self._connection.execute(
@@ -261,20 +261,20 @@ class AlertHistory:
         )
 
     async def take(self, word: Acknowledgement) -> None:
-        """Somebody takes on an alert that lasts."""
+        """Acknowledge a lasting alert."""
         fields = msgspec.structs.asdict(word)
         del fields["alert"], fields["since_at_s"]
         await self._connection.execute(update(alerts).where(_lasts(word.alert)).values(**fields))
         await self._say(word.alert, Word(word.at_s, word.by, "taken", word.comment, word.until_at_s))
 
     async def comment(self, alert: str, by: str, comment: str, at_s: float) -> None:
-        """Somebody says something of an alert that lasts."""
+        """Add a person's comment to a lasting alert."""
         known = update(alerts).where(_lasts(alert)).values(comment=comment, comment_by=by)
         await self._connection.execute(known)
         await self._say(alert, Word(at_s, by, "commented", comment, None))
 
     async def come_back(self, held: Acknowledgement, why: Literal["over", "worse"], at_s: float) -> None:
-        """An alert asks again; it is said once, whichever gateway sees it first."""
+        """End an acknowledgement; recorded once, whichever gateway does it first."""
         back = update(alerts).where(
             _lasts(held.alert), alerts.c.at_s == held.at_s, alerts.c.came_back == "", alerts.c.by == held.by
         )
@@ -285,9 +285,9 @@ class AlertHistory:
         """A part of the list, newest first.
 
         Args:
-            wanted: which ones.
-            after: when the last one of the page before began, and its number.
-            limit: how many at most.
+            wanted: the filter.
+            after: beginning and number of the previous page's last alert.
+            limit: maximum number of alerts.
         """
         began, number = alerts.c.since_at_s, alerts.c.number
         query = select(*_ROW).where(*wanted.conditions()).order_by(began.desc(), number.desc()).limit(limit)
@@ -309,11 +309,11 @@ class AlertHistory:
         ]
 
     async def total(self, wanted: AlertFilter) -> int | None:
-        """How many are wanted; None for very many."""
+        """The number of matching alerts; None for very many."""
         return await total_of(self._connection, select(alerts.c.number).where(*wanted.conditions()))
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some that had ended before then, and what was said of them; returns how many."""
+        """Delete some that had ended before then, with their events; returns the number."""
         c = alerts.c
         query = select(c.number).where(c.ended_at_s < before_s).limit(at_most)
         old = list((await self._connection.execute(query)).scalars())

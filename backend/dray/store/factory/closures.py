@@ -1,7 +1,7 @@
-"""Closures in SQL: what people have closed to vehicles, why, until when, and by which decision.
+"""Closures in SQL: people's closures for vehicles, with reason, end, and number of decision.
 
-Decisions are numbered as those about exclusions are (`dray.store.factory.exclusions`): a row stays when its closure has ended,
-so that the number of that decision is not lost.
+Decisions are numbered like those about exclusions (`dray.store.factory.exclusions`). A row stays after its closure's end, so that
+the number of that decision is not lost.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from dray.store.tables import closures
 
 KEPT_S = 30 * 86400.0
-"""An ended closure is forgotten so long after its end; the audit log knows it longer."""
+"""Seconds after its end at which a closure is deleted; the audit log keeps it longer."""
 
 
 class ClosureRow(msgspec.Struct, frozen=True, gc=False):
-    """One closure. Times are wall clock seconds; of lane, place, area and outline one is named."""
+    """One closure. Times are wall clock seconds; exactly one of lane, place, area and outline is set."""
 
     id: str
     kind: str
@@ -30,19 +30,19 @@ class ClosureRow(msgspec.Struct, frozen=True, gc=False):
     """The corners, as a JSON array of pairs (m); empty for none."""
     speed_mps: float | None
     until_s: float | None
-    """When it ends by itself; None for when somebody ends it."""
+    """The automatic end; None for an end by a person."""
     reason: str
     by: str
-    """The name of who has decided it."""
+    """The name of the person who decided it."""
     person: str
-    """The same, as vehicles are told."""
+    """The person's name, as vehicles are told it."""
     at_s: float
     number: int = 0
-    """Of the decision; given when it is written down."""
+    """The number of the decision; assigned when it is stored."""
 
     @property
     def subject(self) -> tuple[str | float | None, ...]:
-        """What is closed, and how."""
+        """The closed thing, and the kind of closure."""
         return self.kind, self.start_node, self.end_node, self.place, self.area, self.outline, self.speed_mps
 
 
@@ -56,31 +56,31 @@ class Closures:
         self._connection = connection
 
     async def all(self) -> list[ClosureRow]:
-        """Those that nobody has ended and that have not been found over, the oldest first."""
+        """The closures that nobody has ended and that have not expired, the oldest first."""
         query = (
             select(*COLUMNS).where(closures.c.ended_at_s.is_(None)).order_by(closures.c.at_s, closures.c.id)
         )
         return [ClosureRow(*row) for row in await self._connection.execute(query)]
 
     async def number(self) -> int:
-        """The number of the last decision; 0 when there was none."""
+        """The number of the last decision; 0 for none."""
         return (await self._connection.execute(select(func.max(closures.c.number)))).scalar() or 0
 
     async def get(self, closure: str) -> ClosureRow | None:
-        """One that holds, or None."""
+        """A closure in force, or None."""
         query = select(*COLUMNS).where(closures.c.id == closure, closures.c.ended_at_s.is_(None))
         row = (await self._connection.execute(query)).one_or_none()
         return None if row is None else ClosureRow(*row)
 
     async def put(self, closure: ClosureRow) -> None:
-        """Close something; what has ended long ago is forgotten."""
+        """Store a closure, and delete those that ended long ago."""
         number = await self._next(closure.at_s)
         row = msgspec.structs.asdict(closure) | {"number": number, "ended_at_s": None}
         await self._connection.execute(insert(closures), [row])
         await self._connection.execute(delete(closures).where(closures.c.ended_at_s < closure.at_s - KEPT_S))
 
     async def end(self, closure: str, at_s: float) -> None:
-        """Open what one has closed."""
+        """End a closure."""
         await self._connection.execute(
             update(closures)
             .where(closures.c.id == closure, closures.c.ended_at_s.is_(None))

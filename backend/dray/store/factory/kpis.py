@@ -10,10 +10,10 @@ from dray.store.tables import kpi_samples
 
 
 class KpiSample(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """What one wall minute, or part of it, has added. Times in it are factory seconds, ways metres.
+    """The sums of one wall minute, or part of it. Times in it are factory seconds, distances metres.
 
-    Only sums are kept, so that longer spans add up exactly; but for the quantiles, which are as they were
-    at its end.
+    Only sums are stored, so that longer times add up exactly; the exceptions are the quantiles, which are those at its
+    end.
     """
 
     at_s: float
@@ -23,16 +23,16 @@ class KpiSample(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     orders_delivered: int
     orders_on_time: int
     transports: int
-    """Handed over."""
+    """Transports handed over."""
     transport_p50_s: float | None
-    """Over the last 200 transports, as it was at the end; None before the first one."""
+    """The median of the last 200 transports, at the end; None before the first one."""
     transport_p95_s: float | None
     empty_m: float
     loaded_m: float
     commands: int
     """People's commands that vehicles have obeyed."""
     helps: int
-    """How often a vehicle has asked for help."""
+    """Number of vehicles' calls for help."""
     atv_moving_s: float
     atv_waiting_s: float
     atv_charging_s: float
@@ -43,16 +43,16 @@ class KpiSample(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     machine_starved_s: float
     machine_idle_s: float
     machine_broken_s: float
-    """In error, with a goal."""
+    """Time in error, with a goal."""
     machine_down_s: float
-    """In error, without one."""
+    """Time in error, without one."""
     machine_silent_s: float
     atv_out_of_service_s: float = 0.0
-    """By a person's word; no part of the fleet's time otherwise."""
+    """Time out of service by a person's command; not part of the fleet's other times."""
     energy_wh: float = 0.0
-    """Taken from vehicles' batteries, by what these show."""
+    """Energy taken from vehicles' batteries, by their reports."""
     machine_resting_s: float = 0.0
-    """By their working time; no part of the machines' time otherwise."""
+    """Time outside working hours; not part of the machines' other times."""
 
 
 class Kpis:
@@ -62,7 +62,7 @@ class Kpis:
         self._connection = connection
 
     async def add(self, sample: KpiSample) -> None:
-        """Keep a sample."""
+        """Store a sample."""
         await self._connection.execute(insert(kpi_samples), [msgspec.structs.asdict(sample)])
 
     async def between(self, since_s: float, until_s: float) -> list[KpiSample]:
@@ -77,12 +77,12 @@ class Kpis:
         return [KpiSample(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
 
     async def newest_at_s(self) -> float | None:
-        """The end of the sample that was added last, by whatever gateway; None before the first one."""
+        """The end of the newest sample, of any gateway; None before the first one."""
         newest = select(kpi_samples.c.at_s).order_by(kpi_samples.c.position.desc()).limit(1)
         return (await self._connection.execute(newest)).scalar()
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some samples from before this moment; returns how many."""
+        """Delete some samples from before this moment; returns the number."""
         c = kpi_samples.c
         old = select(c.position).where(c.at_s < before_s).limit(at_most)
         return (await self._connection.execute(delete(kpi_samples).where(c.position.in_(old)))).rowcount

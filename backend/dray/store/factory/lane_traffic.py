@@ -27,16 +27,16 @@ HOUR_S = 3600.0
 
 
 class LaneTraffic(msgspec.Struct, frozen=True, gc=False):
-    """What vehicles did on one lane, in its direction."""
+    """The traffic on one lane, in its direction."""
 
     start: str
     end: str
     passes: int = 0
-    """How often it was passed."""
+    """Number of passes."""
     waits: int = 0
-    """How often a vehicle came to a stand there on its way."""
+    """Number of stops of vehicles on their way."""
     waited_s: float = 0.0
-    """How long vehicles stood there on their way, all told; factory seconds."""
+    """Total waiting time of vehicles on their way; factory seconds."""
 
     def __add__(self, other: LaneTraffic) -> LaneTraffic:
         return LaneTraffic(
@@ -80,7 +80,7 @@ class LaneHours:
         await self._connection.execute(insert(lane_traffic), rows)
 
     async def between(self, since_s: float, until_s: float) -> list[LaneTraffic]:
-        """What was counted in the hours that begin at `since_s` or later and before `until_s`, per lane."""
+        """The traffic per lane, in the hours that begin at `since_s` or later and before `until_s`."""
         columns = lane_traffic.c
         query = (
             select(
@@ -101,5 +101,5 @@ class LaneHours:
         ]
 
     async def forget_before(self, at_s: float) -> None:
-        """Forget hours that are older."""
+        """Delete older hours."""
         await self._connection.execute(delete(lane_traffic).where(lane_traffic.c.hour_s < at_s))

@@ -1,7 +1,7 @@
-"""Pieces that machines have made in SQL, good and bad ones, by wall hours.
+"""Pieces made by machines in SQL, good and bad ones, by wall hours.
 
-They are counted in the transaction that keeps the events that tell of them, each event once. So nothing is counted twice when it is told again, what
-came late is in its own hour, and the counts stay when the events are forgotten.
+Each event is counted once, in the transaction that stores it. A repeated event is not counted twice, and a late one counts in its
+own hour. The counts remain when events are deleted.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ HOUR_S = 3600.0
 
 
 class PieceCount(msgspec.Struct, frozen=True, gc=False):
-    """What one machine has made of one product."""
+    """The pieces of one machine and one product."""
 
     machine: str
     product: str
@@ -31,7 +31,7 @@ class PieceCount(msgspec.Struct, frozen=True, gc=False):
 
 
 Made = tuple[float, str, str, bool]
-"""Hour, machine, product, and whether the piece is a bad one."""
+"""Hour, machine, product, and whether the piece is bad."""
 
 
 class PieceHours:
@@ -41,7 +41,7 @@ class PieceHours:
         self._connection = connection
 
     async def add(self, new: Iterable[Event], to_wall_s: ToWall) -> None:
-        """Count what these tell of pieces, unless it is kept already; call it before they are kept."""
+        """Count the pieces in events that are not stored yet; call it before storing them."""
         told = {
             (event.agent, event.incarnation, event.number): made
             for event in new
@@ -55,7 +55,7 @@ class PieceHours:
             await self._count(hour_s, PieceCount(machine, product, good, bad))
 
     async def between(self, since_s: float, until_s: float) -> list[PieceCount]:
-        """What was made in the hours that begin at `since_s` or later and before `until_s`, by machine and product."""
+        """The pieces of the hours that begin at `since_s` or later and before `until_s`, by machine and product."""
         columns = piece_hours.c
         query = (
             select(columns.machine, columns.product, func.sum(columns.good), func.sum(columns.bad))
@@ -67,7 +67,7 @@ class PieceHours:
         return [PieceCount(machine, product, int(good), int(bad)) for machine, product, good, bad in rows]
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some counts of hours that began before this moment, whole hours each; returns how many."""
+        """Delete some counts of hours that began before this moment, whole hours each; returns the number."""
         c = piece_hours.c
         oldest = select(c.hour_s).where(c.hour_s < before_s).order_by(c.hour_s).limit(at_most)
         hours = list((await self._connection.execute(oldest)).scalars())
@@ -76,7 +76,7 @@ class PieceHours:
         return (await self._connection.execute(delete(piece_hours).where(c.hour_s <= hours[-1]))).rowcount
 
     async def _known(self, told: Mapping[tuple[str, int, int], Made]) -> list[tuple[str, int, int]]:
-        """Those that are kept already."""
+        """The events that are stored already."""
         lives: defaultdict[tuple[str, int], list[int]] = defaultdict(list)
         for agent, incarnation, number in told:
             lives[agent, incarnation].append(number)
@@ -103,7 +103,7 @@ class PieceHours:
 
 
 def _made(event: Event, to_wall_s: ToWall) -> Made | None:
-    """The piece that an event tells of; None where it tells of none that has just been made."""
+    """The new piece of an event; None for any other event."""
     fact = event.fact
     if not isinstance(fact, PieceMade | PieceScrapped | SparePieceMade):
         return None

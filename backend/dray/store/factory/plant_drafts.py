@@ -1,4 +1,4 @@
-"""Drafts of plants in SQL. Each has a version, so that of two people who change one draft the second is told of the first."""
+"""Drafts of plants in SQL. A version detects concurrent changes of one draft by two people."""
 
 from __future__ import annotations
 
@@ -39,16 +39,16 @@ plant_drafts = Table(
 
 
 class DraftLine(msgspec.Struct, frozen=True, gc=False):
-    """A draft in the list of them."""
+    """A draft in the list."""
 
     id: str
     name: str
     version: int
-    """Of its content: one higher with every change."""
+    """The content's version: one higher with every change."""
     by: str
-    """Who has changed it last."""
+    """The author of the last change."""
     at_s: float
-    """When; wall clock."""
+    """The time of the last change; wall clock."""
 
 
 class DraftRow(DraftLine, frozen=True, gc=False):
@@ -57,11 +57,11 @@ class DraftRow(DraftLine, frozen=True, gc=False):
     data: str
     """The content as JSON."""
     notes: str
-    """What was said when its file was read, as a JSON list: of objects, or of lines in one from before these."""
+    """Remarks from reading its file, as a JSON list: of objects, or of lines in an older row."""
     plan_type: str = ""
     """The media type of its floor plan; empty if it has none."""
     owner: str = ""
-    """Kind and id of who has begun it; empty where nobody knows."""
+    """Kind and id of its creator; empty if unknown."""
 
 
 _LINE = [plant_drafts.c[name] for name in DraftLine.__struct_fields__]
@@ -80,26 +80,26 @@ class PlantDrafts:
         return [DraftLine(*row) for row in await self._connection.execute(query)]
 
     async def count(self) -> int:
-        """How many there are."""
+        """The number of drafts."""
         return (await self._connection.execute(select(func.count()).select_from(plant_drafts))).scalar_one()
 
     async def count_of(self, owner: str) -> int:
-        """How many somebody has begun."""
+        """The number of drafts of a creator."""
         query = select(func.count()).select_from(plant_drafts).where(plant_drafts.c.owner == owner)
         return (await self._connection.execute(query)).scalar_one()
 
     async def get(self, draft: str) -> DraftRow | None:
-        """One, or None."""
+        """A draft, or None."""
         query = select(*_ROW).where(plant_drafts.c.id == draft)
         row = (await self._connection.execute(query)).one_or_none()
         return None if row is None else DraftRow(*row)
 
     async def put(self, draft: DraftRow) -> None:
-        """A new one."""
+        """Store a new draft."""
         await self._connection.execute(insert(plant_drafts), [msgspec.structs.asdict(draft)])
 
     async def change(self, draft: DraftRow) -> bool:
-        """Replace name and content of the version before this one; whether that is still the newest."""
+        """Replace name and content, if the stored version is the previous one; returns whether it was."""
         done = await self._connection.execute(
             update(plant_drafts)
             .where(plant_drafts.c.id == draft.id, plant_drafts.c.version == draft.version - 1)
@@ -108,7 +108,7 @@ class PlantDrafts:
         return bool(done.rowcount)
 
     async def remove(self, draft: str) -> bool:
-        """Forget one; whether there was one."""
+        """Delete a draft; returns whether it existed."""
         done = await self._connection.execute(delete(plant_drafts).where(plant_drafts.c.id == draft))
         return bool(done.rowcount)
 
@@ -119,7 +119,7 @@ class PlantDrafts:
         return None if row is None or row[1] is None else (row[0], row[1])
 
     async def put_plan(self, draft: str, media_type: str, content: bytes | None) -> bool:
-        """Lay a floor plan under a draft, or take it away; whether there is such a draft."""
+        """Set or remove a draft's floor plan; returns whether the draft exists."""
         done = await self._connection.execute(
             update(plant_drafts)
             .where(plant_drafts.c.id == draft)

@@ -1,4 +1,4 @@
-"""Removals in SQL: which vehicles people have carried away, where they are being put back, and the number of the newest word about each."""
+"""Removals in SQL: vehicles that people have carried away, their places of return, and the number of the newest statement about each."""
 
 from __future__ import annotations
 
@@ -27,36 +27,36 @@ removals = Table(
 
 
 FROM_CONSOLE = "console:"
-"""Begins the person of a word that was said beside the gateways: which heartbeat was heard last is not known to it."""
+"""The prefix of the person of a statement made outside the gateways: it does not know the vehicle's last heartbeat."""
 
 
 class RemovalRow(msgspec.Struct, frozen=True, gc=False):
-    """The newest word about one vehicle. `at_s` is of the wall clock."""
+    """The newest statement about one vehicle. `at_s` is of the wall clock."""
 
     atv: str
     number: int
-    """Grows with every word about this vehicle."""
+    """The statement's number, which grows for each vehicle."""
     life: int
-    """With `seq`: the last heartbeat that was heard before the word."""
+    """With `seq`: the last heartbeat received before the statement."""
     seq: int
     node: str
-    """Where it is being put back; empty while it is off the floor."""
+    """The node of its return; empty while it is off the floor."""
     areas: str
-    """Where whoever has said it may command: a list in JSON, null for everywhere."""
+    """The areas in which its author may command: a list in JSON, null for everywhere."""
     by: str
-    """The name of who has said it."""
+    """The author's name."""
     person: str
-    """The same, as agents are told."""
+    """The author's name, as agents are told it."""
     at_s: float
 
     @property
     def heard(self) -> tuple[int, int]:
-        """The heartbeat after which it was said."""
+        """The last heartbeat before the statement."""
         return self.life, self.seq
 
     @property
     def is_bare(self) -> bool:
-        """Whether it names no heartbeat, for nobody was asked which one was the last."""
+        """Whether it names no heartbeat, because none was known."""
         return self.person.startswith(FROM_CONSOLE) and self.heard == (0, 0)
 
     @property
@@ -75,12 +75,12 @@ class Removals:
         self._connection = connection
 
     async def all(self) -> list[RemovalRow]:
-        """Of vehicles that were not heard since, by id."""
+        """The removals of vehicles that were not heard since, by id."""
         query = select(*COLUMNS).where(removals.c.ended_at_s.is_(None)).order_by(removals.c.atv)
         return [RemovalRow(*row) for row in await self._connection.execute(query)]
 
     async def put(self, removal: RemovalRow) -> RemovalRow:
-        """Write a word down, whose number is above the one before; returns it with that."""
+        """Store a statement with the next number; returns it with that."""
         last = select(removals.c.number).where(removals.c.atv == removal.atv)
         before = (await self._connection.execute(last)).scalar() or 0
         numbered = msgspec.structs.replace(removal, number=max(before + 1, int(removal.at_s * 1000)))
@@ -91,7 +91,7 @@ class Removals:
         return numbered
 
     async def end(self, atv: str, number: int, at_s: float) -> None:
-        """The vehicle was heard again after this word."""
+        """The vehicle was heard again after this statement."""
         await self._connection.execute(
             update(removals)
             .where(removals.c.atv == atv, removals.c.number == number, removals.c.ended_at_s.is_(None))

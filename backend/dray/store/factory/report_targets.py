@@ -1,4 +1,4 @@
-"""Targets of a shift's figures in SQL: what people want each of them to reach."""
+"""Target values of a shift's figures in SQL."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ report_targets = Table(
 
 
 class Target(msgspec.Struct, frozen=True, gc=False):
-    """What one figure should reach."""
+    """The target of one figure."""
 
     figure: str
     value: float
     by: str
-    """The name of who has set it."""
+    """The author's name."""
     at_s: float
-    """When; wall clock."""
+    """The time of setting it; wall clock."""
 
 
 class ReportTargets:
@@ -43,7 +43,7 @@ class ReportTargets:
         return [Target(*row) for row in rows]
 
     async def replace(self, targets: list[Target]) -> None:
-        """These and no others hold from now on."""
+        """Replace all targets by these."""
         await self._connection.execute(delete(report_targets))
         if targets:
             await self._connection.execute(

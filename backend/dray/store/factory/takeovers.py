@@ -1,6 +1,6 @@
-"""Takeovers in SQL: when somebody else has gone on with a transport. A figure of shifts, and so kept as long as figures are.
+"""Takeovers of transports by other agents in SQL. They are a figure of shifts, and so stored as long as figures.
 
-They are written in the transaction that keeps the events that tell of them, each once.
+They are written in the transaction that stores their events, each once.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ takeovers = Table(
 
 
 class Takeover(msgspec.Struct, frozen=True, gc=False):
-    """One of them."""
+    """One takeover."""
 
     at_s: float
     """Wall clock."""
@@ -48,7 +48,7 @@ class Takeovers:
         self._connection = connection
 
     async def add(self, new: Iterable[Event], to_wall_s: ToWall) -> None:
-        """Keep those that these tell of; one that is kept already is left alone."""
+        """Add the takeovers in these events; existing ones stay unchanged."""
         rows = [
             {
                 "agent": event.agent,
@@ -64,7 +64,7 @@ class Takeovers:
             await self._connection.execute(insert_new(self._connection, takeovers), rows)
 
     async def between(self, since_s: float, until_s: float, limit: int) -> tuple[int, Sequence[Takeover]]:
-        """How many there were in a time, and the last of them, oldest first."""
+        """The number of takeovers in a time, and the last of them, oldest first."""
         c = takeovers.c
         within = c.at_s >= since_s, c.at_s < until_s
         count = (await self._connection.execute(select(func.count()).where(*within))).scalar_one()
@@ -73,7 +73,7 @@ class Takeovers:
         return count, [Takeover(row.at_s, _READ.decode(row.fact)) for row in rows][::-1]
 
     async def since_s(self) -> float | None:
-        """From when on they are known: since the oldest that is kept, or the oldest event; None where nothing is."""
+        """The beginning of the known time: the oldest takeover, or the oldest event; None without any."""
         oldest_event = select(events.c.at_s).order_by(events.c.position).limit(1)
         known = [
             (await self._connection.execute(query)).scalar()
@@ -82,7 +82,7 @@ class Takeovers:
         return min((at_s for at_s in known if at_s is not None), default=None)
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some from before this moment; returns how many."""
+        """Delete some from before this moment; returns the number."""
         key = tuple_(takeovers.c.agent, takeovers.c.incarnation, takeovers.c.number)
         old = select(*key.clauses).where(takeovers.c.at_s < before_s).limit(at_most)
         return (await self._connection.execute(delete(takeovers).where(key.in_(old)))).rowcount

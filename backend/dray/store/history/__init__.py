@@ -1,1 +1,1 @@
-"""What agents have told and measured: events and their gaps, samples, and what their clocks make of it."""
+"""Agents' reports and measurements: events and their gaps, samples, and clock errors."""

@@ -1,8 +1,7 @@
-"""How old rows are that are kept one after another, though a clock may have been ahead when some of them were.
+"""The ages of consecutively stored rows, even if a clock was ahead for some of them.
 
-Rows are forgotten in the order in which they came, up to the first that is to be kept. A row whose time has not come yet tells nothing by
-it: it is older than the next row whose time has, and counts as that one. So a clock that was a year ahead for an hour does not keep
-everything after it for a year.
+Rows are deleted in their order of storage, up to the first that must stay. A row with a future time is older than the next row with
+a past time, and counts as that old. So a clock that was a year ahead for an hour does not keep all later rows for a year.
 """
 
 from __future__ import annotations
@@ -12,12 +11,12 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 
 async def oldest(connection: AsyncConnection, of: Table, limit: int, now_s: float) -> list[tuple[int, float]]:
-    """The first rows of a table with `position` and `at_s`, and when each happened at the latest (wall clock).
+    """The first rows of a table with `position` and `at_s`, each with its latest possible time (wall clock).
 
     Args:
         connection: a transaction.
         of: the table.
-        limit: how many at most.
+        limit: maximum number of rows.
         now_s: the wall clock.
     """
     c = of.c

@@ -1,19 +1,18 @@
-"""The clocks of agents, as their heartbeats show them, and what is made of times by a clock that is wrong.
+"""The agents' clock errors, as their heartbeats show them, and the correction of times by a wrong clock.
 
-Every heartbeat tells when it was said. It was under way for no less than nothing, so
+Every heartbeat contains its time of sending. Its delay is never negative, so
 
-    behind_s   of one heartbeat: now - at_s, which is what the clock is behind and how long the link has taken
+    behind_s   of one heartbeat: now - at_s, the clock's lag plus the delay of the link
     least_s    the least of the last HEARD_KEPT: the link at its best
-    common_s   the median of that over all agents: what is no agent's own, as the link, and an error of our own clock
+    common_s   the median of that over all agents: the common part, as the link, and an error of our own clock
     ahead_s    common_s - least_s: how far the agent's clock is ahead, behind if negative
-    bound_s    how sure that is: what the link varies by, and what it takes
+    bound_s    the uncertainty: the variation of the link, and its delay
 
-A heartbeat that was held up says nothing wrong, only nothing; one agent, whatever it says, moves no other's figure
-and hardly the median. Where fewer than three are heard there is no common error to be seen, and only what no link
-explains is believed.
+A delayed heartbeat shows nothing wrong, only nothing. One agent, whatever it reports, changes no other agent's figure and hardly
+the median. With fewer than three agents no common error can be seen, and only differences beyond any link's delay count.
 
-Times by a clock that is wrong are told by the clock that is right, before anybody keeps or counts them. What cannot be
-even so (what has not happened yet, what is older than any history) counts as now.
+Times by a wrong clock are corrected before they are stored or counted. A time that is still impossible (in the future, or
+older than any history) counts as now.
 """
 
 from __future__ import annotations
@@ -29,43 +28,43 @@ from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, OutOfService, S
 from dray.messages.base import CLOCK_WRONG_S, CLOCKS_AGREE_S
 
 HEARD_KEPT = 8
-"""Heartbeats of each agent that are looked at: as the clock filter of NTP (RFC 5905, 10)."""
+"""Heartbeats considered of each agent: as in the clock filter of NTP (RFC 5905, 10)."""
 
 LATELY_S = 60.0
-"""Plant seconds after its last heartbeat for which an agent's clock counts for what all have in common."""
+"""Plant seconds after its last heartbeat in which an agent's clock counts for the median."""
 
 ALONE_S = 60.0
-"""What is beyond `CLOCKS_AGREE_S` is told to people; beyond this where fewer than three are heard."""
+"""Errors beyond `CLOCKS_AGREE_S` are reported to people; with fewer than three agents, only errors beyond this."""
 
 WALL_SLACK_S = 2.0
-"""Wall seconds that a simulated plant at speed may be behind, or come in bursts."""
+"""Wall seconds by which a simulated plant at speed may lag, or come in bursts."""
 
 MAJORITY = 3
 
 OLDEST_S = 400 * 86_400.0
-"""No history is older: a year and more."""
+"""The oldest plausible history: a year and more."""
 
 AGENTS_KEPT = 20_000
-"""Agents whose clocks are looked at: twice the vehicles that a gateway remembers."""
+"""Maximum agents with a watched clock: twice the vehicles that a gateway remembers."""
 
 _TIMES = ("deadline_s", "bids_until_s", "finish_s", "next_round_s", "promised_s", "until_s")
-"""Fields of facts that are moments on the teller's clock; 0 stands for none."""
+"""Fields of facts with times of the sender's clock; 0 means none."""
 
 
 ToWall = Callable[[float], float]
 """Plant clock to wall clock, both in seconds."""
 
 Timed = AtvHeartbeat | MachineHeartbeat | StationHeartbeat | Event
-"""What tells the time by its sender's clock."""
+"""Messages with times of their sender's clock."""
 
 
 class Offset(msgspec.Struct, frozen=True):
-    """How far a clock is off."""
+    """A clock's error."""
 
     ahead_s: float
-    """Behind if negative."""
+    """Seconds ahead; negative for behind."""
     bound_s: float
-    """It may be so much more or less."""
+    """The uncertainty in seconds, either way."""
 
 
 class _Heard:
@@ -77,7 +76,7 @@ class _Heard:
 
 
 class Clocks:
-    """The clocks of all agents that are heard.
+    """The clocks of all agents.
 
     Args:
         speed: plant seconds per wall second.
@@ -87,16 +86,16 @@ class Clocks:
         self._heard: dict[str, _Heard] = {}
         self._slack_s = WALL_SLACK_S * max(0.0, speed - 1.0)
         self._ahead_s: dict[str, float] = {}
-        """Of those whose clocks are so far from our own that no link explains it."""
+        """The errors of clocks so far from our own that no link's delay explains them."""
         self._common: tuple[float, float] | None = None
-        """What all have in common, and when it was looked at."""
+        """The common part, and the time of its computation."""
 
     def right(self, message: Timed, now_s: float) -> Timed:
-        """A message with its times by the clock that is right; heartbeats are learned from.
+        """A message with corrected times; heartbeats update the errors.
 
         Args:
-            message: as it was heard.
-            now_s: when it was heard (plant clock, by our own).
+            message: the received message.
+            now_s: the time of reception (plant clock, by our own).
         """
         if isinstance(message, Event):
             ahead_s = self._shift_s(message.agent, message.at_s, now_s, oldest_s=OLDEST_S)
@@ -113,7 +112,7 @@ class Clocks:
         return msgspec.structs.replace(message, at_s=message.at_s - ahead_s)
 
     def offset(self, agent: str) -> Offset | None:
-        """How far an agent's clock is off; None when nothing is known."""
+        """An agent's clock error; None when unknown."""
         heard = self._heard.get(agent)
         if heard is None or not heard.behind_s:
             return None
@@ -123,25 +122,25 @@ class Clocks:
         return Offset(common_s - least_s, spread_s + max(0.0, min(common_s, CLOCKS_AGREE_S)) + self._slack_s)
 
     def ahead_s(self, agent: str) -> float:
-        """How far an agent's clock is ahead of our own, whichever of them is wrong; 0 where links and clocks of one plant explain it.
+        """Seconds that an agent's clock is ahead of our own, whichever is wrong; 0 where links and clocks of one plant explain them.
 
-        May be asked on any thread.
+        Thread-safe.
         """
         return self._ahead_s.get(agent, 0.0)
 
     def wrong(self, now_s: float) -> Iterator[tuple[str, Offset]]:
-        """The agents that were heard lately and whose clocks are wrong beyond doubt."""
+        """The agents heard lately whose clocks are wrong beyond doubt."""
         for agent, heard in self._heard.items():
             if now_s - heard.at_s <= LATELY_S + self._slack_s and (offset := self.offset(agent)) is not None:
                 if self.is_wrong(offset):
                     yield agent, offset
 
     def is_wrong(self, offset: Offset) -> bool:
-        """Whether a clock is off by more than clocks of one plant are, beyond doubt."""
+        """Whether an error is larger than those of clocks of one plant, beyond doubt."""
         return abs(offset.ahead_s) - offset.bound_s > self._threshold_s()
 
     def offsets(self) -> dict[str, Offset]:
-        """Those of all agents."""
+        """The errors of all agents."""
         known = ((agent, self.offset(agent)) for agent in self._heard)
         return {agent: offset for agent, offset in known if offset is not None}
 
@@ -157,7 +156,7 @@ class Clocks:
         heard.behind_s.append(now_s - at_s)
         heard.at_s = now_s
         least_s = min(heard.behind_s)
-        # Nobody is heard before it has spoken; late by a minute may be the link.
+        # No message arrives before it is sent; a delay of a minute may be the link.
         if -(CLOCKS_AGREE_S + self._slack_s) <= least_s <= ALONE_S + self._slack_s:
             self._ahead_s.pop(agent, None)
         else:
@@ -167,7 +166,7 @@ class Clocks:
         return CLOCKS_AGREE_S if len(self._heard) >= MAJORITY else ALONE_S
 
     def _common_s(self, now_s: float) -> float:
-        """Looked at once a second: it changes slowly, and is asked for with every message."""
+        """The common part, computed once a second: it changes slowly, and every message needs it."""
         if self._common is None or not 0.0 <= now_s - self._common[1] < 1.0:
             least_s = [
                 min(heard.behind_s)
@@ -178,7 +177,7 @@ class Clocks:
         return self._common[0]
 
     def _shift_s(self, agent: str, at_s: float, now_s: float, *, oldest_s: float) -> float:
-        """What is to be taken off an agent's times."""
+        """The correction to subtract from an agent's times."""
         offset, shift_s = self.offset(agent), 0.0
         if offset is not None and self.is_wrong(offset):
             shift_s = offset.ahead_s

@@ -1,4 +1,4 @@
-"""Agents' events in SQL: what happened, by whom, about what."""
+"""Agents' events in SQL: the facts, with agents and subjects."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from dray.store.history.gaps import LIVES, Known
 from dray.store.tables import events, goals
 
 _TASKS = table("tasks", column("id"), column("order_id"))
-"""Of `dray.store.orders.tasks`, a room above this one."""
+"""The table of `dray.store.orders.tasks`, in a higher layer."""
 
 
 class EventRow(msgspec.Struct, frozen=True, gc=False):
-    """One kept event."""
+    """One stored event."""
 
     position: int
-    """Grows with every event that is kept."""
+    """The row's number, in ascending order."""
     agent: str
     incarnation: int
     number: int
@@ -44,13 +44,13 @@ class EventRow(msgspec.Struct, frozen=True, gc=False):
 
 
 class EventFilter(msgspec.Struct, frozen=True, gc=False):
-    """Which events are asked for; empty fields ask for all."""
+    """A filter for events; empty fields match all."""
 
     kinds: tuple[str, ...] = ()
     agents: tuple[str, ...] = ()
     task: str = ""
     order: str = ""
-    """Those about the order, its goals, and the tasks that served these."""
+    """Events about the order, its goals, and the tasks for these."""
 
 
 class Events:
@@ -60,7 +60,7 @@ class Events:
         self._connection = connection
 
     async def add(self, new: Sequence[Event], to_wall_s: ToWall) -> None:
-        """Keep these; one that is kept already (agent, incarnation, number) is left alone."""
+        """Store events; existing ones (agent, incarnation, number) stay unchanged."""
         if new:
             await self._connection.execute(
                 insert_new(self._connection, events), [_row(event, to_wall_s) for event in new]
@@ -69,12 +69,12 @@ class Events:
     async def page(
         self, wanted: EventFilter, after: int | None, limit: int, *, newest_first: bool
     ) -> list[EventRow]:
-        """Oldest first, unless `newest_first`.
+        """A page of events, oldest first unless `newest_first`.
 
         Args:
-            wanted: which ones.
-            after: the position of the last event of the page before; None for the first page.
-            limit: how many at most.
+            wanted: the filter.
+            after: the position of the previous page's last event; None for the first page.
+            limit: maximum number of events.
             newest_first: the direction.
         """
         position = events.c.position
@@ -90,12 +90,12 @@ class Events:
         return [_record(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
 
     async def since(self, kinds: Sequence[str], plant_s: float, limit: int) -> list[EventRow]:
-        """Events of these kinds that have happened since then, in the order of the plant's clock.
+        """Events of these kinds since a time, by the plant's clock.
 
         Args:
-            kinds: which ones.
+            kinds: the kinds.
             plant_s: on the plant's clock.
-            limit: how many at most, the newest ones.
+            limit: maximum number of events, the newest ones.
         """
         query = (
             select(events)
@@ -109,7 +109,7 @@ class Events:
         return [_record(row._mapping) for row in newest_first][::-1]  # noqa: SLF001
 
     async def of_tasks(self, tasks: Sequence[str], kinds: Sequence[str], limit: int) -> list[EventRow]:
-        """Events of these kinds about some tasks, in the order in which they happened."""
+        """Events of these kinds about some tasks, by time."""
         query = (
             select(events)
             .where(events.c.task.in_(tasks), events.c.kind.in_(kinds))
@@ -119,7 +119,7 @@ class Events:
         return [_record(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
 
     async def known(self) -> list[Known]:
-        """What is kept of the last lives of every agent, each agent's in their order, holes included."""
+        """The stored numbers of the last lives of every agent, each agent's in order, with their holes."""
         lives = await self._connection.execute(
             select(
                 events.c.agent,
@@ -135,7 +135,7 @@ class Events:
         found: list[Known] = []
         for _, of_agent in groupby(lives.all(), key=lambda row: row[0]):
             for agent, life, first, last, count in list(of_agent)[-LIVES:]:
-                # What was pruned is no hole; nothing was, as long as the first row of all is there.
+                # Deleted rows are no hole; none were deleted as long as the very first row exists.
                 start = 1 if oldest == 1 else first
                 missing: tuple[int, ...] = ()
                 if count < last - start + 1:
@@ -145,7 +145,7 @@ class Events:
         return found
 
     async def _missing(self, agent: str, incarnation: int, first: int, last: int) -> tuple[int, ...]:
-        """The numbers of a life from `first` to `last` that are not kept."""
+        """The numbers of a life from `first` to `last` that are not stored."""
         number = events.c.number
         kept = await self._connection.execute(
             select(number).where(
@@ -156,24 +156,24 @@ class Events:
         return tuple(each for each in range(first, last + 1) if each not in there)
 
     async def first(self) -> int | None:
-        """The position of the oldest event that is kept; None where there is none."""
+        """The position of the oldest stored event; None without any."""
         first: int | None = await self._connection.scalar(select(func.min(events.c.position)))
         return first
 
     async def oldest(
         self, before_s: float, most: int, limit: int, now_s: float
     ) -> tuple[int, int, int] | None:
-        """Which events to forget next: the oldest ones, up to the first that is to be kept.
+        """The events to delete next: the oldest ones, up to the first that must stay.
 
         Args:
-            before_s: those that happened before this moment (wall clock).
-            most: and those that are older than so many newest ones.
-            limit: how many at most.
-            now_s: the wall clock; what has not happened by then is as old as what came after it.
+            before_s: delete events before this moment (wall clock).
+            most: also delete events beyond this number of newest ones.
+            limit: maximum number of events.
+            now_s: the wall clock; an event with a future time is as old as the next one.
 
         Returns:
-            The first and the last position, and how many of them are forgotten only because there are too many; None where there is
-            nothing to forget.
+            The first and the last position, and the number of events deleted only because there are too many; None for nothing to
+                delete.
         """
         position = events.c.position
         newest = (await self._connection.execute(select(func.max(position)))).scalar()
@@ -186,7 +186,7 @@ class Events:
         return old[0][0], old[-1][0], sum(at_s >= before_s for _, at_s in old)
 
     async def forget(self, first: int, last: int) -> None:
-        """Forget the events of these positions."""
+        """Delete the events with these positions."""
         await self._connection.execute(delete(events).where(events.c.position.between(first, last)))
 
 
@@ -204,11 +204,10 @@ def _conditions(wanted: EventFilter) -> list[ColumnElement[bool]]:
 
 
 def _about_order(order: str) -> ColumnElement[bool]:
-    """An event names the order itself, or one of its goals, or a task that served it.
+    """The condition for events about the order itself, one of its goals, or a task for it.
 
-    Of a task its opening tells that, or, where the log has forgotten it, what is known of the task.
-    Each of these is looked up by an index of its own, and they are put together then: a condition with OR is one
-    that a database may rather ask of all events.
+    A task's first event has its order; if the log has deleted it, the table of tasks has it. Each condition uses its own
+    index, and the results are united: with OR, a database may scan all events instead.
     """
     its_goals = select(goals.c.id).where(goals.c.order_id == order)
     opened = events.alias("opened")

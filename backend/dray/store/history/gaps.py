@@ -1,18 +1,17 @@
-"""Gaps: which numbers of agents' histories have not arrived, and when to ask for them again. Pure.
+"""Gaps: the missing numbers of agents' histories, and the times to ask for them again. Pure.
 
-An agent numbers the events of each of its lives from 1 on, so a number that arrives tells of all that
-were before it. It tells nothing of those after it: the last event of a life may be the one that was
-lost. Heartbeats carry no numbers, and should not for the sake of one listener; so every agent is asked
-now and then for what comes after the last number known, whether or not it seems to have said anything.
-One answer tells all: the missing events, and which numbers there are (`EventsKept`).
+An agent numbers the events of each of its lives from 1 on. So an arriving number reveals missing earlier ones, but no later
+ones: the last event of a life may be lost. Heartbeats carry no numbers, and should not for the sake of one listener. So every
+agent is regularly asked for events after its last known number, even if nothing seems to be missing. One answer contains the
+missing events, and the numbers of stored ones (`EventsKept`).
 
     a number was skipped       -> ask for it, after `SETTLE_S`
-    a life has begun           -> ask for it, and for the end of the one before it
-    nothing is known to lack   -> ask for what comes next, every `TAIL_S`
+    a life has begun           -> ask for it, and for the end of the previous one
+    nothing is known to miss   -> ask for what comes next, every `TAIL_S`
     no answer, or no progress  -> ask again, after twice the pause
 
-An agent is asked one thing at a time, and its oldest life first. A number is *missing* until it has come,
-and *gone* when its agent says that it is not kept any more.
+An agent gets one question at a time, about its oldest life first. A number is *missing* until it has come, and *gone* when
+its agent reports that it is deleted.
 """
 
 from __future__ import annotations
@@ -25,29 +24,29 @@ from dray.messages import EventsAsked, EventsKept
 from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT
 
 LIVES = 4
-"""Lives of one agent that are followed, the last ones; an agent that starts more often than this in a
-historian's absence has worse troubles than its history."""
+"""Maximum lives of one agent that are followed, the last ones. More starts during a historian's absence are a worse problem
+than the history."""
 
 SETTLE_S = 1.0
-"""Seconds before a skipped number is asked for: most of them are only late."""
+"""Seconds before a skipped number is asked for: most are only late."""
 
 AGAIN_S = (2.0, 60.0)
 """Seconds before the first and between later repetitions of a question, doubling."""
 
 SILENCE_S = 10.0
-"""An agent that is heard after so long a silence is back, and is asked at once. Twice a resting agent's
-heartbeat interval."""
+"""Seconds of silence after which an agent counts as returned, and is asked at once. Twice a resting agent's heartbeat
+interval."""
 
 TAIL_S = 60.0
-"""Seconds between two questions to an agent that seems to lack nothing: two messages a minute, beside the
-dozen heartbeats or more that it sends in that time."""
+"""Seconds between two questions to an agent without known gaps: two messages a minute, beside a dozen heartbeats
+or more."""
 
 ASKED_AT_ONCE = 32
-"""Agents with an open question: their answers, of some 200 events each, fit the historian's queue."""
+"""Maximum agents with an open question: their answers, of some 200 events each, fit the historian's queue."""
 
 
 class Known(msgspec.Struct, frozen=True, gc=False):
-    """What is known of one life of an agent from before."""
+    """The earlier knowledge of one life of an agent."""
 
     agent: str
     incarnation: int
@@ -64,14 +63,14 @@ class _Life(msgspec.Struct, gc=False):
     last: int = 0
     missing: set[int] = msgspec.field(default_factory=set)
     open: bool = True
-    """How far it goes is not known: nobody has said so since it began, or since the next one did."""
+    """Whether its end is unknown: not reported since its beginning, or since the next life's beginning."""
 
 
 class _Teller(msgspec.Struct, gc=False):
-    """One agent, and how it is asked.
+    """One agent, and the state of its questions.
 
-    Invariant: lives stand in their order, and the newest is there; one before it is there as long as it
-    is open or lacks something.
+    Invariant: lives are in order, and the newest is present; an earlier one stays as long as it is open or lacks
+    something.
     """
 
     heard_s: float
@@ -85,17 +84,17 @@ class _Teller(msgspec.Struct, gc=False):
 
 
 class Gaps:
-    """Watches the numbers of all agents. Times are on a clock of the caller's choice that never goes back.
+    """Watches the numbers of all agents. Times are of any monotonic clock.
 
     Args:
-        known: the lives that are known already, each agent's in their order.
+        known: the known lives, each agent's in order.
         now_s: the time.
-        agents: who is asked even though nothing of them is known. Those without a heartbeat may have told
-            all they had to tell while nobody listened.
+        agents: agents to ask without knowing anything of them. Those without a heartbeat may have reported
+            everything while nobody listened.
 
     Attributes:
-        missing: numbers that have not come yet, over all agents.
-        gone: numbers that never will, so far.
+        missing: count of numbers that have not come yet, over all agents.
+        gone: count of numbers that never will, so far.
     """
 
     def __init__(self, known: Iterable[Known] = (), now_s: float = 0.0, agents: Iterable[str] = ()) -> None:
@@ -111,7 +110,7 @@ class Gaps:
             self.missing += len(life.missing)
         for agent in agents:
             if agent not in self._tellers:
-                # Its answer tells which life it is in.
+                # Its answer tells its present life.
                 self._tellers[agent] = teller = _Teller(heard_s=now_s, due_s=now_s)
                 self._begin_life(teller, 1)
 
@@ -121,7 +120,7 @@ class Gaps:
         """An event has arrived; doubled and late ones are normal.
 
         Returns:
-            Whether it has been missed, or may have been: others may not have heard it either.
+            Whether it was missing, or may have been: other listeners may have missed it, too.
         """
         teller = self._heard(agent, incarnation, now_s)
         life = teller.lives.get(incarnation)
@@ -138,7 +137,7 @@ class Gaps:
             self._miss(life, life.last + 1, number)
             self._ask_by(teller, now_s + SETTLE_S)
         life.last = number
-        # An answer to what comes next looks like any other event.
+        # An answer to the question for later events looks like any other event.
         return teller.waiting
 
     def note_alive(self, agent: str, incarnation: int, now_s: float) -> None:
@@ -146,10 +145,10 @@ class Gaps:
         self._heard(agent, incarnation, now_s)
 
     def answered(self, agent: str, kept: EventsKept, now_s: float) -> int:
-        """The agent has told which numbers there are, after those that it was asked for.
+        """The agent has reported its stored numbers, after the events asked for.
 
         Returns:
-            How many of the missing are gone.
+            The count of missing numbers that are gone.
         """
         teller = self._heard(agent, kept.life, now_s)
         gone, found = 0, teller.filled > 0
@@ -159,7 +158,7 @@ class Gaps:
             if kept.last > life.last:
                 self._miss(life, life.last + 1, kept.last + 1)
                 life.last = kept.last
-            # Of a life that is over and of which nothing is kept, not even the last number is known.
+            # Of an ended life without stored events, not even the last number is known.
             nothing_left = over and kept.last < kept.first
             gone = self._give_up(life, life.last + 1 if nothing_left else kept.first)
             life.open = not over and kept.incarnation != next(reversed(teller.lives))
@@ -176,11 +175,11 @@ class Gaps:
     # --- what is asked ---------------------------------------------------------------------------
 
     def due(self, now_s: float) -> list[tuple[str, EventsAsked]]:
-        """What is to be asked now, and whom; call it once a second or so."""
+        """The questions to ask now; call it about once a second."""
         room = ASKED_AT_ONCE - sum(teller.waiting for teller in self._tellers.values())
         due = [item for item in self._tellers.items() if item[1].due_s <= now_s]
         room += sum(teller.waiting for _, teller in due)
-        # Those who wait longest come first, so that the mute ones do not keep the others from their turn.
+        # The longest waiting come first, so that silent agents do not block the others.
         due.sort(key=lambda item: item[1].due_s)
         for _, teller in due[:room]:
             teller.waiting, teller.filled = True, 0
@@ -204,7 +203,7 @@ class Gaps:
         return teller
 
     def _begin_life(self, teller: _Teller, incarnation: int) -> None:
-        """There is a newer life than the newest known; there may have been others of which nobody heard."""
+        """A newer life has begun; lives in between may have been missed."""
         newest = next(reversed(teller.lives), 0)
         if newest:
             teller.lives[newest].open = True
@@ -219,7 +218,7 @@ class Gaps:
             teller.due_s = min(teller.due_s, when_s)
 
     def _miss(self, life: _Life, first: int, end: int) -> None:
-        """These numbers were skipped; `end` is not one of them."""
+        """Note skipped numbers; `end` is excluded."""
         sought = max(first, end - HISTORY_KEPT)
         self.gone += sought - first
         life.missing.update(range(sought, end))
@@ -228,7 +227,7 @@ class Gaps:
             self._give_up(life, sorted(life.missing)[-HISTORY_KEPT])
 
     def _give_up(self, life: _Life, first: int) -> int:
-        """The numbers before this one are gone; returns how many of them were missing."""
+        """Numbers before this one are gone; returns the count of missing ones among them."""
         gone = {number for number in life.missing if number < first}
         life.missing -= gone
         self.missing -= len(gone)

@@ -1,8 +1,7 @@
 """Incarnations in SQL: a number that grows with every start of a plant's agents.
 
-Between two starts of a plant its agents may be restarted one by one, and count up by themselves. Their
-names for tasks and goals, and the keys of their events, hold these numbers; so a start goes on after the
-highest that has left a trace.
+Between two starts of a plant its agents may be restarted one by one, and increment the number by themselves. Names of tasks and
+goals, and keys of events, contain these numbers. So a start continues after the highest known one.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ class Incarnations:
         self._connection = connection
 
     async def next(self, plant: str) -> int:
-        """A number greater than all that were given for this plant, or lived, before; the first is 1."""
+        """A number greater than all that were given for this plant, or used, before; the first is 1."""
         await self._connection.execute(
             insert_new(self._connection, incarnations), [{"plant": plant, "incarnation": 0}]
         )
@@ -29,7 +28,7 @@ class Incarnations:
         highest = 0
         for query in (
             select(incarnations.c.incarnation).where(mine),
-            # One database serves one plant at a time; were it two, skipping numbers does no harm.
+            # One database serves one plant at a time; with two, skipping numbers does no harm.
             select(func.max(events.c.incarnation)),
             select(func.max(goals.c.incarnation)),
             select(func.max(orders.c.incarnation)),

@@ -1,4 +1,4 @@
-"""Sampled heartbeats in SQL: enough for reports about batteries, use and ways."""
+"""Sampled heartbeats in SQL: enough for reports about batteries, utilisation and ways."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ class Samples:
         self._connection = connection
 
     async def add(self, heartbeats: Sequence[Heartbeat], to_wall_s: ToWall) -> None:
-        """Keep these."""
+        """Store samples."""
         if heartbeats:
             rows = [_row(heartbeat, to_wall_s) for heartbeat in heartbeats]
             await self._connection.execute(insert(heartbeat_samples), rows)
 
     async def count(self) -> int:
-        """How many there are."""
+        """The number of samples."""
         query = select(func.count()).select_from(heartbeat_samples)
         return (await self._connection.execute(query)).scalar_one()
 
     async def newest_s(self) -> float | None:
-        """When the agent said what was written last (wall clock); None before the first."""
+        """The sending time of the last written sample (wall clock); None before the first."""
         query = select(heartbeat_samples.c.at_s).order_by(heartbeat_samples.c.position.desc()).limit(1)
         found: float | None = (await self._connection.execute(query)).scalar_one_or_none()
         return found
 
     async def prune(self, before_s: float, at_most: int, now_s: float) -> int:
-        """Forget some of the oldest, up to the first that is not from before this moment; returns how many."""
+        """Delete some of the oldest, up to the first that is not from before this moment; returns the number."""
         aged = await ages.oldest(self._connection, heartbeat_samples, at_most, now_s)
         old = [position for position, _ in takewhile(lambda row: row[1] < before_s, aged)]
         if old:

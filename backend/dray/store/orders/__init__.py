@@ -1,1 +1,1 @@
-"""What was ordered, and how far it is: orders with their lines, goals and links, placed with what came beside them."""
+"""Orders and their progress: orders with their lines, goals and links, placed together with their audit lines and keys."""

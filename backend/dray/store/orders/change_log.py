@@ -1,7 +1,7 @@
 """The change log in SQL: every change of an order or a plain transport, numbered in the order of the commits.
 
-Triggers on both tables write it (`migrations/versions/0039_change_log.py`), so nothing that changes an order can leave it out. The
-database has one writer at a time: whoever has read up to a position has missed nothing before it.
+Triggers on both tables write it (`migrations/versions/0039_change_log.py`), so no change can be missed. The database has one writer
+at a time, so a reader at a position has seen everything before it.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ change_log = Table(
     Column("status", String(16), nullable=False),
     Column("at_s", Double, nullable=False),
     Index(None, "at_s"),
-    # Numbers of pruned rows must never be given again: readers go on after the last one they saw.
+    # Numbers of deleted rows must never be reused: readers continue after the last one they saw.
     sqlite_autoincrement=True,
     comment="Every change of an order or a plain transport, in the order of the commits. Written by triggers.",
 )
@@ -47,29 +47,29 @@ class Change(msgspec.Struct, frozen=True, gc=False):
     """One change."""
 
     position: int
-    """Grows with every change."""
+    """The change's number, in ascending order."""
     kind: str
     """ORDER or TRANSPORT."""
     subject: str
     """Its id."""
     status: str
-    """As the change has left it."""
+    """The status after the change."""
     at_s: float
     """Wall clock."""
     reference: str | None
-    """What its customer calls the order."""
+    """The customer's name of the order."""
 
 
 class Seen(msgspec.Struct, frozen=True, kw_only=True):
-    """Which changes somebody is shown."""
+    """The changes that a caller may see."""
 
     orders: bool
-    """All of them, or none."""
+    """Whether orders are visible."""
     transports: TransportFilter | None
-    """None for none."""
+    """The visible transports; None for none."""
 
     def condition(self) -> ColumnElement[bool]:
-        """As SQL; the table of transports is joined."""
+        """The SQL condition; the table of transports is joined."""
         kind = change_log.c.kind
         shown = [kind == ORDER] if self.orders else []
         if self.transports is not None:
@@ -84,10 +84,10 @@ class ChangeLog:
         self._connection = connection
 
     async def ends(self) -> tuple[int, int]:
-        """The positions of the oldest and of the newest change that is kept.
+        """The positions of the oldest and of the newest stored change.
 
-        Somebody who has read up to the oldest one, or further, can go on. For this the log begins with a line that is no change, and
-        keeps the newest of those that were forgotten.
+        A reader at the oldest position, or later, can continue. For this the log begins with a line that is no change, and keeps
+        the newest of the deleted ones.
         """
         c = change_log.c
         oldest, newest = (
@@ -96,13 +96,13 @@ class ChangeLog:
         return oldest or 0, newest or 0
 
     async def page(self, after: int, until: int, seen: Seen, limit: int) -> list[Change]:
-        """Changes behind a position and up to another one, oldest first.
+        """Changes after a position and up to another one, oldest first.
 
         Args:
-            after: the position of the last change that is known.
-            until: the position of the last one that is wanted.
-            seen: which ones.
-            limit: how many at most.
+            after: the position of the last known change.
+            until: the position of the last wanted change.
+            seen: the visible changes.
+            limit: maximum number of changes.
         """
         c = change_log.c
         query = (
@@ -119,7 +119,7 @@ class ChangeLog:
         return [Change(*row) for row in await self._connection.execute(query)]
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some from before this moment, all but the newest of them; returns how many."""
+        """Delete some from before this moment, all but the newest of them; returns the number."""
         c = change_log.c
         oldest = select(c.position, c.at_s).order_by(c.position).limit(at_most + 1)
         rows = (await self._connection.execute(oldest)).all()

@@ -1,7 +1,7 @@
-"""How the estimate of an order has moved, in SQL, with the cause of each move. Kept with the order, as long as that.
+"""The changes of an order's delivery estimate in SQL, each with its cause. Stored as long as the order.
 
-Rows are written when an estimate has moved by more than its own step of the clock, so there are few; what is beyond the bound is
-forgotten from the second one on: the first one says where it began.
+A row is written when an estimate has moved by more than its rounding step, so there are few. Above the maximum the
+second and later ones are deleted first; the first one shows the beginning.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from dray.store.tables import Id, metadata
 
 ESTIMATES_MOST = 60
-"""Estimates that are kept of one order."""
+"""Maximum estimates per order."""
 
 EstimateCause = Literal[
     "first",
@@ -34,10 +34,10 @@ EstimateCause = Literal[
     "again",
     "unknown",
 ]
-"""`changed`: people have changed the order. `moved`: a part of it goes on at another machine. `stands`, `silent`, `material`: of a machine that
-makes it. `passed`: another order is made before it now. `replaced`: another vehicle carries on. `held_up`: goods of it do not go on.
-`no_machine`: nobody can make a part. `later`, `sooner`: it is made or brought otherwise than was thought. `closer`: the same, known
-more exactly. `again`: it can be told again. `unknown`: it cannot be told any more."""
+"""`changed`: people have changed the order. `moved`: a part of it continues at another machine. `stands`, `silent`, `material`: about a
+machine that makes it. `passed`: another order now comes first. `replaced`: another vehicle continues. `held_up`: its goods are delayed.
+`no_machine`: no machine can make a part. `later`, `sooner`: production or transport differs from the plan. `closer`: the same, more
+exactly. `again`: an estimate is possible again. `unknown`: it is not possible any more."""
 
 order_estimates = Table(
     "order_estimates",
@@ -54,17 +54,17 @@ order_estimates = Table(
 
 
 class Estimate(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """When an order was expected, as told from a moment on. Times are wall clock seconds."""
+    """An order's estimate from a moment on. Times are wall clock seconds."""
 
     at_s: float
     from_at_s: float | None
-    """None where nothing could be told."""
+    """The earliest expected time; None without an estimate."""
     to_at_s: float | None
     cause: EstimateCause
     agent: str = ""
-    """The machine or vehicle that it is about; of `replaced` and `moved` the one before."""
+    """The machine or vehicle concerned; for `replaced` and `moved` the previous one."""
     other: str = ""
-    """Of `replaced` and `moved` who goes on, of `material` what was lacking, of `passed` the other order."""
+    """For `replaced` and `moved` the next agent, for `material` the missing material, for `passed` the other order."""
 
 
 _COLUMNS = [order_estimates.c[name] for name in Estimate.__struct_fields__]
@@ -77,7 +77,7 @@ class Estimates:
         self._connection = connection
 
     async def of_order(self, order_id: str) -> list[Estimate]:
-        """How the estimate of an order has moved, oldest first."""
+        """An order's estimates, oldest first."""
         c = order_estimates.c
         query = select(*_COLUMNS).where(c.order_id == order_id).order_by(c.at_s)
         return [Estimate(**row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - SQLAlchemy's public name
@@ -90,7 +90,7 @@ class Estimates:
         return None if row is None else Estimate(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
 
     async def add(self, order_id: str, estimate: Estimate) -> None:
-        """Keep another one, which is newer than all others of its order."""
+        """Store a newer estimate of its order."""
         c = order_estimates.c
         known = select(c.at_s).where(c.order_id == order_id).order_by(c.at_s)
         times = list((await self._connection.execute(known)).scalars())

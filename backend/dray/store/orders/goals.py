@@ -20,7 +20,7 @@ class Goals:
         self._connection = connection
 
     async def many(self, ids: Iterable[str]) -> dict[str, Goal]:
-        """Those of these goals that there are, by id."""
+        """The goals with these ids, if they exist, by id."""
         return await self._select(goals.c.id.in_(list(ids)))
 
     async def of_orders(self, orders: Iterable[str]) -> dict[str, list[Goal]]:
@@ -32,7 +32,7 @@ class Goals:
         return found
 
     async def put(self, changed: Iterable[Goal]) -> None:
-        """Write these goals, new or known."""
+        """Store goals, new or known."""
         rows = [msgspec.structs.asdict(goal) for goal in changed]
         if not rows:
             return

@@ -1,7 +1,6 @@
-"""Idempotency keys in SQL: what was answered to a request that may be repeated.
+"""Idempotency keys in SQL: the answers to requests that may be repeated.
 
-The key is written in the transaction of the order itself, so there is never one without the other,
-whenever the process dies.
+The key is written in the order's own transaction, so neither exists without the other, even if the process dies.
 """
 
 from __future__ import annotations
@@ -16,14 +15,14 @@ from dray.store.tables import idempotency_keys
 
 
 class KeptAnswer(msgspec.Struct, frozen=True, gc=False):
-    """What was answered under a key."""
+    """The answer under a key."""
 
     key: str
     fingerprint: str
-    """Tells requests apart: a digest of what was asked."""
+    """A digest of the request, to distinguish requests."""
     order_id: str
     answer: str
-    """The body, as it was sent."""
+    """The body of the answer."""
     at_s: float
     """Wall clock."""
 
@@ -36,7 +35,7 @@ _KNOWN_TO_SQLITE = f"{_KNOWN} IN (SELECT value FROM json_each(?))"  # noqa: S608
 
 
 def known_answers(connection: Connection, keys: Sequence[str]) -> dict[str, KeptAnswer]:
-    """What was answered under some keys, by key. Every order asks, so the driver gets it as it takes it."""
+    """The answers under some keys, by key. Every order needs this, so it calls the driver directly."""
     if not keys:
         return {}
     if connection.dialect.name == "postgresql":
@@ -53,15 +52,15 @@ class IdempotencyKeys:
         self._connection = connection
 
     async def get(self, key: str) -> KeptAnswer | None:
-        """What was answered under this key, or None."""
+        """The answer under this key, or None."""
         query = select(idempotency_keys).where(idempotency_keys.c.key == key)
         row = (await self._connection.execute(query)).one_or_none()
         return None if row is None else KeptAnswer(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
 
     async def add(self, answer: KeptAnswer) -> None:
-        """Keep an answer."""
+        """Store an answer."""
         await self._connection.execute(insert(idempotency_keys), [msgspec.structs.asdict(answer)])
 
     async def forget_before(self, at_s: float) -> None:
-        """Forget answers older than this."""
+        """Delete older answers."""
         await self._connection.execute(delete(idempotency_keys).where(idempotency_keys.c.at_s < at_s))

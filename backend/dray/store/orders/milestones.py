@@ -1,6 +1,6 @@
-"""Milestones: when an order was planned, begun and sent, and how well the factory keeps its promises.
+"""Milestones: when an order was planned, begun and sent, and the factory's accuracy of promises.
 
-Read from agents' histories and goals, and of what the log has forgotten from what is kept with the order.
+They are read from the event log and the goals; for deleted events, from the order's own history.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from dray.messages.heartbeat import Phase
 from dray.store.tables import Id, Position, events, goals, metadata
 
 PIECES_READ = 500
-"""Pieces whose times are read for one order: ten or more of each of its running goals."""
+"""Maximum pieces read for one order: ten or more of each of its running goals."""
 
 PROMISES_READ = 50
-"""Finished goals whose promises are compared: the last hours of the default plant."""
+"""Maximum finished goals with compared promises: the last hours of the default plant."""
 
 
 class OrderTimes(msgspec.Struct, frozen=True, gc=False):
-    """When an order reached what (wall clock seconds); None when it has not, or nobody knows any more."""
+    """The times of an order's milestones (wall clock seconds); None for not reached or unknown."""
 
     planned_at_s: float | None = None
-    """A machine took the first goal of it."""
+    """A machine took its first goal."""
     first_piece_at_s: float | None = None
     left_at_s: float | None = None
-    """The first vehicle drove off with goods of it."""
+    """The first vehicle drove off with its goods."""
 
 
 order_histories = Table(
@@ -44,13 +44,13 @@ order_histories = Table(
 
 
 class Milestones:
-    """What histories tell about orders, inside one transaction."""
+    """Milestones of orders, inside one transaction."""
 
     def __init__(self, connection: AsyncConnection) -> None:
         self._connection = connection
 
     async def of_order(self, order_id: str) -> OrderTimes:
-        """When this order reached what."""
+        """The times of this order's milestones."""
         its_goals = select(goals.c.id).where(goals.c.order_id == order_id)
         opened = events.alias("opened")
         its_ways_out = select(opened.c.task).where(
@@ -72,7 +72,7 @@ class Milestones:
         return OrderTimes(*map(_earlier, logged, kept))
 
     async def piece_times_s(self, of_goals: Collection[str]) -> dict[str, tuple[float, ...]]:
-        """When the last pieces of each of these goals were made (wall clock), oldest first."""
+        """The times of the last pieces of each of these goals (wall clock), oldest first."""
         found: dict[str, list[float]] = {goal: [] for goal in of_goals}
         if found:
             query = (
@@ -86,9 +86,9 @@ class Milestones:
         return {goal: tuple(reversed(times)) for goal, times in found.items()}
 
     async def promises_missed_by_s(self) -> tuple[float, ...]:
-        """By how much the last finished goals came after what their machines had promised, ascending.
+        """The delays of the last finished goals against their machines' promises, ascending.
 
-        Negative for those that came before. Wall clock seconds, up to the arrival of the last piece.
+        Early ones are negative. Wall clock seconds, up to the arrival of the last piece.
         """
         query = (
             select(goals.c.delivered_at_s - goals.c.promised_at_s)

@@ -1,7 +1,7 @@
-"""Changes of orders in SQL: what people ask for, and what the factory has made of it.
+"""Changes of orders in SQL: people's wishes, and the factory's answers.
 
-More of an item is ordered at once, so nothing of it counts as all before the strategist has said so. Less is only wanted (`order_items.wanted`)
-until machines have said what they keep. While a change is under way its order has not ended, whatever facts tell.
+An increase takes effect at once, so that the order is not complete before the strategist's answer. A decrease is only noted
+(`order_items.wanted`) until machines have reported what they keep. During a change its order does not end, whatever facts say.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dray.store.tables import order_items, orders
 
 
 class Change(msgspec.Struct, frozen=True, kw_only=True):
-    """An order as it is to be."""
+    """The wanted state of an order."""
 
     quantities: tuple[int, ...]
     reference: str | None
@@ -35,12 +35,12 @@ class OrderChanges:
         self._connection, self._orders = connection, Orders(connection)
 
     async def ask(self, order: Order, change: Change, at_s: float) -> None:
-        """Keep what an order is to be; one that is in work is changed when the strategist has answered.
+        """Store a change; an order in work is changed after the strategist's answer.
 
         Args:
-            order: as it was read in this transaction, not ended.
-            change: what it is to be.
-            at_s: when people said so.
+            order: as read in this transaction, not ended.
+            change: the wanted state.
+            at_s: the time of the wish.
         """
         number = order.change + 1
         in_work = order.status in OPEN
@@ -65,17 +65,17 @@ class OrderChanges:
     async def settle(
         self, order_id: str, release: int, change: int, quantities: Sequence[int], at_s: float
     ) -> bool:
-        """The strategist has taken a change, or all changes came too late.
+        """The strategist has accepted a change, or all changes came too late.
 
         Args:
-            order_id: which; one that was changed again, or released again, stays as it is.
-            release: which release it speaks of.
-            change: the last one that it has taken; all later ones have come too late if the order is fulfilled.
-            quantities: per item, all that will have been delivered; empty for as many as were ordered before.
-            at_s: when it said so.
+            order_id: the order; one that was changed again, or released again, stays as it is.
+            release: the release concerned.
+            change: the last accepted one; if the order is fulfilled, all later ones have come too late.
+            quantities: per item, the total to be delivered; empty for the previous quantities.
+            at_s: the time of the answer.
 
         Returns:
-            Whether this has ended a change.
+            Whether a change has ended by this.
         """
         order = await self._orders.get(order_id)
         if order is None or not order.being_changed or order.releases != release or change > order.change:

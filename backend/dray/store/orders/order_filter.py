@@ -1,4 +1,4 @@
-"""Which orders a list is asked for."""
+"""The filter of a list of orders."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from dray.store.tables import order_items, orders
 
 
 class OrderFilter(msgspec.Struct, frozen=True, kw_only=True):
-    """Which orders are wanted; empty fields want all. Times are wall clock seconds."""
+    """A filter for orders; empty fields match all. Times are wall clock seconds."""
 
     statuses: Collection[OrderStatus] = ()
     reference: str = ""
-    """This very text, as the two below."""
+    """The exact text, as in the two fields below."""
     customer: str = ""
     product: str = ""
-    """The id of a product of which it has a line."""
+    """The id of a product in one of its lines."""
     updated_since_s: float | None = None
     """Changed at this moment or later."""
     due_before_s: float | None = None
-    """One without a due time is due before none."""
+    """Due before this; orders without a due time do not match."""
     created_since_s: float | None = None
     created_before_s: float | None = None
     late_at_s: float | None = None
-    """Due by then and not delivered, or delivered after it was due."""
+    """Late at this moment: due and not delivered, or delivered after the due time."""
     words: tuple[Sought, ...] = ()
-    """All of them stand somewhere in its id, reference or customer, or in what it is of."""
+    """Words that must all occur in its id, reference, customer, or products."""
 
     def conditions(self) -> Iterator[ColumnElement[bool]]:
-        """What a row of `orders` has to fulfil."""
+        """The conditions for a row of `orders`."""
         if self.statuses:
             yield orders.c.status.in_(self.statuses)
         if self.reference:
@@ -62,5 +62,5 @@ EVERY_ORDER = OrderFilter()
 
 
 def holds(text: str) -> ColumnElement[bool]:
-    """Whether an order holds this text, in whatever case."""
+    """The condition that an order contains this text, ignoring case."""
     return orders.c.search.contains(text.casefold(), autoescape=True)

@@ -1,7 +1,7 @@
-"""What was told of an order, kept with the order: its pages need it long after the log of events has forgotten.
+"""An order's own history: its pages need the events long after the log has deleted them.
 
-While the log has an order's events they are read there. Before the log forgets any of them, all that it has of the order is put
-together with what is kept already, in one compressed document. Of the pieces of a goal only the first and the last one are needed.
+While the log has an order's events they are read there. Before the log deletes any of them, all of them are merged with the stored
+history into one compressed document. For a goal only its first and last pieces are needed.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ TOLD_BY = (
     *(CarrierChanged, GoalContracted, GoalLost, GoalWaits, GoalWithdrawn, GoodsDelivered, OrderDropped),
     *(OrderFulfilled, OrderReturned, PhaseEntered, PieceMade, TaskClosed, TaskOpened),
 )
-"""Facts of which an order's page is made."""
+"""Facts on an order's page."""
 
 KINDS = tuple(kind.__name__ for kind in TOLD_BY)
 
@@ -47,11 +47,11 @@ _KEPT = msgspec.json.Decoder(list[EventRow])
 
 
 class OrderHistory(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """What is kept with one order."""
+    """The stored history of one order."""
 
     order_id: str
     position: int
-    """Of the newest event in it."""
+    """The position of its newest event."""
     times: OrderTimes
     told: bytes
     """Its events, as compressed JSON."""
@@ -64,20 +64,20 @@ class OrderHistories:
         self._connection = connection
 
     async def of_order(self, order_id: str) -> list[EventRow]:
-        """What is kept with an order, in no order; empty while the log has all of it."""
+        """The stored events of an order, unordered; empty while the log has all of them."""
         query = select(order_histories.c.told).where(order_histories.c.order_id == order_id)
         told = (await self._connection.execute(query)).scalar()
         return [] if told is None else _KEPT.decode(zlib.decompress(told))
 
     async def gathered(self, first: int, last: int) -> list[OrderHistory]:
-        """What the log has of orders of which these positions of it tell something that is not kept with them; it may be read beside writers.
+        """New histories of orders with unstored events at these positions of the log; reading beside writers is safe.
 
-        Hand it to `put` in the transaction that forgets these positions, unless somebody else has forgotten any of them by then.
+        Pass them to `put` in the transaction that deletes these positions, unless another process has deleted any of them by then.
         """
         return [await self._gathered(order_id) for order_id in await self._unkept(first, last)]
 
     async def put(self, histories: Sequence[OrderHistory]) -> None:
-        """Keep these with their orders, in the place of what is kept with them."""
+        """Store these histories, replacing earlier ones."""
         if histories:
             c = order_histories.c
             of = [each.order_id for each in histories]
@@ -90,7 +90,7 @@ class OrderHistories:
             await self._connection.execute(insert(order_histories), rows)
 
     async def _unkept(self, first: int, last: int) -> list[str]:
-        """Orders of which these positions of the log tell something that is not kept with them."""
+        """Orders with events at these positions that their stored histories lack."""
         told = and_(events.c.position.between(first, last), events.c.kind.in_(KINDS))
         named = select(events.c.position, events.c.order_id).where(told, events.c.order_id.is_not(None))
         by_goal = (
@@ -130,13 +130,13 @@ class OrderHistories:
         )
 
     async def count(self) -> int:
-        """How many orders have something kept with them."""
+        """The number of orders with a stored history."""
         query = select(func.count()).select_from(order_histories)
         return (await self._connection.execute(query)).scalar_one()
 
 
 def together(kept: Iterable[EventRow], logged: Iterable[EventRow]) -> list[EventRow]:
-    """What is kept with an order and what the log still has of it, each event once."""
+    """The stored and the logged events of an order, each once."""
     return list({_key(row): row for rows in (kept, logged) for row in rows}.values())
 
 
@@ -145,7 +145,7 @@ def _key(row: EventRow) -> tuple[str, int, int]:
 
 
 def _needed(told: Iterable[EventRow]) -> list[EventRow]:
-    """All but the pieces of each goal between the first and the last one."""
+    """All events but the pieces of each goal between the first and the last one."""
     needed: list[EventRow] = []
     pieces: dict[str, list[EventRow]] = {}
     for row in told:

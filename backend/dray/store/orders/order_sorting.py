@@ -1,4 +1,4 @@
-"""In which order a list of orders comes, and where its pages begin."""
+"""The sort order of a list of orders, and the beginnings of its pages."""
 
 from __future__ import annotations
 
@@ -16,38 +16,38 @@ if TYPE_CHECKING:
     from dray.store.orders.orders import Order
 
 SortedBy = Literal["created", "work", "due", "reference", "customer"]
-"""`work`: as people work at them, open ones by when they are wanted, else by their due times, then those that have ended, the last one first."""
+"""`work`: in working order, open ones by their wanted times, else by their due times; then ended ones, the last first."""
 
 Place = tuple[float | str, str]
-"""Where an order stands in a list: what it is sorted by, and its id."""
+"""An order's place in a list: its sort key, and its id."""
 
 _NEVER_S = 1e15
-"""After all times."""
+"""Later than all times."""
 
 
 class Sorting(msgspec.Struct, frozen=True, gc=False):
-    """An order of orders; those that are alike stand by their ids."""
+    """A sort order; equal orders are sorted by id."""
 
     by: SortedBy = "created"
     descending: bool = False
 
     def clauses(self) -> tuple[ColumnElement[Any], ColumnElement[Any]]:
-        """What a query is ordered by."""
+        """The ORDER BY clauses of a query."""
         key, name = _KEYS[self.by][0], orders.c.id
         return (key.desc(), name.desc()) if self.descending else (key.asc(), name.asc())
 
     def after(self, place: Place) -> ColumnElement[bool]:
-        """What comes after a place."""
+        """The condition for orders after a place."""
         here, there = tuple_(_KEYS[self.by][0], orders.c.id), tuple_(*place)
         return here < there if self.descending else here > there
 
     def place(self, order: Order) -> Place:
-        """Where an order stands."""
+        """An order's place."""
         return _KEYS[self.by][1](order), order.id
 
     @property
     def shape(self) -> type[Any]:
-        """Of a place."""
+        """The type of a place."""
         return tuple[str, str] if self.by in {"reference", "customer"} else tuple[float, str]
 
 
@@ -88,9 +88,9 @@ _KEYS: Mapping[SortedBy, tuple[ColumnElement[Any], Callable[[Order], float | str
     ),
     "customer": (orders.c.customer, lambda order: order.customer),
 }
-"""What each is sorted by, in SQL and of an order that was read: the two are the same."""
+"""The sort keys, in SQL and for an order object: both are the same."""
 
 for _by in ("work", "due", "reference", "customer"):
-    # A page is read from its index, and not by putting all orders in order. So constants stand in the keys as they are: an index serves
-    # no condition with values that are sent beside it.
+    # A page is read from its index, without sorting all orders. So constants are literals in the keys: an index does not serve a
+    # condition with bound parameters.
     Index(f"ix_orders_by_{_by}", Grouping(_KEYS[_by][0]), orders.c.id)

@@ -1,4 +1,4 @@
-"""Orders in SQL: placing, finding, and moving them on."""
+"""Orders in SQL: placing, finding, and updating them."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ AT_ONCE = 50
 """Orders whose items are read at once: some milliseconds of the event loop, however many items they have."""
 
 Mark = tuple[OrderStatus, int, float | None, int, int]
-"""What of an order differs after whatever a person or the strategist has decided about it: its status, how often
-it was released, when that was taken back, how often it was changed, and which change the strategist has taken."""
+"""The part of an order that every decision of a person or the strategist changes: its status, number of releases, time of
+revocation, number of changes, and last accepted change."""
 
 
 class Item(msgspec.Struct, gc=False):
@@ -33,7 +33,7 @@ class Item(msgspec.Struct, gc=False):
     made: int = 0
     delivered: int = 0
     wanted: int | None = None
-    """Less that a change asks for, while machines say what they keep; None where none is under way."""
+    """The smaller quantity of a change in progress; None without one."""
 
 
 class Order(msgspec.Struct, kw_only=True, gc=False):
@@ -43,7 +43,7 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     status: OrderStatus
     customer: str
     token: str
-    """Of the link to the customer's page that came with it; `tracking_links` says whether it still leads there."""
+    """The token of the link to its customer's page; `tracking_links` has the link's validity."""
     items: tuple[Item, ...]
     created_at_s: float
     reference: str | None = None
@@ -54,20 +54,20 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     incarnation: int = 0
     """The newest life of the strategist that has accepted it."""
     releases: int = 0
-    """How often it was released."""
+    """Number of releases."""
     revoked_at_s: float | None = None
-    """When its last release was taken back; until it is stored the factory has not confirmed that."""
+    """The time of the last release's revocation; the factory confirms it when the order is stored."""
     updated_at_s: float = 0.0
-    """When anything of it that others are told has changed last."""
+    """The time of its last visible change."""
     priority: Priority = Priority.NORMAL
     wanted_at_s: float | None = None
-    """By when agents want it, as its priority makes of its due time; None before its first release."""
+    """The wanted time for agents, from its priority and due time; None before its first release."""
     change: int = 0
-    """How often it was changed."""
+    """Number of changes."""
     change_taken: int = 0
-    """The last of these that the strategist has taken, or that it need not know."""
+    """The last change that the strategist has accepted, or need not know."""
     caller: str = ""
-    """Kind and id of who has placed it; empty where nobody knows."""
+    """Kind and id of the caller that placed it; empty if unknown."""
 
     @property
     def quantities(self) -> tuple[int, ...]:
@@ -76,7 +76,7 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
 
     @property
     def wanted(self) -> tuple[int, ...]:
-        """The same, as a change that is under way wants it."""
+        """The same, with the change in progress."""
         return tuple(item.quantity if item.wanted is None else item.wanted for item in self.items)
 
     @property
@@ -91,12 +91,12 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
 
     @property
     def being_changed(self) -> bool:
-        """Whether the factory has not confirmed its last change."""
+        """Whether its last change is unconfirmed."""
         return self.change_taken < self.change and self.status in OPEN
 
     @property
     def being_revoked(self) -> bool:
-        """Whether it was taken back and the factory has not confirmed that."""
+        """Whether its revocation is unconfirmed."""
         return self.status in OPEN and self.revoked_at_s is not None
 
     @property
@@ -106,36 +106,36 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
 
     @property
     def wanted_outstanding(self) -> tuple[int, ...]:
-        """The same, as a change that is under way wants it."""
+        """The same, with the change in progress."""
         return tuple(
             max(0, each - item.delivered) for each, item in zip(self.wanted, self.items, strict=True)
         )
 
     def strange_to(self, products: Collection[str]) -> list[str]:
-        """Which of its products are not among these, by id."""
+        """Its products that are not among these, by id."""
         return sorted({item.product for item in self.items}.difference(products))
 
 
 class OrderTotals(msgspec.Struct, frozen=True, gc=False):
-    """Counts over all orders there ever were."""
+    """Counts over all orders ever."""
 
     delivered: int
     on_time: int
-    """Delivered by their due time; an order without one is never late."""
+    """Orders delivered by their due time; an order without one is never late."""
 
 
 _COLUMNS = [column for column in orders.c if column.name != "search"]
 
 
 REFERENCES_AT_ONCE = 100
-"""That are looked for by one statement: a millisecond or two of the event loop."""
+"""References per statement: a millisecond or two of the event loop."""
 
 REFERRED_MOST = 1_000
-"""Orders that it finds: a file that was placed within the hour has as many at most, and the newest ones matter."""
+"""Maximum orders found: a file placed within the hour has no more, and the newest ones matter."""
 
 
 class Referred(msgspec.Struct, frozen=True):
-    """An order as its customer calls it."""
+    """An order by its customer's reference."""
 
     id: str
     customer: str
@@ -144,7 +144,7 @@ class Referred(msgspec.Struct, frozen=True):
     """Wall clock."""
 
     def values(self, now_s: float) -> dict[str, str | int]:
-        """What a hint says of it; `now_s` is wall clock."""
+        """The values for a hint; `now_s` is wall clock."""
         minutes = max(0, round((now_s - self.created_at_s) / 60.0))
         return {"customer": self.customer, "order": self.id, "minutes": minutes}
 
@@ -156,11 +156,11 @@ class Orders:
         self._connection = connection
 
     async def add(self, order: Order) -> None:
-        """Keep a new order."""
+        """Store a new order."""
         await self.add_all([order])
 
     async def add_all(self, new: Sequence[Order]) -> None:
-        """Keep new orders."""
+        """Store new orders."""
         if not new:
             return
         await self._connection.execute(insert(orders), rows_of_orders(new))
@@ -168,30 +168,30 @@ class Orders:
 
     async def get(self, order_id: str) -> Order | None:
         """One order, or None."""
-        if "\0" in order_id:  # PostgreSQL has no such texts, and refuses to look for one.
+        if "\0" in order_id:  # PostgreSQL supports no such text, and refuses the query.
             return None
         return next(iter(await self._select(orders.c.id == order_id)), None)
 
     async def many(self, ids: Iterable[str]) -> list[Order]:
-        """Those of these orders that there are, in no particular order."""
+        """The orders with these ids, if they exist, unordered."""
         wanted = list(ids)
         return await self._select(orders.c.id.in_(wanted)) if wanted else []
 
     async def references(self, ids: Collection[str]) -> dict[str, str]:
-        """What customers call those of these orders that they have a name for."""
+        """The customers' references of these orders, where they have one."""
         return {order: name for order, name in (await self.names(ids)).items() if name is not None}
 
     async def names(self, ids: Collection[str]) -> dict[str, str | None]:
-        """Those of these ids that are orders, each with what its customer calls it."""
+        """The orders among these ids, each with its customer's reference."""
         if not ids:
             return {}
         query = select(orders.c.id, orders.c.reference).where(orders.c.id.in_(list(ids)))
         return {row.id: row.reference for row in await self._connection.execute(query)}
 
     async def referred_to(self, references: Collection[str], since_s: float) -> list[Referred]:
-        """Orders that were placed since then under some references and are not cancelled; of one reference oldest first.
+        """Orders placed since then under some references and not cancelled; for each reference oldest first.
 
-        Of `REFERENCES_AT_ONCE` references the newest `REFERRED_MOST` orders.
+        The limits are `REFERENCES_AT_ONCE` references and the newest `REFERRED_MOST` orders.
         """
         found: list[Referred] = []
         left = iter(references)
@@ -211,12 +211,12 @@ class Orders:
         return found
 
     async def newest_references(self, customer: str, caller: str, count: int) -> list[str]:
-        """The references of the newest orders of a customer that somebody has placed, newest first.
+        """The references of the newest orders of a customer by one caller, newest first.
 
         Args:
-            customer: whose orders.
-            caller: kind and id of who has placed them; empty for nobody.
-            count: how many at most.
+            customer: the customer.
+            caller: kind and id of the caller; empty for unknown.
+            count: maximum number of references.
         """
         query = (
             select(orders.c.reference)
@@ -232,18 +232,18 @@ class Orders:
         return sorted(found, key=lambda order: (order.created_at_s, order.id))
 
     async def marks(self, since_s: float | None = None) -> dict[str, Mark]:
-        """The marks of all orders that have not ended; or of those that have changed since then, ended or not."""
+        """The marks of all orders that have not ended; or of all those changed since then."""
         names = ("id", "status", "releases", "revoked_at_s", "change", "change_taken")
         wanted = orders.c.status.in_(UNENDED) if since_s is None else orders.c.updated_at_s >= since_s
         rows = await self._connection.execute(select(*(orders.c[name] for name in names)).where(wanted))
         return {order: (OrderStatus(status), *others) for order, status, *others in rows}
 
     async def newest_change_s(self) -> float:
-        """When an order has changed last; 0 without orders."""
+        """The time of the last change of any order; 0 without orders."""
         return await self._connection.scalar(select(func.max(orders.c.updated_at_s))) or 0.0
 
     async def cancelled(self, since_s: float) -> list[str]:
-        """Ids of orders that the factory had, and that were cancelled since then, the oldest first."""
+        """Ids of released orders that were cancelled since then, the oldest first."""
         query = (
             select(orders.c.id)
             .where(
@@ -258,13 +258,13 @@ class Orders:
     async def page(
         self, wanted: OrderFilter, after: Place | None, limit: int | None, sorting: Sorting = NEWEST_FIRST
     ) -> list[Order]:
-        """A part of a list, newest first if nothing else is said.
+        """A part of a list, newest first by default.
 
         Args:
-            wanted: which ones.
-            after: the place (`Sorting.place`) of the last order of the page before.
-            limit: how many at most.
-            sorting: in which order.
+            wanted: the filter.
+            after: the place (`Sorting.place`) of the previous page's last order.
+            limit: maximum number of orders.
+            sorting: the sort order.
         """
         conditions = list(wanted.conditions())
         if after is not None:
@@ -272,11 +272,11 @@ class Orders:
         return await self._select(*conditions, limit=limit, sorting=sorting)
 
     async def total(self, wanted: OrderFilter) -> int | None:
-        """How many are wanted; None for very many."""
+        """The number of matching orders; None for very many."""
         return await total_of(self._connection, select(orders.c.id).where(*wanted.conditions()))
 
     async def totals(self) -> OrderTotals:
-        """Count what was delivered."""
+        """Count deliveries."""
         punctual = or_(orders.c.due_at_s.is_(None), orders.c.delivered_at_s <= orders.c.due_at_s)
         row = (
             await self._connection.execute(
@@ -288,7 +288,7 @@ class Orders:
         return OrderTotals(row[0], row[1])
 
     async def release(self, order_id: str, at_s: float, wanted_at_s: float) -> None:
-        """Hand a stored order to the factory, which wants it by some time; any other stays as it is."""
+        """Release a stored order to the factory, with its wanted time; any other stays as it is."""
         await self._connection.execute(
             update(orders)
             .where(orders.c.id == order_id, orders.c.status == OrderStatus.STORED)
@@ -303,7 +303,7 @@ class Orders:
         )
 
     async def revoke(self, order_id: str, at_s: float) -> None:
-        """Note that an order that the factory works at is to be taken back; any other stays as it is."""
+        """Note the revocation of an open order; any other stays as it is."""
         await self._connection.execute(
             update(orders)
             .where(orders.c.id == order_id, orders.c.status.in_(OPEN), orders.c.revoked_at_s.is_(None))
@@ -311,13 +311,13 @@ class Orders:
         )
 
     async def store(self, order_id: str, release: int, outstanding: Sequence[int], at_s: float) -> None:
-        """The factory does not work any more at an order that was taken back; too late, it is delivered.
+        """The factory has stopped work on a revoked order; if it is too late, the order is delivered.
 
         Args:
-            order_id: which; one that is not being taken back, or was released again, stays as it is.
-            release: which release the factory speaks of.
-            outstanding: per item, what had not arrived by then; empty when it does not know.
-            at_s: when it said so.
+            order_id: the order; one that is not being revoked, or was released again, stays as it is.
+            release: the release concerned.
+            outstanding: per item, pieces that had not arrived by then; empty for unknown.
+            at_s: the time of the message.
         """
         order = await self.get(order_id)
         if order is None or not order.being_revoked or order.releases != release:
@@ -345,13 +345,13 @@ class Orders:
             await self.fulfil(order_id, release, at_s)
 
     async def fulfil(self, order_id: str, release: int, at_s: float) -> None:
-        """All of an order has arrived, says the factory, whatever facts have told of that.
+        """The factory reports that all of an order has arrived, whatever facts say.
 
         Args:
-            order_id: which; one that has ended, is stored or being taken back, or was released again stays
+            order_id: the order; one that has ended, is stored or being revoked, or was released again stays
                 as it is.
-            release: which release the factory speaks of.
-            at_s: when it said so; the order was delivered then if no fact tells of any delivery.
+            release: the release concerned.
+            at_s: the time of the message; it becomes the delivery time without any fact of a delivery.
         """
         order = await self.get(order_id)
         if order is None or order.status not in OPEN or order.being_revoked or order.releases != release:
@@ -364,7 +364,7 @@ class Orders:
         await self.advance(order, reached, at_s)
 
     async def cancel(self, order_id: str, at_s: float) -> None:
-        """Cancel an order that is not delivered yet; any other stays as it is."""
+        """Cancel an undelivered order; any other stays as it is."""
         await self._connection.execute(
             update(orders)
             .where(orders.c.id == order_id, orders.c.status.in_(UNENDED))
@@ -372,7 +372,7 @@ class Orders:
         )
 
     async def accept(self, incarnations: dict[str, int]) -> None:
-        """Note which life of the strategist has accepted which order; an older one changes nothing."""
+        """Note the life of the strategist that has accepted each order; an older life changes nothing."""
         if incarnations:
             await self._connection.execute(
                 update(orders)
@@ -382,11 +382,11 @@ class Orders:
             )
 
     async def advance(self, order: Order, progress: Progress, at_s: float) -> None:
-        """Write how far an order has come, as `status_after` has it.
+        """Store an order's progress, by `status_after`.
 
         Args:
             order: as it was read.
-            progress: what its goals say.
+            progress: the progress by its goals.
             at_s: the wall clock now.
         """
         status = status_after(order.status, progress.status)
@@ -401,7 +401,7 @@ class Orders:
         if changed or (status, delivered_at_s) != (order.status, order.delivered_at_s):
             await self._connection.execute(
                 update(orders)
-                # Somebody may have taken it back or cancelled it since it was read.
+                # A person may have revoked or cancelled it since it was read.
                 .where(orders.c.id == order.id, orders.c.status == order.status)
                 .values(status=status, delivered_at_s=delivered_at_s, updated_at_s=at_s)
             )
@@ -432,7 +432,7 @@ class Orders:
 
 
 def rows_of_orders(new: Sequence[Order]) -> list[dict[str, object]]:
-    """New orders, as their table has them."""
+    """New orders as rows of their table."""
     rows = []
     for order in new:
         row = msgspec.structs.asdict(order)
@@ -443,7 +443,7 @@ def rows_of_orders(new: Sequence[Order]) -> list[dict[str, object]]:
 
 
 def rows_of_items(new: Sequence[Order]) -> list[dict[str, object]]:
-    """Their items, as their table has them."""
+    """Their items as rows of their table."""
     return [
         {"order_id": order.id, "item": index, **msgspec.structs.asdict(item)}
         for order in new
@@ -452,7 +452,7 @@ def rows_of_items(new: Sequence[Order]) -> list[dict[str, object]]:
 
 
 def search_of(order: Order) -> str:
-    """What words are looked for in."""
+    """An order's search text."""
     products = [item.product for item in order.items]
     return searched((order.id, order.reference or "", order.customer), products)
 

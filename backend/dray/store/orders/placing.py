@@ -1,7 +1,7 @@
-"""Placing: orders, their links, the keys they came under and their lines of the audit log, in one transaction.
+"""Placing: orders with their links, idempotency keys and audit lines, in one transaction.
 
-An answered order is on disk with all that belongs to it, whenever the process dies. Requests that come together are
-written by as few statements as one alone, and share its commit (`dray.store.database.together`).
+An answered order is on disk with all that belongs to it, even if the process dies. Concurrent requests need no more statements than
+one alone, and share its commit (`dray.store.database.together`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from dray.store.orders.orders import Order, rows_of_items, rows_of_orders
 from dray.store.tables import audit, idempotency_keys, order_items, orders, tracking_links
 
 FORGOTTEN_EVERY_S = 600.0
-"""Wall seconds between two looks for keys that are too old: they are kept for days."""
+"""Wall seconds between two deletions of old keys, which are stored for days."""
 
 
 _INSERTION = Insertion(
@@ -33,12 +33,12 @@ _INSERTION = Insertion(
 
 
 class Placement(msgspec.Struct, frozen=True):
-    """What a request places."""
+    """The result of preparing a request."""
 
     orders: Sequence[Order]
     """At least one."""
     answer: str
-    """What is answered."""
+    """The answer to the request."""
 
 
 class Wish(msgspec.Struct, frozen=True, kw_only=True):
@@ -47,30 +47,30 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
     key: str = ""
     """The Idempotency-Key; empty for none."""
     fingerprint: str = ""
-    """A digest of what is asked."""
+    """A digest of the request."""
     prepare: Callable[[], Placement]
-    """Makes the orders, or refuses them by a `DrayError`. It is called when it is this process's turn to write, so that times
-    follow one another as its commits do; in another thread, and perhaps again. For a key that is known nothing comes of it."""
+    """Creates the orders, or refuses them by a `DrayError`. It is called at this process's turn to write, so that times have the order of
+    its commits; in another thread, and perhaps again. For a known key its result is dropped."""
     line: Callable[[str], AuditRow] | None = None
-    """The line of the audit log, given what it is about."""
+    """Makes the line of the audit log, from its subject."""
 
 
 class Placed(msgspec.Struct, frozen=True):
-    """What became of a wish."""
+    """The result of a wish."""
 
     orders: Sequence[Order] = ()
-    """Empty when an earlier request under its key has placed them."""
+    """The new orders; empty when an earlier request with its key has placed them."""
     kept: KeptAnswer | None = None
     refused: DrayError | None = None
-    """Set when neither: nothing was written."""
+    """The refusal, with nothing written; None otherwise."""
 
 
 class Placing:
     """Places orders.
 
     Args:
-        database: where they are kept.
-        keys_kept_s: how long keys are known.
+        database: the database.
+        keys_kept_s: retention of keys, in seconds.
     """
 
     def __init__(self, database: Database, *, keys_kept_s: float) -> None:
@@ -81,11 +81,11 @@ class Placing:
         """Place orders once; they are on disk when this returns.
 
         Returns:
-            The orders, none when an earlier request under its key has placed them; and what is answered.
+            The orders, none when an earlier request with its key has placed them; and the answer.
 
         Raises:
-            DrayError: as the wish refuses them.
-            UnavailableError: the database cannot be written at present.
+            DrayError: the wish's own refusal.
+            UnavailableError: writing is impossible at present.
         """
         placed = await self._together.do(wish)
         if placed.kept is None:
@@ -94,7 +94,7 @@ class Placing:
         return placed.orders, placed.kept
 
     def _at_once(self, wishes: Sequence[Wish]) -> AtOnce[Sequence[Placed]] | None:
-        """One statement for all of it, where nobody is refused and nothing is to be forgotten: as nearly always."""
+        """One statement for all wishes, if none is refused and no key must be deleted: the usual case."""
         done = [_placed(wish, None) for wish in wishes]
         rows = _rows(wishes, done)
         if self._is_time(rows) or any(placed.refused for placed in done):
@@ -112,7 +112,7 @@ class Placing:
         return done
 
     def _is_time(self, rows: _Rows) -> bool:
-        """Whether to look for keys that are too old."""
+        """Whether old keys must be deleted now."""
         return bool(rows.keys) and abs(_at_s(rows) - self._forgotten_at_s) >= FORGOTTEN_EVERY_S
 
     def _forget(self, connection: Connection, rows: _Rows) -> None:
@@ -122,7 +122,7 @@ class Placing:
 
 
 class _Rows(NamedTuple):
-    """Of the tables, in the order in which they are written."""
+    """Rows of the tables, in the order of writing."""
 
     orders: Rows
     items: Rows
@@ -169,7 +169,7 @@ def _rows(wishes: Sequence[Wish], done: Sequence[Placed]) -> _Rows:
 
 
 def _at_s(rows: _Rows) -> float:
-    """When the first key came."""
+    """The time of the first key."""
     at_s = rows.keys[0]["at_s"]
     assert isinstance(at_s, float)  # noqa: S101 - as its table has it
     return at_s

@@ -1,4 +1,4 @@
-"""Products in SQL: what orders may name."""
+"""Products in SQL, which orders may name."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from dray.store.tables import products
 
 
 class DefinedProduct(msgspec.Struct, frozen=True, gc=False):
-    """A product as people have defined it."""
+    """A product defined by people."""
 
     id: str
     name: str
     revision: int
-    """One higher with every change; a product of the plant file begins with 1."""
+    """The revision: one higher with every change; a product of the plant file begins with 1."""
     definition: str
-    """JSON of a `ProductDefinition`; empty in SQL for one that is made as the plant file says."""
+    """JSON of a `ProductDefinition`; empty in SQL for the plant file's definition."""
     by: str
-    """Who has changed it last."""
+    """The author of the last change."""
     at_s: float
-    """When; wall clock."""
+    """The time of the last change; wall clock."""
 
 
 _COLUMNS = [products.c[name] for name in DefinedProduct.__struct_fields__]
@@ -38,7 +38,7 @@ class Products:
         self._connection = connection
 
     async def replace(self, made: Iterable[Product]) -> None:
-        """Let these be the products of the plant; others stay known, but are not made here any more."""
+        """Set the products of the plant; others stay known, but are not made here any more."""
         rows = [{"id": product.id, "name": product.name, "made_here": True} for product in made]
         await self._connection.execute(update(products).values(made_here=False))
         if rows:
@@ -49,12 +49,12 @@ class Products:
             )
 
     async def defined(self) -> list[DefinedProduct]:
-        """Those that people have defined, by id."""
+        """The products defined by people, by id."""
         query = select(*_COLUMNS).where(products.c.definition != "").order_by(products.c.id)
         return [DefinedProduct(*row) for row in await self._connection.execute(query)]
 
     async def mark(self) -> int:
-        """Another number whenever somebody has defined one."""
+        """A number that changes with every definition."""
         query = select(func.coalesce(func.sum(products.c.revision), 0)).where(products.c.definition != "")
         return int((await self._connection.execute(query)).scalar_one())
 
@@ -66,7 +66,7 @@ class Products:
         return int(mine), int(everybodys)
 
     async def define(self, product: DefinedProduct) -> bool:
-        """Write a definition in the place of the revision before it; whether that is still the newest."""
+        """Store a definition, if the stored revision is the previous one; returns whether it was."""
         row = {**msgspec.structs.asdict(product), "made_here": True}
         if product.revision == 1:
             insertion = insert_new(self._connection, products).values(row)

@@ -1,15 +1,14 @@
-"""How far an order has come, computed from its goals. Pure: the historian and the panels share it.
+"""An order's progress, computed from its goals. Pure: the historian and the panels share it.
 
-Facts come late, doubled and in any order, so a goal only ever keeps the most that was told of it,
-and an order is computed anew from all of its goals: the result does not depend on the order in
-which the facts came.
+Facts come late, doubled and in any order. So a goal keeps only the maximum reported, and an order is recomputed from all
+of its goals: the result does not depend on the order of the facts.
 
-A goal *counts as running* while the strategist's newest life knows it, its machine has not failed with
-it and its order was not taken back. What another goal had made but not delivered is gone; what it
-delivered stays delivered and is never made again.
+A goal *counts as running* under three conditions: the strategist's newest life knows it, its machine has not failed with
+it, and its order was not revoked. Pieces that another goal had made but not delivered are lost; its delivered pieces stay
+delivered and are never made again.
 
-Of several strategists, whoever holds an order goes on with all goals of it that machines make, and says which it does not; a later
-holder tells with a higher epoch (`held`). Their lives are counted each for itself, and compared with nobody else's.
+With several strategists, an order's holder continues the goals that machines make, and reports the others. A later holder reports
+with a higher epoch (`held`). Each strategist's lives are counted separately, and never compared with another's.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from dray.store.history.clocks import ToWall
 
 
 class OrderStatus(StrEnum):
-    """The life of an order (ISA-95's define, publish, and what the factory makes of it)."""
+    """The life of an order (ISA-95's define, publish, and the factory's progress)."""
 
     STORED = "stored"
     RELEASED = "released"
@@ -44,93 +43,93 @@ class OrderStatus(StrEnum):
 
 
 OPEN = (OrderStatus.RELEASED, OrderStatus.IN_PRODUCTION, OrderStatus.IN_DELIVERY)
-"""The factory works at these."""
+"""Orders that the factory works at."""
 
 UNENDED = (OrderStatus.STORED, *OPEN)
-"""Something may still become of these."""
+"""Orders that may still change."""
 
 ENDED = (OrderStatus.DELIVERED, OrderStatus.CANCELLED)
-"""Nothing changes any more."""
+"""Final states."""
 
 
 class Goal(msgspec.Struct, gc=False):
-    """What is known of one production goal. Fields are 0 or empty until a fact has told them."""
+    """The state of one production goal. Fields are 0 or empty until a fact has set them."""
 
     id: str
     order_id: str | None = None
     item: int | None = None
-    """Of its order, whose pieces it makes; None for parts, which count for none."""
+    """The order's item whose pieces it makes; None for parts, which count for none."""
     product: str = ""
     quantity: int = 0
     machine: str = ""
-    """Empty before a contract was heard of, and again when the machine has failed with it or need not make it."""
+    """Empty before a contract is known, and again when the machine has failed with it or need not make it."""
     promised_at_s: float | None = None
     incarnation: int = 0
-    """Life of the strategist that contracted it, or that ended it; 0 while neither was heard of."""
+    """The life of the strategist that contracted or ended it; 0 while unknown."""
     number: int = 0
-    """Which of that life's facts told it."""
+    """The number of that fact in that life."""
     held: int = 0
-    """The epoch with which that strategist held the order; 0 of one that is alone."""
+    """The epoch with which that strategist held the order; 0 for a single strategist."""
     made: int = 0
-    """Never falls."""
+    """Pieces made; never decreases."""
     delivered: int = 0
-    """Never falls."""
+    """Pieces delivered; never decreases."""
     delivered_at_s: float | None = None
-    """When the last delivery arrived (wall clock)."""
+    """The time of the last delivery (wall clock)."""
 
     @property
     def told(self) -> tuple[int, int, int]:
-        """Rises with every fact that says by whom it is made, and how much of it."""
+        """Rises with every fact about its machine or quantity."""
         return self.held, self.incarnation, self.number
 
     @property
     def lost(self) -> bool:
-        """Whether its machine has failed with it: what is missing goes on under another name."""
+        """Whether its machine has failed with it: another goal replaces the missing pieces."""
         return self.over and self.quantity > 0
 
     @property
     def over(self) -> bool:
-        """Whether its machine has failed with it, or its order was taken back."""
+        """Whether its machine has failed with it, or its order was revoked."""
         return self.incarnation > 0 and not self.machine
 
     def is_known(self, life: int) -> bool:
-        """Whether whoever works at its order knows it, when this is the newest life that has accepted that."""
+        """Whether the strategist at work on its order knows it, by its newest life that has accepted the order."""
         return self.held > 0 or self.incarnation >= life
 
 
 class Progress(msgspec.Struct, frozen=True, gc=False):
-    """How far an order has come."""
+    """The progress of an order."""
 
     status: OrderStatus
     made: tuple[int, ...]
-    """Per item, at most its quantity."""
+    """Pieces made per item, at most its quantity."""
     delivered: tuple[int, ...]
     delivered_at_s: float | None
-    """When the last piece arrived that a fact tells of; None before all have arrived."""
+    """The time of the last piece's arrival, by facts; None before all have arrived."""
 
 
 OfGoal = GoalContracted | GoalLost | GoalReduced | GoalWithdrawn | PieceMade | GoodsDelivered
-"""Facts that tell something about a goal."""
+"""Facts about a goal."""
 
 
 def goal_of(event: Event) -> str | None:
-    """The id of the goal that this event tells something about, if any."""
+    """The id of the goal of an event, if any."""
     fact = event.fact
     return fact.goal or None if isinstance(fact, OfGoal) else None
 
 
 def accepted_order(event: Event) -> str | None:
-    """The id of the order that this event tells the acceptance of, if any."""
+    """The id of the order that an event accepts, if any."""
     return event.fact.order if isinstance(event.fact, OrderAccepted) else None
 
 
 def life_with(event: Event) -> int:
-    """The life that has accepted an order and knows no goals of earlier ones; 0 where whoever holds the order knows all."""
+    """The life that accepted an order without knowing earlier lives' goals; 0 where the order's holder knows all."""
     return 0 if isinstance(event.fact, OrderAccepted) and event.fact.held else event.incarnation
 
 
 def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
-    """Add to a goal what an event tells about it; twice is once, and late is as good as early."""
+    """Update a goal by an event; repeated and late events are harmless."""
     match event.fact:
         case GoalContracted() as fact:
             goal.order_id, goal.product = fact.order, fact.product
@@ -142,10 +141,10 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
             if _is_news(goal, event, fact.held):
                 goal.machine, goal.promised_at_s = "", None
                 if isinstance(fact, GoalWithdrawn):
-                    goal.quantity = 0  # Nobody makes what is missing, unless the order is released again.
+                    goal.quantity = 0  # The missing pieces are not made, unless the order is released again.
             if fact.arrived > 0:
-                # The delivery warehouse has counted more than the machine could still tell. When the last
-                # piece came is not told; now is the latest that it can have been.
+                # The delivery warehouse has counted more than the machine could still report. The time of the last piece is
+                # unknown; now is the latest possible.
                 goal.delivered = max(goal.delivered, fact.arrived)
                 goal.delivered_at_s = max(goal.delivered_at_s or 0.0, to_wall_s(event.at_s))
         case GoalReduced() as fact:
@@ -165,7 +164,7 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
 
 
 def _is_news(goal: Goal, event: Event, held: int) -> bool:
-    """Whether an event tells what comes after all that was noted of a goal; it is noted then."""
+    """Whether an event is newer than all noted ones of a goal; if so it is noted."""
     told = (held, event.incarnation, event.number)
     if told <= goal.told:
         return False
@@ -174,7 +173,7 @@ def _is_news(goal: Goal, event: Event, held: int) -> bool:
 
 
 def merge(goal: Goal, other: Goal) -> None:
-    """Add to a goal what somebody else knows of it, as if all facts behind that were noted, too."""
+    """Update a goal by another record of it, as if all its facts were noted."""
     if other.item is not None:
         goal.order_id, goal.item = other.order_id, other.item
     goal.product = other.product or goal.product
@@ -191,13 +190,13 @@ def merge(goal: Goal, other: Goal) -> None:
 def progress(
     quantities: Sequence[int], goals: Iterable[Goal], incarnation: int, arrived: Sequence[int]
 ) -> Progress:
-    """Compute how far an order has come.
+    """Compute an order's progress.
 
     Args:
         quantities: pieces ordered, per item.
-        goals: all goals of the order that are known.
+        goals: all known goals of the order.
         incarnation: the newest life of the strategist that has accepted the order; 0 for none.
-        arrived: pieces that are known to be delivered, per item, if facts about them come later.
+        arrived: pieces known to be delivered, per item, if their facts come later.
     """
     made, delivered = [0] * len(quantities), [0] * len(quantities)
     running, last_s = False, 0.0
@@ -226,10 +225,10 @@ def progress(
 
 
 def status_after(status: OrderStatus, reached: OrderStatus) -> OrderStatus:
-    """What an order becomes whose goals say how far it has come.
+    """An order's new status, from the progress of its goals.
 
-    A cancelled order stays cancelled. So does a stored one stay stored, unless all of it has arrived: it was
-    taken back too late.
+    A cancelled order stays cancelled. A stored one stays stored, unless all of it has arrived: its revocation came
+    too late.
     """
     keeps = status is OrderStatus.CANCELLED or (
         status is OrderStatus.STORED and reached is not OrderStatus.DELIVERED
@@ -238,11 +237,11 @@ def status_after(status: OrderStatus, reached: OrderStatus) -> OrderStatus:
 
 
 def delivered_after(status: OrderStatus, known_s: float | None, reached_s: float | None) -> float | None:
-    """When the last piece of an order arrived that has this status now; None when they have not all arrived.
+    """The arrival time of an order's last piece, for its new status; None before all have arrived.
 
     Args:
-        status: what the order is now.
-        known_s: what was written down before: without facts it is when the strategist's word came.
-        reached_s: what facts say; they know better, however late they come.
+        status: the order's new status.
+        known_s: the stored time: without facts, the time of the strategist's message.
+        reached_s: the time by facts, which prevails, however late they come.
     """
     return (reached_s or known_s) if status is OrderStatus.DELIVERED else None

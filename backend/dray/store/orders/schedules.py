@@ -1,7 +1,7 @@
-"""Schedules in SQL: what is to be brought or made again and again, and which moment of its calendar comes next.
+"""Schedules in SQL: recurring transports and orders, and the next moment of each calendar.
 
-A row moves on from one moment to the next in the transaction in which that moment's work is placed, and only if nobody else has moved it
-since it was read: so a moment is used once, however many gateways there are and whenever one of them dies.
+A row advances to its next moment in the transaction that places the present moment's work. It must be unchanged since it was read.
+So each moment is used once, with any number of gateways and even if one of them dies.
 """
 
 from __future__ import annotations
@@ -64,45 +64,45 @@ schedules = Table(
 
 
 class ScheduleRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """Something that recurs. Times are wall clock seconds."""
+    """A recurring transport or order. Times are wall clock seconds."""
 
     id: str
     name: str
-    """For people; no two have the same."""
+    """A unique name for people."""
     calendar: str
     """A cron expression."""
     time_zone: str
     holidays: str
     """JSON: a list of ISO dates."""
     make_up: bool
-    """Whether the last moment that was missed is made up for."""
+    """Whether the last missed moment is made up for."""
     paused: bool
     transport: str
-    """JSON: what is to be brought, as `POST /api/transports` takes it; empty where an order is placed."""
+    """JSON: the transport, as for `POST /api/transports`; empty for an order."""
     order_draft: str = ""
-    """JSON: the order that is placed; empty where something is brought. One of both is empty."""
+    """JSON: the order; empty for a transport. Exactly one of both is set."""
     revision: int
-    """Grows with what people change."""
+    """The revision, which grows with people's changes."""
     by: str
-    """The name of who has changed it last."""
+    """The name of the author of the last change."""
     at_s: float
-    """When."""
+    """The time of the last change."""
     next_at_s: float | None
-    """The first moment of its calendar that is not used yet; None while it is paused, and when there is none any more."""
+    """The next unused moment of its calendar; None while it is paused, or without further moments."""
     last_at_s: float | None = None
-    """The last moment that was used..."""
+    """The last used moment."""
     last_transport: str = ""
-    """...and which transport came of it; empty for none..."""
+    """The transport of that moment; empty for none."""
     last_order: str = ""
-    """...or which order..."""
+    """The order of that moment; empty for none."""
     last_refused: str = ""
-    """...and why none came."""
+    """The refusal at that moment; empty for none."""
     missed_at_s: float | None = None
-    """The last moment that was left out because it was past."""
+    """The last skipped moment that was past."""
     owner: str = ""
-    """Kind and id of who has begun it, or has changed what it asks for since; empty where nobody knows."""
+    """Kind and id of its creator, or of the last author of its content; empty if unknown."""
     skipped: str = "[]"
-    """JSON: a list of moments of its calendar at which nothing is done."""
+    """JSON: the skipped moments of its calendar."""
 
 
 _COLUMNS = [schedules.c[name] for name in ScheduleRow.__struct_fields__]
@@ -115,18 +115,18 @@ class Schedules:
         self._connection = connection
 
     async def all(self) -> list[ScheduleRow]:
-        """Every one, by id."""
+        """All schedules, by id."""
         rows = await self._connection.execute(select(*_COLUMNS).order_by(schedules.c.id))
         return [_row(row) for row in rows]
 
     async def due(self, now_s: float) -> list[ScheduleRow]:
-        """Those whose next moment has come, the longest waiting first."""
+        """The schedules whose next moment has come, the longest waiting first."""
         c = schedules.c
         query = select(*_COLUMNS).where(c.next_at_s <= now_s).order_by(c.next_at_s, c.id)
         return [_row(row) for row in await self._connection.execute(query)]
 
     async def owners_gone(self, now_s: float) -> frozenset[str]:
-        """Owners who may do nothing any more: keys that were taken back or have run out, and people who may not log in."""
+        """Owners without permissions: revoked or expired keys, and people who may not log in."""
         owner, key = schedules.c.owner, api_keys.c
         has_key = exists().where(
             literal("key ") + key.id == owner,
@@ -140,24 +140,24 @@ class Schedules:
         return frozenset((await self._connection.execute(select(owner).distinct().where(gone))).scalars())
 
     async def next_s(self) -> float | None:
-        """When the next moment of any of them is."""
+        """The next moment of any of them."""
         found: float | None = (
             await self._connection.execute(select(func.min(schedules.c.next_at_s)))
         ).scalar()
         return found
 
     async def get(self, schedule: str) -> ScheduleRow | None:
-        """One, or None."""
+        """A schedule, or None."""
         rows = await self._connection.execute(select(*_COLUMNS).where(schedules.c.id == schedule))
         return next((_row(row) for row in rows), None)
 
     async def named(self, name: str) -> ScheduleRow | None:
-        """The one of this name, or None."""
+        """The schedule with this name, or None."""
         rows = await self._connection.execute(select(*_COLUMNS).where(schedules.c.name == name))
         return next((_row(row) for row in rows), None)
 
     async def add(self, row: ScheduleRow) -> bool:
-        """Keep a new one; False when its name has just been taken: the transaction is over then."""
+        """Store a new one; False when its name is taken: then the transaction is over."""
         try:
             await self._connection.execute(insert(schedules), [msgspec.structs.asdict(row)])
         except IntegrityError:
@@ -165,7 +165,7 @@ class Schedules:
         return True
 
     async def change(self, before: ScheduleRow, after: ScheduleRow) -> bool:
-        """Replace one; False when it is not as it was read, or the new name is taken (the transaction is over then)."""
+        """Replace one; False when it has changed since it was read, or the new name is taken (then the transaction is over)."""
         c, values = schedules.c, msgspec.structs.asdict(after)
         unchanged = c.next_at_s.is_not_distinct_from(before.next_at_s)
         query = update(schedules).where(c.id == values.pop("id"), c.revision == before.revision, unchanged)
@@ -175,7 +175,7 @@ class Schedules:
             return False
 
     async def remove(self, row: ScheduleRow) -> bool:
-        """Forget one; False when it is not of this revision any more."""
+        """Delete one; False when its revision has changed."""
         c = schedules.c
         query = delete(schedules).where(c.id == row.id, c.revision == row.revision)
         return (await self._connection.execute(query)).rowcount == 1

@@ -1,6 +1,6 @@
-"""Tasks in SQL: what was to be carried or made, who did it, and when. A row per task, long after its auction is forgotten.
+"""Tasks in SQL: transports and productions with agents and times. There is a row per task, long after its auction.
 
-A coordinator tells of its tasks in numbered events that come late, doubled and in any order: the newest counts, and an end stays.
+A coordinator reports its tasks in numbered events that come late, doubled and in any order: the newest counts, and an end is final.
 """
 
 from __future__ import annotations
@@ -82,23 +82,23 @@ class TaskRow(msgspec.Struct, kw_only=True, gc=False):
     """A material or product."""
     quantity: int
     source: str = ""
-    """Several that may be it have "/" between them, as long as none was chosen."""
+    """The source; possible ones are separated by "/" until one is chosen."""
     destination: str = ""
     goal: str = ""
-    """The goal whose goods these are; of a goal its own name."""
+    """The goal of its goods; for a goal its own name."""
     order_id: str = ""
-    """The order for which it is made, where that is known."""
+    """The order for which it is made, if known."""
     state: TaskState = "bidding"
     carrier: str = ""
-    """Who carries or makes it, or did so last."""
+    """The present or last carrier or machine."""
     standby: str = ""
-    """Who watches over its carrier."""
+    """The carrier's secondary."""
     epoch: int = 1
     round: int = 1
     opened_at_s: float
     contracted_at_s: float | None = None
     promised_at_s: float | None = None
-    """When its last carrier had promised to be done; told at its end."""
+    """The last carrier's promised time; set at the end."""
     deadline_at_s: float
     closed_at_s: float | None = None
     incarnation: int = 0
@@ -109,22 +109,22 @@ _COLUMNS = [column for column in tasks.c if column.name != "search"]
 
 
 class TaskFilter(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """Which tasks are wanted; empty fields want all. Times are wall clock seconds."""
+    """A filter for tasks; empty fields match all. Times are wall clock seconds."""
 
     states: Sequence[TaskState] = ()
     kind: str = ""
     item: str = ""
     order: str = ""
     since_s: float | None = None
-    """Opened then or later, as the one below before then."""
+    """Opened then or later; the next field: opened before then."""
     before_s: float | None = None
     late_at_s: float | None = None
-    """Promised for before that, and not done by then; or done later than was promised."""
+    """Late at this moment: promised earlier and not done, or done later than promised."""
     words: tuple[Sought, ...] = ()
-    """All of them stand somewhere in its id, its coordinator, carriers or places, in what it carries, or in the order's texts."""
+    """Words that must all occur in its id, coordinator, carriers, places, item, or the order's texts."""
 
     def conditions(self) -> list[ColumnElement[bool]]:
-        """What a row has to fulfil."""
+        """The conditions for a row."""
         c = tasks.c
         exact = {c.kind: self.kind, c.item: self.item, c.order_id: self.order}
         wanted: list[ColumnElement[bool]] = [column == value for column, value in exact.items() if value]
@@ -141,7 +141,7 @@ class TaskFilter(msgspec.Struct, frozen=True, kw_only=True, gc=False):
 
 
 SortedBy = Literal["opened", "work", "promised", "late"]
-"""`work`: open ones first, each kind the newest first. `late`: by how much later than promised it was done."""
+"""`work`: open ones first, then the newest first. `late`: by the delay against the promise."""
 
 Place = tuple[float, str]
 
@@ -155,7 +155,7 @@ _KEYS: Mapping[SortedBy, ColumnElement[Any]] = {
 }
 
 for _by in ("work", "promised", "late"):
-    # As with orders (`dray.store.orders.order_sorting`).
+    # As for orders (`dray.store.orders.order_sorting`).
     Index(f"ix_tasks_by_{_by}", _KEYS[_by], tasks.c.id)
 
 
@@ -166,19 +166,19 @@ class Tasks:
         self._connection = connection
 
     async def many(self, ids: Iterable[str]) -> dict[str, TaskRow]:
-        """Those of these names that there are."""
+        """The tasks with these names, if they exist."""
         rows = await self._connection.execute(select(*_COLUMNS).where(tasks.c.id.in_(list(ids))))
         return {row.id: TaskRow(**row._mapping) for row in rows}  # noqa: SLF001 - SQLAlchemy's public name
 
     async def of_transport(self, transport: str, limit: int) -> list[TaskRow]:
-        """Under which names a plain transport was given out: `T-…-2`, or `T-….3-2` by a third life of its destination.
+        """The tasks of a plain transport: `T-…-2`, or `T-….3-2` by a third life of its destination.
 
         Args:
             transport: its id.
-            limit: how many at most.
+            limit: maximum number of tasks.
         """
         c = tasks.c
-        # In every order of letters that a database may have, "-" and "." come before "Z".
+        # In every database's collation, "-" and "." come before "Z".
         query = select(*_COLUMNS).where(c.id > transport, c.id < f"{transport}Z").order_by(c.id).limit(limit)
         rows = [TaskRow(**row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
         return [row for row in rows if row.id.startswith((f"{transport}-", f"{transport}."))]
@@ -192,13 +192,13 @@ class Tasks:
         *,
         descending: bool = True,
     ) -> list[tuple[TaskRow, Place]]:
-        """A part of a list, with the place of each.
+        """A part of a list, each task with its place.
 
         Args:
-            wanted: which ones.
-            after: the place of the last one of the page before.
-            limit: how many at most.
-            by: what they are sorted by; those that are alike stand by their names.
+            wanted: the filter.
+            after: the place of the previous page's last task.
+            limit: maximum number of tasks.
+            by: the sort key; equal tasks are sorted by name.
             descending: the direction.
         """
         key, name = _KEYS[by], tasks.c.id
@@ -215,11 +215,11 @@ class Tasks:
         return found
 
     async def total(self, wanted: TaskFilter) -> int | None:
-        """How many are wanted; None for very many."""
+        """The number of matching tasks; None for very many."""
         return await total_of(self._connection, select(tasks.c.id).where(*wanted.conditions()))
 
     async def follow(self, new: Iterable[Event], to_wall_s: ToWall) -> None:
-        """Bring them up to date with what coordinators have told."""
+        """Update the tasks by coordinators' events."""
         told = [event for event in new if isinstance(event.fact, _OfTask)]
         if not told:
             return
@@ -228,7 +228,7 @@ class Tasks:
             event for event in told if isinstance(event.fact, TaskOpened) and event.fact.task not in known
         ]
         for event in sorted(born, key=_when, reverse=True):
-            # Of what its coordinator told of it first the rest is known by it, and nothing of before.
+            # Of several openings the earliest counts, because the other events follow it.
             known[_task_of(event)] = _born(event, to_wall_s)
         if born:
             told += await self._told_before({_task_of(event) for event in born})
@@ -241,7 +241,7 @@ class Tasks:
         await self._put(rows)
 
     async def _told_before(self, born: Iterable[str]) -> list[Event]:
-        """What is kept of tasks whose beginning has only come now: it was fetched again, say."""
+        """Stored events of tasks whose opening has only come now, as after a fetch."""
         kinds = [fact.__name__ for fact in get_args(_OfTask)]
         query = select(events).where(events.c.task.in_(list(born)), events.c.kind.in_(kinds))
         rows = (await self._connection.execute(query)).all()
@@ -250,7 +250,7 @@ class Tasks:
         ]
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some that ended before then; returns how many."""
+        """Delete some that ended before then; returns the number."""
         c = tasks.c
         old = select(c.id).where(c.opened_at_s < before_s, c.closed_at_s < before_s).limit(at_most)
         return (await self._connection.execute(delete(tasks).where(c.id.in_(old)))).rowcount
@@ -274,11 +274,11 @@ class Tasks:
 
 
 def row_of_task(row: TaskRow, of_order: str) -> dict[str, object]:
-    """A task, as the table has it.
+    """A task as a row of the table.
 
     Args:
         row: the task.
-        of_order: what words are looked for in of its order; empty where it is for none.
+        of_order: the search text of its order; empty for none.
     """
     return msgspec.structs.asdict(row) | {"search": _search(row, of_order)}
 
@@ -320,7 +320,7 @@ def _born(event: Event, to_wall_s: ToWall) -> TaskRow:
 
 
 def note(row: TaskRow, event: Event, to_wall_s: ToWall) -> None:
-    """Add to a task what its coordinator tells of it; what is older than what is known changes nothing but an end."""
+    """Update a task by an event of its coordinator; an outdated event only sets an end."""
     is_new = (event.incarnation, event.number) > (row.incarnation, row.number)
     if isinstance(event.fact, TaskClosed):
         fact = event.fact
@@ -356,7 +356,7 @@ def _go_on(row: TaskRow, event: Event, to_wall_s: ToWall) -> None:
 
 
 def _search(row: TaskRow, of_order: str) -> str:
-    """What words are looked for in: its own texts, and those of the order for which it is made."""
+    """The search text: its own texts, and those of its order."""
     own = (row.id, row.coordinator, row.carrier, row.standby, row.source, row.destination)
     return searched((*own, of_order), (row.item,))
 

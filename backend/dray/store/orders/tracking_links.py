@@ -1,9 +1,8 @@
-"""Customers' links in SQL: whoever has one may see the page of one order, or of one plain transport, until it ends.
+"""Customers' links in SQL: each gives access to the page of one order or plain transport, until it ends.
 
-A link is looked up by the SHA-256 of its token, through a unique index: how long the look-up takes tells
-nothing about any token, and a link that was made by hand can be read nowhere. The token that came with an
-order is also kept with the order itself, because the answer to a repeated request names it again; who may
-read that table may read all that the page could tell.
+A link is looked up by the SHA-256 of its token, through a unique index. So the duration of the look-up reveals nothing about any
+token. A link made by hand is stored nowhere in clear. The token that came with an order is also stored with the order, because
+the answer to a repeated request contains it. A reader of that table may read everything on the page anyway.
 """
 
 from __future__ import annotations
@@ -22,30 +21,30 @@ class Link(msgspec.Struct, frozen=True, gc=False):
     """The order, or the transport."""
     created_at_s: float
     expires_at_s: float | None = None
-    """None: it ends some time after its subject has."""
+    """None: it ends some time after its subject's end."""
     revoked_at_s: float | None = None
 
     def works(self, now_s: float) -> bool:
-        """Whether nobody has taken it back, and its own time is not over."""
+        """Whether it is neither revoked nor expired."""
         return self.revoked_at_s is None and (self.expires_at_s is None or now_s < self.expires_at_s)
 
 
 TIMES = ("created_at_s", "expires_at_s", "revoked_at_s")
 
 WORKING_MAX = 50
-"""Links that lead to one page at once: more than it has readers."""
+"""Maximum working links to one page: more than it has readers."""
 
 ENDED_KEPT = 50
-"""Ended links to one page that say that they have ended; older ones are forgotten."""
+"""Maximum ended links to one page that still report their end; older ones are deleted."""
 
 
 class Links:
     """The links to pages of one kind, inside one transaction.
 
     Args:
-        connection: the transaction's.
-        table: where they are kept.
-        subject: its column that names the order or transport.
+        connection: the transaction's connection.
+        table: their table.
+        subject: the column of the order or transport.
     """
 
     def __init__(self, connection: AsyncConnection, table: Table, subject: str) -> None:
@@ -53,13 +52,13 @@ class Links:
         self._columns = [self._subject.label("subject"), *(table.c[name] for name in TIMES)]
 
     async def add(self, token: str, link: Link) -> None:
-        """Keep a new link."""
+        """Store a new link."""
         times = {name: getattr(link, name) for name in TIMES}
         row = {"token_hash": digest(token), self._subject.name: link.subject, **times}
         await self._connection.execute(insert(self._table), [row])
 
     async def add_another(self, token: str, link: Link) -> bool:
-        """Keep another link to a page; False when it has as many as may be."""
+        """Store another link to a page; False at the maximum."""
         known = await self.to(link.subject)
         if sum(each.works(link.created_at_s) for each in known) >= WORKING_MAX:
             return False
@@ -68,7 +67,7 @@ class Links:
         return True
 
     async def find(self, token: str) -> Link | None:
-        """The link with this token, ended or not; None when there never was one."""
+        """The link with this token, ended or not; None for an unknown token."""
         query = select(*self._columns).where(self._table.c.token_hash == digest(token))
         row = (await self._connection.execute(query)).first()
         return None if row is None else Link(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
@@ -80,11 +79,11 @@ class Links:
         return [Link(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
 
     async def revoke(self, token: str, at_s: float) -> int:
-        """Take one link back; returns how many were taken back by this: 0 or 1."""
+        """Revoke one link; returns the number revoked by this: 0 or 1."""
         return await self._revoke(self._table.c.token_hash == digest(token), at_s)
 
     async def revoke_all(self, subject: str, at_s: float) -> int:
-        """Take back all links to a page; returns how many were taken back by this."""
+        """Revoke all links to a page; returns the number revoked by this."""
         return await self._revoke(self._subject == subject, at_s)
 
     async def _forget_ended(self, subject: str, now_s: float) -> None:

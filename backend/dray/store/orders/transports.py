@@ -1,7 +1,7 @@
-"""Plain transports in SQL: what somebody has asked to be brought, and how far it is.
+"""Plain transports in SQL: the requests, and their progress.
 
-The place to which it goes tells how far it is (`TransportProgressed`), in numbered events that come late, doubled and in any order: the
-newest counts, and an end stays.
+The destination reports the progress (`TransportProgressed`) in numbered events that come late, doubled and in any order: the newest
+counts, and an end is final.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ transport_links = Table(
 )
 
 HELD = "not_before"
-"""The wait of a transport whose time has not come: no place has been asked for it, by no gateway."""
+"""The wait of a transport before its time: no gateway has asked its destination yet."""
 
 
 class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
@@ -108,68 +108,68 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     destination: str
     item: str
     thing: str = ""
-    """What people call it, where it is no material (`dray.messages.THING`); empty for a material."""
+    """People's name of a thing without master data (`dray.messages.THING`); empty for a material."""
     quantity: int
     priority: str
     vehicle: str = ""
     vehicle_until_s: float | None = None
-    """Until when only that one is asked; None for always."""
+    """The time until which only that vehicle is asked; None for always."""
     ability: str = ""
-    """What its vehicle must be able to carry beside what the load asks for; empty for nothing."""
+    """An ability that its vehicle needs beside those for the load; empty for none."""
     called_by: str
-    """For people: the name of who has asked for it."""
+    """The caller's name, for people."""
     caller: str
-    """Kind and id of the same."""
+    """The caller's kind and id."""
     created_at_s: float
     due_at_s: float
     not_before_s: float | None = None
-    """Nothing is asked of the factory before then; None for at once."""
+    """The earliest time of asking the factory; None for at once."""
     cancel_at_s: float | None = None
-    """When somebody has called it off; it ends when the factory has confirmed."""
+    """The time of its cancellation; it ends when the factory has confirmed."""
     ended_at_s: float | None = None
     updated_at_s: float
     task: str = ""
-    """Under which name it is given out at present; empty for none."""
+    """The name of its present task; empty for none."""
     carrier: str = ""
     expected_at_s: float | None = None
-    """When its carrier has promised to be there."""
+    """The promised arrival of its carrier."""
     wait: str = ""
-    """Why nobody carries it: `HELD`, or what its place says (`TransportWait`); empty while somebody does."""
+    """Why it has no carrier: `HELD`, or its destination's reason (`TransportWait`); empty with a carrier."""
     refused: str = ""
-    """Why it cannot be done (`TransportRefusal`), where that has ended it."""
+    """The reason of its failure (`TransportRefusal`), where that has ended it."""
     incarnation: int = 0
     number: int = 0
     key: str | None = None
-    """A digest of the Idempotency-Key and of whose it is."""
+    """A digest of the Idempotency-Key and its caller."""
     fingerprint: str = ""
-    """A digest of what was asked."""
+    """A digest of the request."""
     answer: str = ""
-    """What was answered, for a request that is sent again."""
+    """The answer, for a repeated request."""
 
     @property
     def has_ended(self) -> bool:
-        """Whether nothing changes any more."""
+        """Whether its state is final."""
         return self.status in TRANSPORT_ENDED
 
     @property
     def is_held(self) -> bool:
-        """Whether its time has not come, so that no place knows of it."""
+        """Whether it waits for its time, unknown to its destination."""
         return self.wait == HELD and not self.has_ended
 
 
 class TransportFilter(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """Which transports are wanted; empty fields want all."""
+    """A filter for transports; empty fields match all."""
 
     statuses: Sequence[TransportState] = ()
     places: Sequence[str] | None = None
     """Only those from or to one of these; None for all."""
     caller: str = ""
-    """Only those of this one."""
+    """Only those of this caller."""
     words: tuple[Sought, ...] = ()
-    """Each stands somewhere in it: in its id, its places, what is brought, its vehicle, or who has called it."""
+    """Words that must all occur in its id, places, item, vehicle, or caller."""
 
     def conditions(self) -> list[ColumnElement[bool]]:
-        """What a row has to fulfil."""
+        """The conditions for a row."""
         c = transports.c
         wanted: list[ColumnElement[bool]] = []
         if self.statuses:
@@ -187,7 +187,7 @@ _KEYS = {"called": transports.c.created_at_s, "due": transports.c.due_at_s}
 
 
 def place_of(row: TransportRow, by: SortedBy) -> tuple[float, str]:
-    """Where a transport stands in a list."""
+    """A transport's place in a list."""
     return (row.created_at_s if by == "called" else row.due_at_s), row.id
 
 
@@ -203,7 +203,7 @@ class Transports:
         self._connection = connection
 
     async def add(self, row: TransportRow) -> bool:
-        """Keep a new one; False when another process has just used its key: the transaction is over then."""
+        """Store a new one; False when another process has just used its key: then the transaction is over."""
         try:
             await self._connection.execute(insert(transports), [_values(row)])
         except IntegrityError:
@@ -211,32 +211,32 @@ class Transports:
         return True
 
     async def of_key(self, key: str) -> TransportRow | None:
-        """The one that was asked for under a key, or None."""
+        """The transport requested under a key, or None."""
         rows = await self._connection.execute(select(*_COLUMNS).where(transports.c.key == key))
         return next((_row(row) for row in rows), None)
 
     async def get(self, transport: str) -> TransportRow | None:
-        """One, or None."""
+        """A transport, or None."""
         found = await self.many([transport])
         return found[0] if found else None
 
     async def many(self, ids: Iterable[str]) -> list[TransportRow]:
-        """Those of these names that there are."""
+        """The transports with these names, if they exist."""
         query = select(*_COLUMNS).where(transports.c.id.in_(list(ids)))
         return [_row(row) for row in await self._connection.execute(query)]
 
     async def open(self) -> list[TransportRow]:
-        """Those that have not ended, the oldest first."""
+        """The transports that have not ended, the oldest first."""
         query = select(*_COLUMNS).where(transports.c.status.in_(_OPEN)).order_by(transports.c.created_at_s)
         return [_row(row) for row in await self._connection.execute(query)]
 
     async def open_count(self) -> int:
-        """How many have not ended."""
+        """The number of transports that have not ended."""
         query = select(func.count()).select_from(transports).where(transports.c.status.in_(_OPEN))
         return (await self._connection.execute(query)).scalar_one()
 
     async def open_ends_of(self, caller: str) -> list[tuple[str, str]]:
-        """Source and destination of each that one caller has open."""
+        """Source and destination of each open transport of a caller."""
         c = transports.c
         query = select(c.source, c.destination).where(c.status.in_(_OPEN), c.caller == caller)
         return [(source, destination) for source, destination in await self._connection.execute(query)]
@@ -250,13 +250,13 @@ class Transports:
         *,
         descending: bool = True,
     ) -> list[TransportRow]:
-        """Some, newest first if nothing else is said.
+        """A part of a list, newest first by default.
 
         Args:
-            wanted: which ones.
-            after: where the page before has ended (`place_of`).
-            limit: how many at most.
-            by: what they are sorted by; those that are alike stand by their ids.
+            wanted: the filter.
+            after: the end of the previous page (`place_of`).
+            limit: maximum number of transports.
+            by: the sort key; equal transports are sorted by id.
             descending: the direction.
         """
         key, name = _KEYS[by], transports.c.id
@@ -268,23 +268,23 @@ class Transports:
         return [_row(row) for row in await self._connection.execute(query)]
 
     async def total(self, wanted: TransportFilter) -> int | None:
-        """How many are wanted; None for very many."""
+        """The number of matching transports; None for very many."""
         return await total_of(self._connection, select(transports.c.id).where(*wanted.conditions()))
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some that ended before then; returns how many."""
+        """Delete some that ended before then; returns the number."""
         old = select(transports.c.id).where(transports.c.ended_at_s < before_s).limit(at_most)
         return (await self._connection.execute(delete(transports).where(transports.c.id.in_(old)))).rowcount
 
     async def put(self, row: TransportRow) -> None:
-        """Replace what is known of one."""
+        """Replace the state of one."""
         values = _values(row)
         await self._connection.execute(
             update(transports).where(transports.c.id == values.pop("id")).values(**values)
         )
 
     async def follow(self, events: Iterable[Event], to_wall_s: ToWall) -> None:
-        """Bring them up to date with what places have told."""
+        """Update the transports by their destinations' events."""
         told = [event for event in events if isinstance(event.fact, TransportProgressed)]
         if not told:
             return
@@ -302,7 +302,7 @@ class Transports:
 
 
 def progressed(row: TransportRow, event: Event, fact: TransportProgressed, to_wall_s: ToWall) -> TransportRow:
-    """A transport after its destination has told of it; what is older than what is known changes nothing."""
+    """A transport after its destination's event; an outdated event changes nothing."""
     is_new = (event.incarnation, event.number) > (row.incarnation, row.number)
     if row.has_ended or not is_new:
         return row

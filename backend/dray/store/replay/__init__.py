@@ -1,1 +1,1 @@
-"""What panels showed, kept so that it can be shown again; and what every vehicle and machine did, spell by spell."""
+"""Recordings of the panels' view for replay, and the spells of every vehicle and machine."""

@@ -1,4 +1,4 @@
-"""Recordings in SQL: what panels showed, in pieces of some seconds."""
+"""Recordings of the panels' view in SQL, in pieces of some seconds."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from dray.store.replay.tables import recordings
 
 PIECES_READ = 100
-"""Pieces of one answer at most: many times what lies between two snapshots."""
+"""Maximum pieces of one answer: many times the number between two snapshots."""
 
 
 LONGEST_S = 3600.0
-"""No piece lasts longer: so far back is looked for one that goes on until now."""
+"""Maximum length of a piece, and so of the search for one that lasts until now."""
 
 
 class Piece(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """Some seconds of what panels showed. Times are wall clock."""
+    """Some seconds of the panels' view. Times are wall clock."""
 
     recorder: str
-    """Which gateway, in which of its lives."""
+    """The gateway and its life."""
     from_at_s: float
-    """Of its first frame."""
+    """The time of its first frame."""
     until_at_s: float
-    """What its last frame tells was so up to here."""
+    """The end of the time that its last frame describes."""
     is_whole: bool
-    """Its first line is a snapshot; otherwise it goes on where the piece before it ends."""
+    """Whether its first line is a snapshot; otherwise it continues the previous piece."""
     changes: int
-    """Of tasks and news."""
+    """Number of changes of tasks and news."""
     marks: str
-    """JSON: what somebody may look for."""
+    """JSON: marks for searching."""
     frames: bytes
     """Lines of JSON, compressed by zlib."""
 
@@ -52,11 +52,11 @@ class Recordings:
         self._connection = connection
 
     async def add(self, piece: Piece) -> None:
-        """Keep a piece."""
+        """Store a piece."""
         await self._connection.execute(insert(recordings), [msgspec.structs.asdict(piece)])
 
     async def is_kept_by_another(self, recorder: str, since_s: float) -> bool:
-        """Whether another gateway has kept what was shown after this moment."""
+        """Whether another gateway has stored recordings after this moment."""
         query = (
             select(recordings.c.position)
             .where(recordings.c.from_at_s >= since_s - LONGEST_S, recordings.c.until_at_s > since_s)
@@ -66,9 +66,9 @@ class Recordings:
         return (await self._connection.execute(query)).first() is not None
 
     async def pieces(self, since_s: float, until_s: float) -> list[Piece]:
-        """What is needed to show everything from one moment to another: from the snapshot before the first, oldest first.
+        """The pieces for a replay from one moment to another: from the snapshot before the first moment, oldest first.
 
-        Empty where nothing is kept of the first moment, nor anything before it.
+        Empty if nothing is stored at or before the first moment.
         """
         begin = (
             select(recordings.c.from_at_s, recordings.c.position)
@@ -103,7 +103,7 @@ class Recordings:
         return [Outline(**row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
 
     async def span(self) -> tuple[float, float] | None:
-        """From when to when anything is kept; None for nothing."""
+        """The times of the first and last stored frame; None for none."""
         first = (await self._connection.execute(select(func.min(recordings.c.from_at_s)))).scalar()
         if first is None:
             return None
@@ -111,12 +111,12 @@ class Recordings:
         return first, (await self._connection.execute(newest)).scalar_one()
 
     async def bytes_kept(self) -> int:
-        """How many bytes all frames take."""
+        """The total size of all frames in bytes."""
         total = select(func.coalesce(func.sum(func.length(recordings.c.frames)), 0))
         return int((await self._connection.execute(total)).scalar_one())
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some of the oldest that began before this moment; returns how many."""
+        """Delete some of the oldest that began before this moment; returns the number."""
         c = recordings.c
         old = select(c.position).where(c.from_at_s < before_s).order_by(c.from_at_s).limit(at_most)
         return (await self._connection.execute(delete(recordings).where(c.position.in_(old)))).rowcount

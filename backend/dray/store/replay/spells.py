@@ -1,4 +1,4 @@
-"""Spells in SQL: what every vehicle and machine did, from when to when."""
+"""Spells in SQL: the activities of every vehicle and machine, with their times."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ MachineDoing = Literal["makes", "starves", "idle", "rests", "blocked", "broken",
 
 
 SPANS_AT_ONCE = 100
-"""Of one question: SQLite's parser takes no deeper expression than 1,000."""
+"""Maximum spans per query: SQLite's parser allows expressions up to a depth of 1,000."""
 
 MOST_OF_SPANS = 20_000
-"""Spells that are read for them: some minutes of each transport, of whoever waits and drives by turns."""
+"""Maximum spells read for them: some minutes of each transport, for vehicles that alternate between waiting and driving."""
 
 
 class Spell(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """What one agent did without a break. Times are wall clock."""
+    """One uninterrupted activity of one agent. Times are wall clock."""
 
     agent: str
     doing: AtvDoing | MachineDoing
@@ -32,11 +32,11 @@ class Spell(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     until_at_s: float
     task: str = ""
     item: str = ""
-    """What it carried or made."""
+    """The item carried or made."""
     source: str = ""
     destination: str = ""
     other: str = ""
-    """For whom or for what it waited, or what was wrong."""
+    """What or whom it waited for, or its problem."""
 
 
 class Spells:
@@ -46,18 +46,18 @@ class Spells:
         self._connection = connection
 
     async def add(self, new: Sequence[Spell]) -> None:
-        """Keep these."""
+        """Store spells."""
         if new:
             await self._connection.execute(insert(spells), [msgspec.structs.asdict(each) for each in new])
 
     async def between(self, since_s: float, until_s: float, agents: Sequence[str], limit: int) -> list[Spell]:
-        """Those of a time, also in part, in the order in which they ended.
+        """The spells of a time, also in part, by their ends.
 
         Args:
-            since_s: what ended before it is left out.
-            until_s: what began after it is left out.
-            agents: whose; empty for all.
-            limit: how many at most.
+            since_s: spells that ended earlier are left out.
+            until_s: spells that began later are left out.
+            agents: the agents; empty for all.
+            limit: maximum number of spells.
         """
         columns = [spells.c[name] for name in Spell.__struct_fields__]
         query = select(*columns).where(spells.c.until_at_s > since_s, spells.c.from_at_s < until_s)
@@ -67,11 +67,11 @@ class Spells:
         return [Spell(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
 
     async def of_spans(self, spans: Sequence[tuple[str, float, float]], doings: Sequence[str]) -> list[Spell]:
-        """What agents did in times of their own, also in part, in the order in which they ended.
+        """The spells of agents within their own spans, also in part, by their ends.
 
         Args:
-            spans: agents, each since when and until when (wall clock).
-            doings: what of it is wanted.
+            spans: agents, each with a beginning and an end (wall clock).
+            doings: the wanted activities.
         """
         c = spells.c
         columns = [c[name] for name in Spell.__struct_fields__]
@@ -87,7 +87,7 @@ class Spells:
         return found
 
     async def prune(self, before_s: float, at_most: int) -> int:
-        """Forget some of the oldest that ended before this moment; returns how many."""
+        """Delete some of the oldest that ended before this moment; returns the number."""
         c = spells.c
         old = select(c.position).where(c.until_at_s < before_s).order_by(c.until_at_s).limit(at_most)
         return (await self._connection.execute(delete(spells).where(c.position.in_(old)))).rowcount

@@ -1,4 +1,4 @@
-"""Tables of the room: what panels showed, and what agents did. See `dray.store.tables` for what they have in common."""
+"""Tables of recordings and spells. See `dray.store.tables` for common rules."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""CRITICAL errors: the vehicle stands and cannot go on with its order, and takes others (VDA 5050 3.0, 6.6.5.1).
+"""CRITICAL errors: the vehicle stands and cannot continue its order, but takes others (VDA 5050 3.0, 6.6.5.1).
 
 Some last until the next order is accepted (NODE_UNREACHABLE), so a driver that waits for their end waits for ever. Such an error is
-a problem for a while, so that people see it; then orders are said again. One that an order does not end is a problem for
+a problem for a while, so that people see it; then orders are sent again. If an order does not end the error, it becomes a problem for
 twice as long, and so on.
 """
 
@@ -14,35 +14,35 @@ from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import VehicleError
 
 TOLD_S, TOLD_MAX_S = 5.0, 300.0
-"""How long it is a problem: at first, and at most."""
+"""Duration of the problem: at first, and at most."""
 
 
 class Criticals:
-    """Of one vehicle.
+    """The CRITICAL errors of one vehicle.
 
     Args:
-        view: what it says.
-        profile: of its type.
+        view: the vehicle's messages.
+        profile: its type's profile.
     """
 
     def __init__(self, view: VehicleView, profile: Profile) -> None:
         self._view, self._profile = view, profile
         self._type = ""
-        """Of the error that is there, or was."""
+        """The type of the present or last error."""
         self._told_s = TOLD_S
         self._until_s = 0.0
-        """It is a problem until then."""
+        """The end of the problem."""
         self._gone_s: float | None = None
 
     def look(self, order: VehicleOrder | None, now_s: float) -> VehicleError | None:
-        """See what is there.
+        """Find the present error.
 
         Args:
-            order: the one that the vehicle has, if it shows it; None for none.
+            order: the vehicle's order, if its state shows it; None for none.
             now_s: the present time.
 
         Returns:
-            The error that ends this order; None while none does.
+            The error that ends this order; None for none.
         """
         error = critical(self._view.state, self._profile)
         if error is None:
@@ -52,7 +52,7 @@ class Criticals:
         if kind != self._type or (self._gone_s is not None and now_s - self._gone_s > TOLD_MAX_S):
             self._type, self._told_s, self._until_s = kind, TOLD_S, now_s + TOLD_S
         elif self._gone_s is not None and now_s >= self._until_s:
-            self._tell_longer(now_s)  # It is back.
+            self._tell_longer(now_s)  # The error has returned.
         self._gone_s = None
         if order is None or self._view.is_moving or now_s < self._until_s:
             return None
@@ -62,7 +62,7 @@ class Criticals:
         return error
 
     def is_told(self, now_s: float) -> bool:
-        """Whether it is a problem now; afterwards orders are said again."""
+        """Whether it is a problem now; afterwards orders are sent again."""
         return now_s < self._until_s
 
     def _tell_longer(self, now_s: float) -> None:

@@ -1,7 +1,7 @@
-"""Values that cannot be: what is taken instead, and what people are told, once for each.
+"""Impossible values: their replacements, and one message to people for each.
 
-A value that cannot be is as good as none. Nothing is clamped in silence: that would make a wrong scale a plausible figure. docs/vehicles.md
-has the table.
+An impossible value counts as missing. Values are not clamped silently: that would turn a wrong scale into a plausible figure.
+docs/vehicles.md has the table.
 """
 
 from __future__ import annotations
@@ -16,45 +16,45 @@ from dray.messages import Pose
 from dray.plant.model import VehicleType
 
 FASTEST_TIMES, FASTEST_MPS = 3.0, 3.0
-"""A speed above so many times that of the plant file, and this, is no speed in m/s."""
+"""A speed above this multiple of the plant file's, and above these m/s, is impossible."""
 
 THETA_MAX_RAD = tau + 0.1
-"""A full turn, and what is rounded: the text has -pi to pi, and many vehicles count from 0 to 2 pi."""
+"""A full turn, with rounding: the standard has -pi to pi, and many vehicles count from 0 to 2 pi."""
 
 JUMP_M, JUMP_S = 2.0, 3.0
-"""Localisation corrects itself by less, and states come late by less. A jump that is said for longer is believed: people, or a new
-localisation, have put the vehicle elsewhere."""
+"""Localisation corrects itself by less, and states are late by less. A jump reported for longer is accepted: people, or a new
+localisation, have moved the vehicle."""
 
 YEARS = range(2020, 2101)
-"""A clock that says another one was never set."""
+"""Plausible years; with another one, the clock was never set."""
 
 CLOCK_STEP_S = 300.0
-"""A clock that is corrected goes by less."""
+"""Plausible corrections of a clock are smaller."""
 
 BACK_S = 1.0
-"""Between two threads of a vehicle time may go backwards by less."""
+"""Between two threads of a vehicle time may go back by less."""
 
 QUOTED = 40
-"""Characters of a vehicle's word that are told."""
+"""Maximum quoted characters of a vehicle's text."""
 
 ROUNDED = 1.02
-"""A battery that says up to so much of its scale is full: 100.4 % is what its electronics measure."""
+"""A battery up to this multiple of its scale is full: electronics may measure 100.4 %."""
 
 SECONDS_PER_HOUR = 3600.0
 
 TAPERED = 0.5
-"""Of the full charging power, above `charge_taper_frac`, on average."""
+"""Mean fraction of the full charging power above `charge_taper_frac`."""
 
 TOLD_MAX = 30
-"""Different doubts that are told; there are fifteen."""
+"""Maximum different doubts told to people; there are fifteen."""
 
 
 class Doubts:
-    """Those about one vehicle.
+    """The doubts about one vehicle.
 
     Args:
-        kind: what the plant says of it.
-        odd: where it is counted what was not believed.
+        kind: its type in the plant.
+        odd: the counter of doubted values.
     """
 
     def __init__(self, kind: VehicleType, odd: Counter[str]) -> None:
@@ -63,19 +63,19 @@ class Doubts:
         self._untold: list[str] = []
 
     def note(self, what: str, words: str) -> None:
-        """Count one that was not believed, and tell it the first time."""
+        """Count a doubted value, and tell people the first time."""
         self._odd[what] += 1
         if what not in self._told and len(self._told) < TOLD_MAX:
             self._told.add(what)
             self._untold.append(f"{what}: {words}")
 
     def to_tell(self) -> list[str]:
-        """What people have not been told yet."""
+        """The doubts not told yet."""
         told, self._untold = self._untold, []
         return told
 
     def speed(self, speed_mps: float) -> float | None:
-        """A speed; None where it cannot be."""
+        """The speed; None where it is impossible."""
         most_mps = FASTEST_TIMES * self._kind.max_speed_mps + FASTEST_MPS
         if speed_mps <= most_mps:
             return speed_mps
@@ -83,20 +83,20 @@ class Doubts:
         return None
 
     def heading(self, theta: float) -> float | None:
-        """`theta`; None where it cannot be."""
+        """`theta`; None where it is impossible."""
         if abs(theta) <= THETA_MAX_RAD:
             return theta
         self.note("an odd theta", f"{theta:g} rad is more than a turn; degrees?")
         return None
 
     def loads(self, loads: tuple[Load, ...] | None) -> None:
-        """Look at what it says is on board; weights are not used."""
+        """Check the reported loads; weights are not used."""
         for load in loads or ():
             if load.weight is not None and load.weight < 0.0:
                 self.note("an odd weight of a load", f"{load.weight:g} kg is less than nothing")
 
     def driven(self, distance_m: float | None) -> float | None:
-        """`distanceSinceLastNode`; None where it cannot be."""
+        """`distanceSinceLastNode`; None where it is impossible."""
         if distance_m is None or distance_m >= 0.0:
             return distance_m
         self.note("an odd distanceSinceLastNode", f"{distance_m:g} m is less than nothing")
@@ -104,26 +104,26 @@ class Doubts:
 
 
 class Jumps:
-    """Poses that are farther from the one before than the vehicle can have driven.
+    """Poses farther from the previous one than the vehicle can have driven.
 
     Args:
-        kind: what the plant says of it.
-        doubts: is told.
+        kind: its type in the plant.
+        doubts: receives the doubts.
     """
 
     def __init__(self, kind: VehicleType, doubts: Doubts) -> None:
         self._top_mps = FASTEST_TIMES * kind.max_speed_mps
         self._doubts = doubts
         self._doubted: tuple[Pose, float, float] | None = None
-        """The pose that was not taken last, when that was said, and since when there is such a one."""
+        """The last refused pose, its time, and the time of the first such pose."""
 
     def is_one(self, before: Pose | None, before_s: float, now: Pose, now_s: float) -> bool:
-        """Whether a new pose is not to be taken; one that is said for long enough is.
+        """Whether a new pose is refused; a persistent one is accepted in the end.
 
         Args:
-            before: the pose that was taken last; None for none.
-            before_s: when that was.
-            now: the new one.
+            before: the last accepted pose; None for none.
+            before_s: its time.
+            now: the new pose.
             now_s: the present time.
         """
         if before is None or self._reaches(before, before_s, now, now_s):
@@ -147,22 +147,22 @@ class Jumps:
 
 
 class TimeStamps:
-    """The times of one vehicle's states. Nothing is done by them; what cannot be is told.
+    """The timestamps of one vehicle's states. They are checked, but not used.
 
     Args:
-        doubts: is told.
+        doubts: receives the doubts.
     """
 
     def __init__(self, doubts: Doubts) -> None:
         self._doubts = doubts
         self._last: tuple[float, float] | None = None
-        """By the vehicle's clock, and by ours."""
+        """The last time by the vehicle's clock, and by ours."""
 
     def look(self, said: str | None, now_s: float) -> None:
-        """Look at a newer state.
+        """Check a newer state.
 
         Args:
-            said: its `timestamp`; None where it has none.
+            said: its `timestamp`; None where it is missing.
             now_s: the present time, by our clock.
         """
         if said is None:
@@ -186,17 +186,17 @@ class TimeStamps:
 
 
 class BatteryLevel:
-    """How full one battery is: by the vehicle's word, and by time and metres where that cannot be.
+    """The level of one battery: reported by the vehicle, or estimated by time and metres where that is impossible.
 
     Args:
-        kind: what it takes and gets.
-        profile: its scale.
-        doubts: is told what is not believed.
+        kind: the vehicle type's consumption and charging.
+        profile: the battery's scale.
+        doubts: receives the doubts.
 
     Attributes:
         frac: the level, from 0 to 1; half, before anything is known.
-        unknown: why that is only reckoned; empty when the vehicle has said it.
-        is_plugged: it charges for a task of ours, whatever it says.
+        unknown: why the level is only estimated; empty when the vehicle has reported it.
+        is_plugged: whether it charges for a task of ours, regardless of its own report.
     """
 
     def __init__(self, kind: VehicleType, profile: Profile, doubts: Doubts) -> None:
@@ -206,21 +206,21 @@ class BatteryLevel:
         self.is_plugged = False
         self._heard_s: float | None = None
         self._highest = 0.0
-        """Of what it has said and can be: tells whether it counts to 1 or to 100."""
+        """The highest plausible report: it shows whether the vehicle counts to 1 or to 100."""
 
     @property
     def looks_like_fraction(self) -> bool:
-        """Whether its profile has percent, and it seems to count to 1."""
+        """Whether its profile has percent, but it seems to count to 1."""
         return self._profile.battery_scale == "percent" and 0.0 < self._highest <= 1.0
 
     def on_state(self, battery: Battery | None, driven_m: float, now_s: float, *, loaded: bool) -> None:
-        """A state has come.
+        """Process a new state.
 
         Args:
-            battery: what it says.
-            driven_m: since the state before.
+            battery: the reported battery.
+            driven_m: metres since the previous state.
             now_s: the present time.
-            loaded: something is on board.
+            loaded: whether something is on board.
         """
         said = self._believed(battery.percent if battery is not None else None)
         is_charging = self.is_plugged or (battery is not None and battery.charging is True)

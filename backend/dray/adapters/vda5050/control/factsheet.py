@@ -1,4 +1,4 @@
-"""What a factsheet says, beside what the plant file says of the vehicle's type."""
+"""Comparison of a factsheet with the plant file's vehicle type."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dray.adapters.vda5050.wire.messages import Factsheet
 from dray.plant.model import VehicleType
 
 NEAR = 0.02
-"""Figures that differ by so little are the same."""
+"""Relative difference up to which figures count as equal."""
 
 
 def differences(sheet: Factsheet, kind: VehicleType, profile: Profile) -> tuple[str, ...]:
-    """In words, what differs; a figure that the factsheet does not have differs from nothing."""
+    """The differences in words; a figure that the factsheet lacks does not count."""
     found = []
     body = sheet.physical_parameters
     if body is not None:

@@ -1,4 +1,4 @@
-"""Holding a vehicle: it is told to pause, and it is looked whether it stands."""
+"""Holding a vehicle: the master tells it to pause, and checks that it stands."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ PAUSE, GO_ON = "startPause", "stopPause"
 
 
 STANDS_S = 5.0
-"""A vehicle brakes to a stand within this, and says so."""
+"""Seconds in which a vehicle brakes to a stand and reports it."""
 
 
 class Holding:
-    """Of one vehicle.
+    """The hold of one vehicle.
 
     Args:
         profile: whether it can pause.
-        view: what it says.
+        view: the vehicle's messages.
         instant: its instant actions.
 
     Attributes:
-        held: its agent wants it to stand.
-        problem: it does not; empty when it does.
+        held: whether its agent wants it to stand.
+        problem: why it does not stand; empty when it does.
     """
 
     def __init__(self, profile: Profile, view: VehicleView, instant: InstantActions) -> None:
@@ -33,26 +33,26 @@ class Holding:
         self._held_s = 0.0
         self._gone_on_s = float("-inf")
         self._has_asked = False
-        """How it is, since nothing was heard after it should stand."""
+        """Whether its state was requested, after silence past the time to stand."""
 
     def hold(self, now_s: float) -> None:
-        """Let it stand; twice is harmless."""
+        """Make it stand; twice is harmless."""
         if not self.held:
             self.held, self._held_s, self._has_asked = True, now_s, False
             self._say(PAUSE, GO_ON, now_s)
 
     def go_on(self, now_s: float) -> None:
-        """Let it go on; harmless when it is not held."""
+        """Let it resume; harmless when it is not held."""
         if self.held:
             self.held, self.problem, self._gone_on_s = False, "", now_s
             self._say(GO_ON, PAUSE, now_s)
 
     def is_held(self, now_s: float) -> bool:
-        """Whether it stands for its agent, or has been let go only just."""
+        """Whether it stands for its agent, or was released only just now."""
         return self.held or now_s < self._gone_on_s + STANDS_S
 
     def tick(self, now_s: float) -> None:
-        """Look whether it stands."""
+        """Check whether it stands."""
         view = self._view
         if not self.held or now_s < self._held_s + STANDS_S:
             return

@@ -1,4 +1,4 @@
-"""Instant actions: said until the vehicle's state shows them, and not for ever."""
+"""Instant actions: sent until the vehicle's state shows them, with a limit."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from dray.adapters.vda5050.wire.messages import OVER, State
 from dray.adapters.vda5050.wire.orders import Action, instant_body
 
 ASK_STATE = "stateRequest"
-"""Let the vehicle say how it is."""
+"""Request the vehicle's state."""
 
 SAID_MAX = 5
-"""Times one action is said: a vehicle that has not shown it by then never will."""
+"""Maximum sendings of one action: a vehicle that has not shown it by then never will."""
 
 OPEN_MAX = 20
-"""Kinds of instant actions that are looked after; there are eight."""
+"""Maximum kinds of open instant actions; there are eight."""
 
 LATE_S = 60.0
-"""One that is shown and has not ended by then is not waited for any longer."""
+"""Timeout of an action that is shown and does not end."""
 
 CLEAR, CLEAR_ZONES = "clearInstantActions", "clearZoneActions"
-"""Of 3.0: the vehicle keeps the states of instant actions, and of actions of zones, until it is told to clear them."""
+"""In 3.0 the vehicle keeps the states of instant actions, and of actions of zones, until it is told to clear them."""
 
 CLEARED_AT, CLEARED_EVERY_S = 50, 60.0
-"""Ended instant actions that a vehicle may show before it is told to clear them, and how often that is said at most."""
+"""Ended instant actions above which a vehicle is told to clear them, and the least seconds between two such requests."""
 
 FULL = {"instantactionstatesfull": CLEAR, "zoneactionstatesfull": CLEAR_ZONES}
-"""What a vehicle complains of (3.0, 7.8), without capitals and underscores, and what helps."""
+"""A vehicle's complaints (3.0, 7.8), without capitals and underscores, and the remedy."""
 
 
 @dataclass
@@ -40,17 +40,17 @@ class _Open:
     is_late: bool = False
     times: int = 1
     status: str = ""
-    """As the vehicle shows it; empty as long as it does not."""
+    """The status in the vehicle's state; empty before that."""
 
 
 class InstantActions:
-    """Those of one life.
+    """The instant actions of one life.
 
     Args:
         agent: its id.
-        life: of the agent; ids must not come again in another.
-        profile: of the vehicle.
-        out: where effects go.
+        life: the agent's life; ids must be unique over lives.
+        profile: the vehicle's profile.
+        out: receives the effects.
     """
 
     def __init__(self, agent: str, life: int, profile: Profile, out: list[Effect]) -> None:
@@ -58,10 +58,10 @@ class InstantActions:
         self._number = 0
         self._cleared_s = float("-inf")
         self._open: dict[str, _Open] = {}
-        """By kind: of each the newest one counts."""
+        """By kind, the newest action."""
 
     def say(self, kind: str, now_s: float) -> None:
-        """Say it, and go on until it is shown. What was open of this kind is forgotten."""
+        """Send an action, and repeat it until the vehicle shows it. An earlier one of this kind is forgotten."""
         self._number += 1
         action = Action(f"{self._agent}-{self._life}-i{self._number}", kind, "NONE")
         if kind in self._open or len(self._open) < OPEN_MAX:
@@ -69,31 +69,31 @@ class InstantActions:
         self._write(action)
 
     def status(self, kind: str) -> str:
-        """What the vehicle shows of the newest one of a kind; empty for nothing."""
+        """The vehicle's status of the newest action of a kind; empty for none."""
         return self._open[kind].status if kind in self._open else ""
 
     def is_open(self, kind: str) -> bool:
-        """Whether one of this kind is looked after."""
+        """Whether an action of this kind is open."""
         return kind in self._open
 
     def is_given_up(self, kind: str) -> bool:
-        """Whether it was said as often as it is said at most and never shown, or was shown and does not end."""
+        """Whether it was sent the maximum number of times and never shown, or was shown and does not end."""
         one = self._open.get(kind)
         return one is not None and (one.is_late or (not one.status and one.times >= SAID_MAX))
 
     def forget(self, kind: str) -> None:
-        """Say it no more."""
+        """Stop sending it."""
         self._open.pop(kind, None)
 
     def on_state(self, state: State) -> None:
-        """See what the vehicle shows of them."""
+        """Update the actions from the vehicle's state."""
         for one in self._open.values():
             shown = state.action(one.action.id)
             if shown is not None and shown.action_status:
                 one.status = shown.action_status
 
     def clear(self, state: State, now_s: float) -> None:
-        """Let a vehicle of 3.0 clear its lists of ended actions, when they are long or it says that they are full."""
+        """Let a vehicle of 3.0 clear its lists of ended actions, when they are long or it reports that they are full."""
         if self._profile.version != "3.0" or now_s - self._cleared_s < CLEARED_EVERY_S:
             return
         full = {FULL.get(plain(error.error_type), "") for error in state.errors or ()} - {""}
@@ -103,7 +103,7 @@ class InstantActions:
             self.say(kind, now_s)
 
     def tick(self, now_s: float) -> None:
-        """Say again what is not shown; give up what is shown and does not end."""
+        """Repeat actions that are not shown; give up shown ones that do not end."""
         for one in self._open.values():
             if one.status and one.status not in OVER and not one.is_late and now_s - one.first_s >= LATE_S:
                 one.is_late = True

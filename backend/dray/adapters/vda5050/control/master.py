@@ -1,8 +1,8 @@
-"""The master of one vehicle: from what its agent wants to orders, and from what the vehicle says to reports.
+"""The master of one vehicle: it turns its agent's wishes into orders, and the vehicle's messages into reports.
 
-Pure: `handle(event, now_s)` returns effects, to be carried out in their order: what is remembered is written down before
-the order is said that it is about. `Work` keeps what is wanted, `Orders` the order that the vehicle has, `VehicleView` what
-it says. No order is said while there is a problem or the vehicle is held.
+Pure: `handle(event, now_s)` returns effects, to be carried out in order: a memory is stored before the order that it is about
+is sent. `Work` has the agent's wishes, `Orders` the vehicle's present order, `VehicleView` its messages. No order is sent during a
+problem, or while the vehicle is held.
 """
 
 from __future__ import annotations
@@ -58,38 +58,38 @@ from dray.plant import Plant
 from dray.plant.model import VehicleType
 
 LOOK_S, REST_S = 0.5, 2.0
-"""How often it is looked whether something is due: while an order is out, and else."""
+"""Seconds between two ticks: with an order, and without one."""
 
 HINDERED_S = 60.0
-"""A vehicle that takes no order for so long, though nothing else is wrong, has a problem."""
+"""Seconds without accepting an order after which a vehicle has a problem, though nothing else is wrong."""
 
 NOTED_S = 60.0
-"""What is waited for longer than this is in the log."""
+"""A wait longer than this is logged."""
 
 FAILED_S = 60.0
-"""What we could not deal with by our own fault is a problem for so long, or until the next of its kind was dealt with."""
+"""Duration of a problem after a failure of our own; a success with the next event of its kind ends it earlier."""
 
 FOREIGN_MAX = 20
-"""Types of actions of somebody else that are told."""
+"""Maximum logged types of others' actions."""
 
 ASK_FACTSHEET = "factsheetRequest"
 
 
 class MasterControl:
-    """Of one vehicle.
+    """The master of one vehicle.
 
     Args:
         agent: its id in the plant.
         plant: roads and stations.
-        vehicle_type: what the plant says of it.
-        profile: what it understands.
-        life: higher than that of any life before: no id of an order comes again.
-        memory: what the life before has left.
+        vehicle_type: its type in the plant.
+        profile: its type's profile.
+        life: higher than any life before, so that ids of orders are unique.
+        memory: the last life's memory.
 
     Attributes:
         wake_at_s: when `Woke` is due.
-        view: what the vehicle has said.
-        is_linked: the broker is there.
+        view: the vehicle's messages.
+        is_linked: whether the broker is connected.
     """
 
     def __init__(
@@ -118,35 +118,35 @@ class MasterControl:
             agent, life, profile, view, self._instant, self._out, self._work, self._remember
         )
         self._earlier = memory.order
-        """The order of the life before, until the first state."""
+        """The last life's order, until the first state."""
         self._remembered = memory
         self.is_linked = False
         self._unlinked: tuple[str, float] | None = None
-        """Why the broker is away, and since when."""
+        """The reason and time of the loss of the broker."""
         self._is_attended = False
-        """People have it in their hands."""
+        """Whether people operate it."""
         self._watch = Watch(plant, vehicle_type, profile, view)
         self._steady = Steady()
         self._hindrance, self._hindered_s = "", 0.0
-        """What keeps the vehicle from its next order, and since when."""
+        """The reason why the vehicle takes no order, and its begin."""
         self._waits: tuple[str, str] | None = None
         self._waits_s, self._has_noted_wait = 0.0, False
-        """What is waited for and what ends it, since when, and whether that is in the log."""
+        """The begin of the present wait, and whether it is logged."""
         self._foreign: set[str] = set()
-        """Actions of somebody else that were told."""
+        """Actions of others that were logged."""
         self._problem: ProblemRaised | None = None
-        """As it was told."""
+        """The problem as last reported."""
         self._failed: tuple[str, float] | None = None
-        """Which kind of event we could not deal with, and when last; None when none of late."""
+        """The kind of event whose handling failed, and the last time; None without a recent failure."""
 
     @property
     def is_known(self) -> bool:
-        """Whether it is known where the vehicle is: before that there is nothing to sense."""
+        """Whether the vehicle's position is known: before that it has no state."""
         return self._work.stand is not None
 
     @property
     def why_unknown(self) -> str:
-        """What is lacking before it is known, for people."""
+        """The missing information, for people."""
         if self._unlinked is not None:
             return f"the broker is away: {self._unlinked[0]}"
         if not self.is_linked:
@@ -159,14 +159,14 @@ class MasterControl:
 
     @property
     def wait(self) -> BodyWait | None:
-        """What it waits for, since when, and what would end that; None where it waits for nothing."""
+        """What it waits for, since when, and what would end the wait; None without a wait."""
         if self._waits is None:
             return None
         what, until = self._waits
         return BodyWait(what=what, since_s=self._waits_s, until=until)
 
     def waits_for(self, now_s: float) -> str:
-        """The same in one line; empty where it waits for nothing."""
+        """The same in one line; empty without a wait."""
         wait = self.wait
         return (
             ""
@@ -175,7 +175,7 @@ class MasterControl:
         )
 
     def _what_it_waits_for(self) -> tuple[str, str] | None:
-        """What it waits for, and what would end that."""
+        """What it waits for, and what would end the wait."""
         order, way = self._orders.present, self._work.way
         if self._problem is not None:
             return self._problem.reason, "that is gone"
@@ -202,7 +202,7 @@ class MasterControl:
         return f"it drives to {order.nodes[min(order.passed + 1, order.end)]}", "it is there"
 
     def _note_waits(self, now_s: float) -> None:
-        """In the log, once, when it takes long: what it waits for."""
+        """Log a long wait, once."""
         waits = self._what_it_waits_for()
         if waits != self._waits:
             self._waits, self._waits_s, self._has_noted_wait = waits, now_s, False
@@ -211,7 +211,7 @@ class MasterControl:
             self._out.append(Note(self.waits_for(now_s)))
 
     def _note_foreign(self) -> None:
-        """In the log, once for each: actions of somebody else that do not end."""
+        """Log others' actions that do not end, once each."""
         if self.view.is_foreign:
             return
         for action in self.view.foreign_actions:
@@ -223,16 +223,16 @@ class MasterControl:
 
     @property
     def needs_node_twice(self) -> bool:
-        """Whether an action was only done when its node was listed twice, or that is known."""
+        """Whether an action succeeded only with its node listed twice, or the profile says so."""
         return self._work.steps.twice
 
     @property
     def cancelled(self) -> int:
-        """How many orders the vehicle has ended because it was told to."""
+        """The number of orders that the vehicle has ended by our cancellation."""
         return self._orders.cancelled
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
-        """What is to be done about an event, in this order."""
+        """Handle an event; returns the effects in order."""
         match event:
             case Heard(topic, data):
                 self._hear(topic, data, now_s)
@@ -269,7 +269,7 @@ class MasterControl:
         return self._effects()
 
     def fail(self, event: Event, now_s: float) -> list[Effect]:
-        """What is to be done after `handle` has raised: what it had decided by then, and to tell a problem."""
+        """Effects after `handle` has raised: those decided by then, and a problem."""
         self._failed = kind_of(event), now_s
         self._tell(self._failure(now_s), now_s)
         self.wake_at_s = now_s + REST_S
@@ -281,10 +281,10 @@ class MasterControl:
         return effects
 
     def sense(self) -> VehicleState:
-        """How the vehicle is, as far as it has told.
+        """The vehicle's state, as reported.
 
         Raises:
-            ProtocolViolation: it is not known where it is; our own bug.
+            ProtocolViolation: its position is unknown; our own bug.
         """
         node, ahead = self._work.between()
         spot, view, way = self._plant.nodes[node], self.view, self._work.way
@@ -355,7 +355,7 @@ class MasterControl:
             self.view.doubts.note("a load that comes and goes", words)
 
     def _recognise(self, now_s: float) -> None:
-        """Go on with the order of the life before: it is never given a second time under another id."""
+        """Continue the last life's order: it is never given again under another id."""
         memory, self._earlier = self._earlier, None
         if memory is None or not all(node in self._plant.nodes for node in memory.nodes):
             return
@@ -367,12 +367,10 @@ class MasterControl:
             if memory.is_shown or self.view.state.loads:
                 self._work.lose_track(order)  # The vehicle has forgotten it meanwhile.
             else:
-                self._orders.recognise(
-                    order, now_s
-                )  # Perhaps it never came there: it is said again, unchanged.
+                self._orders.recognise(order, now_s)  # Perhaps it never arrived: send it again, unchanged.
 
     def _ask_when_in_doubt(self, now_s: float) -> None:
-        """A state with a lower number was an older one, or the vehicle was restarted: the next one tells."""
+        """Request a state after a doubtful one: a lower header id means an old state, or a restarted vehicle."""
         doubtful_s = self.view.doubtful_s
         if doubtful_s is not None and now_s - doubtful_s >= REORDERED_S:
             self.view.doubtful_s = None
@@ -388,7 +386,7 @@ class MasterControl:
     # --- problems, and what the next life must know ----------------------------------------------
 
     def _find_problem(self, now_s: float) -> ProblemRaised | None:
-        """What keeps it from going on; the first of several."""
+        """The first of its present problems."""
         view, load = self.view, self._load
         found = self._failure(now_s) or absence(view, self._profile, self._unlinked, now_s)
         if found is not None or view.heard_s == NEVER_S:
@@ -418,7 +416,7 @@ class MasterControl:
         return None
 
     def _look_at_progress(self, now_s: float) -> None:
-        """Whether it comes nearer to where its order leads, if nothing that is known keeps it."""
+        """Check that it approaches the end of its order, if no known reason keeps it from that."""
         view, orders, way = self.view, self._orders, self._work.way
         is_here = self.is_known and view.heard_s != NEVER_S and self.is_linked
         keeps = absence(view, self._profile, self._unlinked, now_s) or complaint(
@@ -454,13 +452,13 @@ class MasterControl:
             self._out.append(Tell(stands or ProblemCleared()))
 
     def _failure(self, now_s: float) -> ProblemRaised | None:
-        """Our own fault; None when there was none of late."""
+        """The problem from our own fault; None without a recent failure."""
         if self._failed is None or now_s - self._failed[1] >= FAILED_S:
             return None
         return problem(f"our own fault, see the log: {self._failed[0]} cannot be dealt with")
 
     def _remember(self) -> None:
-        """Write down what the next life must know, when that has changed."""
+        """Store the memory, when it has changed."""
         order = self._orders.present
         memory = Memory(
             load=self._load.item,

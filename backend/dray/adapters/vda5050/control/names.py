@@ -1,7 +1,7 @@
-"""What a vehicle calls the nodes, edges, stations and maps of the plant, and where its maps lie: for what is said to it, and what it says.
+"""A vehicle's own names of nodes, edges, stations and maps, and the frames of its maps: for messages in both directions.
 
-The plant file has the names of the layout that it was imported from; the profile has those that vehicles of one type call otherwise.
-Inside the driver everything has the plant's names and lies in the plant's frame.
+The plant file has the names of its imported layout; the profile has the names that differ for one vehicle type. Inside the
+driver everything has the plant's names and the plant's frame.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from dray.plant.model import Dock, MapFrame, PlantFile, Unassigned
 
 
 class Names:
-    """Those of one vehicle.
+    """The names of one vehicle.
 
     Args:
-        plant: roads and places, with the names that its file has.
-        profile: of the vehicle, with the names that differ from these.
+        plant: roads and places, with the names in its file.
+        profile: the vehicle's profile, with the names that differ.
 
     Attributes:
-        frames: where its maps lie, by the vehicle's `mapId`; under "" the only one, whatever its id. None where its map is the plant's frame.
+        frames: its maps' frames by the vehicle's `mapId`; under "" the only one, for any id. None where its map has the plant's frame.
     """
 
     def __init__(self, plant: Plant, profile: Profile) -> None:
@@ -34,7 +34,7 @@ class Names:
         self.frames = _frames(file, profile, self._maps)
         self._map_of = {node.id: self._maps.get(node.map, node.map) for node in file.nodes if node.map}
         for node in plant.nodes if self._map_of else ():
-            # Corners of a lane and stop points lie on the map of the node that they are named after.
+            # Corners of a lane and stop points lie on the map of the node in their name.
             if (base := re.split(r"\.(?:to|from)-", node)[0]) in self._map_of:
                 self._map_of[node] = self._map_of[base]
         self._nodes = {node.id: node.originals for node in file.nodes if node.originals}
@@ -59,45 +59,45 @@ class Names:
             for name in names
             if name not in known
         )
-        """What the profile names and the plant does not have."""
+        """Names in the profile that the plant lacks."""
 
     # --- said to it ------------------------------------------------------------------------------
 
     def node(self, ours: str) -> str:
-        """What it calls a node."""
+        """Its name of a node."""
         return self._nodes[ours][0] if ours in self._nodes else ours
 
     def edge(self, start: str, end: str) -> str:
-        """What it calls the lane between two nodes of ours."""
+        """Its name of the lane between two of our nodes."""
         named = self._edges.get(f"{start}--{end}")
         return f"{self.node(start)}--{self.node(end)}" if named is None else named
 
     def station(self, ours: str) -> str:
-        """What it calls a place, or a node that stands for one."""
+        """Its name of a place, or of a node that stands for one."""
         return self._stations.get(ours) or self.node(ours)
 
     def map_of(self, node: str, now: str) -> str:
-        """The map that a node lies on.
+        """The map of a node.
 
         Args:
-            node: of ours.
-            now: the map that the vehicle is on; empty when it has not said one.
+            node: our node.
+            now: the vehicle's present map; empty when unknown.
         """
         if now and now not in self.frames:
-            return now  # It has one map, and calls it otherwise.
+            return now  # It has one map, under another name.
         return self._map_of.get(node, "") or now or next(iter(self.frames), "")
 
     # --- what it says ----------------------------------------------------------------------------
 
     def ours(self, theirs: str, map_id: str) -> str | None:
-        """Our name of a node that it names; the same name for one that is no node of the plant.
+        """Our name of the vehicle's node; an unknown node keeps its name.
 
         Args:
-            theirs: what it says.
-            map_id: the map that it is on; empty when it has not said one.
+            theirs: its name.
+            map_id: its present map; empty when unknown.
 
         Returns:
-            None where several maps have such a node, and it is not known which one is meant.
+            None where several maps have such a node, and the intended one is unknown.
         """
         found = self._ours.get(theirs, [])
         if len(found) > 1:
@@ -107,11 +107,11 @@ class Names:
         return found[0] if len(found) == 1 else None
 
     def knows_map(self, map_id: str) -> bool:
-        """Whether it is told where this map lies."""
+        """Whether this map's frame is known."""
         return bool(map_id) and map_id in self.frames
 
     def frame(self, map_id: str) -> MapFrame | None:
-        """Where a map lies; None for one that is none of several."""
+        """A map's frame; None for an unknown one of several."""
         if map_id in self.frames:
             return self.frames[map_id]
         if not self.frames:
@@ -124,10 +124,10 @@ def _frames(file: PlantFile, profile: Profile, maps: Mapping[str, str]) -> dict[
     frames |= {frame.id: frame for frame in profile.maps}
     own = profile.map
     if own != MapFrame(id=own.id):
-        # The profile says where its only map lies, whatever the plant file has.
+        # The profile's frame of its only map prevails over the plant file.
         return {own.id: own, **{frame.id: frame for frame in profile.maps}}
     if own.id and own.id not in frames and len(frames) == 1:
-        # It calls the only map otherwise.
+        # Its only map has another name.
         (frame,) = frames.values()
         return {own.id: replace(frame, id=own.id)}
     return frames

@@ -1,4 +1,4 @@
-"""What is on board: the master's own knowledge, since many vehicles do not tell, and its agreement with what they tell."""
+"""The load on board: the master's own knowledge, since many vehicles do not report it, and its comparison with their reports."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import Load, State
 
 DIFFERS_S = 3.0
-"""A load sensor may lag behind the end of a pick by so much."""
+"""Maximum delay of a load sensor after the end of a pick."""
 
 
 class OnBoard:
     """The load of one vehicle.
 
     Args:
-        profile: what its `loads` is good for.
-        item: as the life before knew it; empty for nothing.
+        profile: the meaning of its `loads`.
+        item: the last life's item; empty for nothing.
         quantity: pieces of it.
-        doubt: why that is not known.
+        doubt: why the load is unknown.
 
     Attributes:
-        doubt: why it is not known what is on board: a pick or drop whose end nobody saw. A person sees to it: a vehicle that
-            was in another mode than AUTOMATIC, and is back, has been looked after.
-        difference: how what the vehicle tells differs; empty when it does not.
-        flickers: what the vehicle told differed only for a moment, and no action had just ended.
+        doubt: why the load is unknown: the end of a pick or drop was not seen. A person resolves it: a vehicle that returns from
+            another mode to AUTOMATIC has been checked.
+        difference: how the vehicle's report differs; empty when it does not.
+        flickers: whether the report differed only for a moment, without an action that had just ended.
     """
 
     def __init__(self, profile: Profile, item: str, quantity: int, doubt: str) -> None:
@@ -32,28 +32,28 @@ class OnBoard:
         self.difference = ""
         self.flickers = False
         self._is_settled = False
-        """What is told has agreed since the last pick or drop."""
+        """Whether the report has agreed since the last pick or drop."""
         self._differs_s: float | None = None
         self._open: tuple[str, int] = ("", 0)
-        """What a pick was about whose end nobody saw."""
+        """The load of a pick whose end was not seen."""
 
     def picked(self, item: str, quantity: int) -> None:
-        """It is on board."""
+        """A load is on board."""
         self.item, self.quantity, self._differs_s, self.difference = item, quantity, None, ""
         self._is_settled = False
 
     def dropped(self) -> None:
-        """It is not any more."""
+        """The load is not on board any more."""
         self.picked("", 0)
 
     def lose_track(self, what: str, item: str, quantity: int, state: State) -> None:
-        """A pick or drop has ended unseen: the vehicle is asked, and where it cannot tell, people are.
+        """The end of a pick or drop was not seen: use the vehicle's report, or ask people where it has none.
 
         Args:
             what: pick or drop.
-            item: what it was about.
+            item: its item.
             quantity: pieces of it.
-            state: the newest one.
+            state: the newest state.
         """
         told = self._told(state)
         if told is None:
@@ -67,15 +67,15 @@ class OnBoard:
             self.dropped()
 
     def on_state(self, state: State, *, is_handling: bool, now_s: float) -> bool:
-        """Compare with what the vehicle tells.
+        """Compare with the vehicle's report.
 
         Args:
-            state: the newest one.
-            is_handling: a pick or drop is under way.
+            state: the newest state.
+            is_handling: whether a pick or drop is under way.
             now_s: the present time.
 
         Returns:
-            Whether the knowledge has changed.
+            Whether the known load has changed.
         """
         self.flickers = False
         told = self._told(state)
@@ -101,7 +101,7 @@ class OnBoard:
         return False
 
     def was_attended(self, state: State) -> None:
-        """People have seen to the vehicle: its word counts; without one, what was not seen to end had no effect."""
+        """People have checked the vehicle: its report counts; without one, an unseen action had no effect."""
         told = self._told(state)
         if self.difference and told == ():
             self.dropped()

@@ -1,10 +1,9 @@
-"""The states of an order of ours at a vehicle, and every change that may be between them. Nothing else changes an order's state.
+"""The states of our order at a vehicle, with all transitions. Nothing else changes an order's state.
 
     OFFERED -> RUNNING -> DONE
 
-is the order that goes well. One that is said and not shown by the vehicle is said again, unchanged. EXTENDING is an update
-that is not shown yet. A REFUSED one is offered again, under another id, when the vehicle may be ready. docs/vehicles.md
-draws the table.
+is a successful order. An order that the vehicle does not show is sent again, unchanged. EXTENDING means that an update is not shown
+yet. A REFUSED order is offered again, under another id, when the vehicle may be ready. docs/vehicles.md draws the table.
 """
 
 from __future__ import annotations
@@ -15,22 +14,22 @@ from dray.states import Transitions
 
 
 class OrderState(StrEnum):
-    """How far an order of ours has come."""
+    """The progress of our order."""
 
     OFFERED = "offered"
-    """Said; the vehicle's state does not show it yet."""
+    """Sent; the vehicle's state does not show it yet."""
     REFUSED = "refused"
-    """Waits before it is offered again."""
+    """It waits before the next offer."""
     RUNNING = "running"
     """The vehicle's state shows it."""
     EXTENDING = "extending"
-    """It runs, and an update of it is said that the state does not show yet."""
+    """Running; an update was sent that the state does not show yet."""
     CANCELLING = "cancelling"
-    """cancelOrder is said; its end is waited for."""
+    """cancelOrder was sent; the end is not confirmed yet."""
     DONE = "done"
     """Its last node is reached and its action has ended well."""
     ENDED = "ended"
-    """It has ended without that: failed, cancelled, forgotten by the vehicle, or given up."""
+    """Ended without success: failed, cancelled, forgotten by the vehicle, or given up."""
 
 
 _S = OrderState
@@ -68,6 +67,6 @@ TRANSITIONS: Transitions[OrderState] = {
 }
 
 ACTIVE = frozenset({_S.RUNNING, _S.EXTENDING})
-"""The vehicle has it."""
+"""States in which the vehicle has the order."""
 
 OVER = frozenset({_S.DONE, _S.ENDED})

@@ -1,6 +1,6 @@
-"""The order that a vehicle has now: said until it is shown, followed to its end, tried again when it is refused.
+"""The vehicle's present order: sent until it is shown, followed to its end, retried after a refusal.
 
-One order at a time. What comes of it is told to its owner: nodes that were passed, once each and in order, and its end.
+There is one order at a time. Its owner is told about passed nodes, once each and in order, and about the end.
 """
 
 from __future__ import annotations
@@ -36,22 +36,22 @@ from dray.adapters.vda5050.wire.messages import (
 from dray.adapters.vda5050.wire.orders import Action, order_body
 
 SETTLE_S = 3.0
-"""A vehicle that has come to the end of an order clears what it shows within this; afterwards it is taken to be idle."""
+"""Seconds in which a vehicle clears an order after its end; afterwards it counts as idle."""
 
 CANCELLED_S = 10.0
-"""A vehicle that has had nothing left to do for so long has ended its order, whatever it says of cancelOrder."""
+"""Seconds without remaining work after which a vehicle's order has ended, whatever the status of cancelOrder."""
 
 STALE_S = 30.0
-"""An order of somebody who is gone, in a vehicle that stands and shows no action, is not waited for any longer."""
+"""Timeout of an absent master's order in a vehicle that stands and shows no action."""
 
 STRANGERS = 2
-"""States in a row with another order before ours counts as forgotten: one may be an old state that came late."""
+"""Consecutive states with another order after which ours counts as forgotten: one may be a late old state."""
 
 TRYING_S = 20.0
-"""An order is not tried again that was said first so long ago: whoever says nothing takes `silent_s` for each time."""
+"""Maximum time of retries since the first offer: with a silent vehicle each attempt takes `silent_s`."""
 
 FIRST_RETRY_S = 1.0
-"""A vehicle that was not idle yet is, soon; each retry waits twice as long."""
+"""Delay of the first retry, for a vehicle that becomes idle soon; doubled each time."""
 
 CANCEL = "cancelOrder"
 
@@ -63,32 +63,32 @@ VANISHED = "the action is not shown any more, and nobody saw its end"
 
 
 class Owner(Protocol):
-    """Whoever is told."""
+    """The receiver of an order's events."""
 
     def on_passed(self, order: VehicleOrder, index: int, now_s: float) -> None:
-        """A node of the base was reached."""
+        """A node of the base was passed."""
 
     def on_over(self, order: VehicleOrder, now_s: float) -> None:
         """An order is `OrderState.DONE` or `ENDED`; another one may be offered."""
 
 
 class Orders:
-    """What one vehicle is ordered.
+    """The orders of one vehicle.
 
     Args:
         agent: its id; all ids of orders begin with it.
-        life: of the agent: ids are unique to it.
-        profile: of the vehicle.
-        view: what it says.
+        life: the agent's life, which makes ids unique.
+        profile: the vehicle's profile.
+        view: the vehicle's messages.
         instant: its instant actions.
-        out: where effects go.
-        owner: is told.
-        remember: an order is about to be said under a new id, or updated: the next life must know.
+        out: receives the effects.
+        owner: receives the order's events.
+        remember: called before an order is sent under a new id or updated, to store it for the next life.
 
     Attributes:
         present: the order that is not over; None for none.
-        cancelled: orders that the vehicle has ended because it was told to.
-        unwilling: whether it takes orders at all.
+        cancelled: number of orders ended by our cancellation.
+        unwilling: whether the vehicle takes no orders at all.
     """
 
     def __init__(
@@ -111,16 +111,16 @@ class Orders:
         self.unwilling = Unwilling()
         self._over_s = NEVER_S
         self._without: frozenset[str] = frozenset()
-        """What the vehicle has said that it does not support, and its profile lets be left out."""
+        """Optional fields that the vehicle does not support, and that its profile allows to leave out."""
         self._has_noted = False
-        """A stale last node is told once."""
+        """Whether a stale last node was logged."""
         self._still_s: float | None = None
-        """Since when the vehicle stands and shows no action of ours that is not over."""
+        """Since when the vehicle stands and shows none of our actions that is not over."""
 
     # --- what is wanted --------------------------------------------------------------------------
 
     def is_ready(self, now_s: float) -> bool:
-        """Whether the vehicle would take a new order."""
+        """Whether the vehicle would accept a new order."""
         if self.present is not None and self.present.now is not OrderState.REFUSED:
             return False
         view = self._view
@@ -128,11 +128,11 @@ class Orders:
             return True
         if view.is_driving or self._still_s is None:
             return False
-        # Some never clear what they show: then its standing still counts.
+        # Some never clear their states: then standing still counts.
         return now_s - self._still_s >= (STALE_S if view.is_foreign else SETTLE_S)
 
     def hindrance(self, now_s: float) -> str:
-        """What keeps the vehicle from taking another order, in words; empty where nothing does, or it has one."""
+        """Why the vehicle takes no other order, in words; empty for no reason, or while it has one."""
         order, view = self.present, self._view
         is_due = order is None or (order.now is OrderState.REFUSED and now_s >= order.retry_s)
         if not is_due or self.is_ready(now_s):
@@ -147,7 +147,7 @@ class Orders:
 
     @property
     def overlong(self) -> str:
-        """What was begun and does not end, in words; empty for nothing."""
+        """The overdue order or action in words; empty for none."""
         order = self.present
         if order is None or order.action is None or order.acts_since_s is None:
             return ""
@@ -159,12 +159,12 @@ class Orders:
         return f"its action {order.action.type} has not ended for {bound_s:.0f} s"
 
     def offer(self, order: VehicleOrder, now_s: float) -> None:
-        """Say a new order; `present` is None or over."""
+        """Send a new order; `present` is None or over."""
         self.present, order.begun_s = order, now_s
         self._offer(order, now_s)
 
     def recognise(self, order: VehicleOrder, now_s: float) -> None:
-        """Go on with an order of an earlier life: it runs, or it is said again."""
+        """Continue an earlier life's order: it runs, or it is sent again."""
         self.present, order.begun_s, order.offered_s = order, now_s, now_s
 
     def extend(
@@ -175,7 +175,7 @@ class Orders:
         beyond: list[Stop],
         now_s: float,
     ) -> None:
-        """Release more of the present order, or tell another horizon: an update that begins with the last node of the base."""
+        """Release more of the present order, or change its horizon: an update that begins with the last node of the base."""
         order = self.present
         if order is None or order.now is not OrderState.RUNNING:
             return
@@ -194,7 +194,7 @@ class Orders:
         self._say(order, now_s)
 
     def cancel(self, now_s: float) -> None:
-        """End the present order; one that the vehicle does not show is cancelled when it does."""
+        """End the present order; if the vehicle does not show it yet, cancel it later."""
         order = self.present
         if order is None:
             return
@@ -205,7 +205,7 @@ class Orders:
             self._end(order, OrderState.ENDED, CANCELLED, now_s)
 
     def fail(self, error: VehicleError, now_s: float) -> None:
-        """End the present order, since the vehicle cannot go on with it: it waits to be told so."""
+        """End the present order by an error: the vehicle waits for the cancellation."""
         order = self.present
         if order is not None and order.now in ACTIVE:
             order.reason, order.ended_by = error.text, error
@@ -213,14 +213,14 @@ class Orders:
 
     @property
     def running(self) -> VehicleOrder | None:
-        """The present order, if the vehicle has it and nobody has taken it back."""
+        """The present order, if the vehicle has it and it is not being cancelled."""
         order = self.present
         return order if order is not None and order.now in ACTIVE else None
 
     # --- what the vehicle says -------------------------------------------------------------------
 
     def on_state(self, now_s: float) -> None:
-        """Follow the order by a new state."""
+        """Update the order from a new state."""
         state, order = self._view.state, self.present
         if self._view.is_driving or (self._view.acting and not self._view.is_foreign):
             self._still_s = None
@@ -235,7 +235,7 @@ class Orders:
             case OrderState.OFFERED | OrderState.REFUSED if is_shown:
                 order.states.enter(OrderState.RUNNING)
                 self.unwilling.accepted()
-                order.reason = ""  # Of an earlier refusal.
+                order.reason = ""  # The reason was an earlier refusal.
                 order.has_horizon = bool(order.beyond)
                 self._follow(order, state, now_s)
                 if order.is_unwanted and order.now in ACTIVE:
@@ -253,7 +253,7 @@ class Orders:
                 self._pass_to(order, state, now_s)
 
     def tick(self, now_s: float) -> None:
-        """Time has passed: say again, give up, look at what only waits."""
+        """Repeat, give up, or check waiting actions, by time."""
         order = self.present
         if order is None:
             return
@@ -272,7 +272,7 @@ class Orders:
             self._judge(order, self._view.state, now_s)
 
     def _heed(self, order: VehicleOrder, now_s: float) -> None:
-        """An order that it has, and complains of, and stands: it was refused, though it shows it."""
+        """Treat an order as refused, if the vehicle shows it, complains of it and stands."""
         error = refusal(order, self._view.state)
         if error is None or error.error_level not in (FATAL, CRITICAL) or self._view.is_moving:
             return
@@ -282,7 +282,7 @@ class Orders:
     # --- an order that is offered ----------------------------------------------------------------
 
     def _offer(self, order: VehicleOrder, now_s: float) -> None:
-        """Say it under a fresh id: one that was refused may not come again."""
+        """Send the order under a new id: a refused id may not be reused."""
         self._number += 1
         order.id = f"{self._prefix}{self._number}"
         order.ids.append(order.id)
@@ -311,7 +311,7 @@ class Orders:
         )
 
     def _insist(self, order: VehicleOrder, now_s: float) -> None:
-        """Say it until it is shown; what is not shown in time was refused in silence."""
+        """Repeat an order until it is shown; one not shown in time counts as silently refused."""
         if not self._is_unseen(order, now_s):
             if now_s - order.said_s >= self._profile.resend_s:
                 self._say(order, now_s)
@@ -322,7 +322,7 @@ class Orders:
             self._take_back_update(order)
 
     def _is_unseen(self, order: VehicleOrder, now_s: float) -> bool:
-        """Whether the vehicle has spoken for long enough after it was said, and does not show it."""
+        """Whether the vehicle has sent states long enough after the order, and does not show it."""
         silent_s = self._profile.silent_s
         return now_s - order.offered_s >= silent_s and self._view.heard_s >= order.offered_s + silent_s / 2.0
 
@@ -338,14 +338,14 @@ class Orders:
             order.retry_s = now_s + FIRST_RETRY_S * 2.0 ** (len(order.ids) - 1)
 
     def _leave_out(self, error: VehicleError) -> None:
-        """What it does not support is not said again, where the profile allows that."""
+        """Leave out unsupported fields from now on, where the profile allows that."""
         names = unsupported(error) & frozenset(self._profile.leave_out) - self._without
         if names:
             self._without |= names
             self._out.append(Note(f"left out of orders, since the vehicle says: {error.text}"))
 
     def _is_hindered(self, order: VehicleOrder, now_s: float) -> bool:
-        """Whether an order of an earlier life keeps it from taking this one, by a horizon that is left: it is cancelled first."""
+        """Whether the horizon of an earlier life's order blocks this one; that order is cancelled first."""
         view, instant = self._view, self._instant
         if view.is_idle or not view.shows_ours or order.reason == REFUSED_SILENTLY:
             instant.forget(CANCEL)
@@ -370,14 +370,14 @@ class Orders:
         self._judge(order, state, now_s)
 
     def _take_back_update(self, order: VehicleOrder) -> None:
-        """It drives to the end of the base that it has; the rest is another order's."""
+        """Drop a refused update: the vehicle drives to the end of its base, and the rest goes into another order."""
         order.states.enter(OrderState.RUNNING)
         last = max(order.sent_base, order.passed + 1)
         del order.stops[last:], order.places[last:], order.speeds_mps[last:]
         order.beyond, order.takes_updates = [], False
 
     def _pass_to(self, order: VehicleOrder, state: State, now_s: float) -> None:
-        """Tell every node that was passed, those that no state has shown included."""
+        """Tell the owner every passed node, including those that no state has shown."""
         if state.order_id not in order.ids:
             return
         reached = order.place_in(state)
@@ -386,18 +386,18 @@ class Orders:
             self._owner.on_passed(order, order.passed, now_s)
 
     def _judge(self, order: VehicleOrder, state: State, now_s: float) -> None:
-        """Whether it has come to an end."""
+        """Detect the end of the order."""
         if order.action is not None:
             self._judge_action(order, order.action, state, now_s)
         elif order.passed == order.end and not self._view.is_driving:
             if order.has_horizon and not order.beyond:
                 self._begin_cancel(
                     order, now_s
-                )  # It waits for what nobody wants any more, and takes no update.
+                )  # It waits for its horizon, which is not wanted any more, and takes no update.
             elif not order.beyond:
                 self._end(order, OrderState.DONE, "", now_s)
         elif self._is_quiet(order, now_s):
-            # Shown, never begun, and complained of: a refusal that came late.
+            # Shown, never begun, and complained of: a late refusal.
             order.ended_by = critical(state, self._profile)
             error = (refusal(order, state) if not order.passed else None) or order.ended_by
             if error is None and self._stands_at_end(order):
@@ -440,7 +440,7 @@ class Orders:
             self._owner.on_passed(order, order.passed, now_s)
 
     def _stands_at_end(self, order: VehicleOrder) -> bool:
-        """Whether its pose is at the order's last node: that counts for more than a stale `lastNodeId`."""
+        """Whether its pose is at the order's last node: the pose prevails over a stale `lastNodeId`."""
         pose, spot = self._view.pose, order.stops[-1][1]
         if pose is None or not self._view.is_on_map:
             return False
@@ -456,15 +456,15 @@ class Orders:
             self._out.append(Note(text))
 
     def _is_quiet(self, order: VehicleOrder, now_s: float) -> bool:
-        """Whether the vehicle has had nothing left to do for a while, though the order is not done."""
+        """Whether the vehicle has had no remaining work for a while, though the order is not done."""
         order.quiet_since_s = (order.quiet_since_s or now_s) if self._view.is_idle else None
         return order.quiet_since_s is not None and now_s - order.quiet_since_s >= SETTLE_S
 
     def _wonder(self, order: VehicleOrder, state: State, now_s: float) -> None:
-        """It shows another order than ours, or none."""
+        """The vehicle shows another order than ours, or none."""
         at_end = order.kind is Kind.STEP and state.last_node_id == order.nodes[-1]
         if at_end and not state.order_id and self._view.is_idle:
-            # It has come to the end, and clears its order at once.
+            # It has reached the end, and clears its order at once.
             self._pass_all(order, now_s)
             self._end(order, OrderState.DONE, "", now_s)
             return
@@ -481,7 +481,7 @@ class Orders:
         self._instant.say(CANCEL, now_s)
 
     def _watch_cancel(self, order: VehicleOrder, now_s: float) -> None:
-        """It is over when cancelOrder is FINISHED, or when there is nothing to cancel; not when it is only seen."""
+        """End the order when cancelOrder is FINISHED, or when nothing is left to cancel; not when it is only shown."""
         state, status = self._view.state, self._instant.status(CANCEL)
         given_up = self._instant.is_given_up(CANCEL)
         self._is_quiet(order, now_s)
@@ -502,7 +502,7 @@ class Orders:
 
     @property
     def does_not_cancel(self) -> bool:
-        """Whether the vehicle goes on with an order that was cancelled as often as it is."""
+        """Whether the vehicle continues an order after the maximum of cancellations."""
         order = self.present
         return order is not None and order.now is OrderState.CANCELLING and self._instant.is_given_up(CANCEL)
 

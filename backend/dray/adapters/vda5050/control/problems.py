@@ -1,7 +1,8 @@
-"""What keeps a vehicle from going on, as people should read it.
+"""The problems that block a vehicle, in words for people.
 
-FATAL errors, CRITICAL ones for a while (`criticals.py`), an emergency stop, a mode in which people drive it, a lost position, silence and
-a broker that is away are problems. WARNING and URGENT are not: the vehicle goes on. Nor are errors about orders: they end the order.
+Problems are FATAL errors, CRITICAL ones for a while (`criticals.py`), and an emergency stop. A manual mode, a lost position,
+silence and a lost broker are problems, too. WARNING and URGENT are none: the vehicle goes on. Nor are errors about orders: they end
+the order.
 """
 
 from __future__ import annotations
@@ -15,13 +16,13 @@ from dray.messages.base import METRES_MAX
 from dray.messages.problem import Problem, ProblemKind
 
 AWAY_S = 5.0
-"""A vehicle that says it is away, or a broker that is, may be back before that."""
+"""Seconds in which an absent vehicle or broker may return without a problem."""
 
 SILENT_PERIODS = 2.2
-"""So many times the longest gap between two states without one: two were lost."""
+"""Silence as a multiple of the longest gap between states: two were lost."""
 
 OBEYS = frozenset({"AUTOMATIC", "SEMIAUTOMATIC"})
-"""In which its master decides where it drives."""
+"""Modes in which its master decides where it drives."""
 
 MODES = frozenset(
     {"AUTOMATIC", "SEMIAUTOMATIC", "STARTUP", "INTERVENED", "MANUAL", "SERVICE", "TEACHIN", "TEACH_IN"}
@@ -37,18 +38,18 @@ KINDS = (
     (ProblemKind.WAY_BLOCKED, ("obstacle", "block", "unreachable", "no_route", "noroute", "path")),
     (ProblemKind.DOCK, ("dock", "conveyor", "station", "door")),
 )
-"""Pieces of an error's type, and what is probably wrong; the first that fits. A profile says it better."""
+"""Parts of an error's type, and the likely kind; the first match counts. A profile is more exact."""
 
 
 def absence(
     view: VehicleView, profile: Profile, unlinked: tuple[str, float] | None, now_s: float
 ) -> ProblemRaised | None:
-    """Why nothing is known of the vehicle now; None when it is there.
+    """Why the vehicle's state is unknown now; None when it is known.
 
     Args:
-        view: what it has said.
-        profile: how often it speaks.
-        unlinked: why the broker is away, and since when.
+        view: the vehicle's messages.
+        profile: its message periods.
+        unlinked: the reason and time of the loss of the broker.
         now_s: the present time.
     """
     if unlinked is not None and now_s - unlinked[1] >= AWAY_S:
@@ -65,16 +66,16 @@ def absence(
 
 
 def complaint(state: State, profile: Profile, *, critical: bool) -> ProblemRaised | None:
-    """What the vehicle itself says keeps it from going on; None for nothing.
+    """The problem that the vehicle itself reports; None for none.
 
     Args:
-        state: the newest one.
-        profile: of its type.
-        critical: CRITICAL errors are among that now (`Criticals`).
+        state: the newest state.
+        profile: its type's profile.
+        critical: whether CRITICAL errors count as problems now (`Criticals`).
     """
     safety = state.safety_state
     if safety is not None and (stop := safety.emergency_stop):
-        # AUTOACK is taken back by the vehicle itself.
+        # The vehicle itself resets AUTOACK.
         person = stop != "AUTOACK"
         return problem(f"emergency stop ({stop})", ProblemKind.EMERGENCY_STOP, needs_person=person)
     mode = state.operating_mode or ""
@@ -98,12 +99,12 @@ def complaint(state: State, profile: Profile, *, critical: bool) -> ProblemRaise
 def problem(
     reason: str, kind: ProblemKind = ProblemKind.UNKNOWN, *, needs_person: bool | None = None
 ) -> ProblemRaised:
-    """As it is reported."""
+    """A problem in the form of a report."""
     return ProblemRaised(reason=reason, problem=Problem(kind=kind, needs_person=needs_person))
 
 
 def kind_of(error: VehicleError, profile: Profile) -> ProblemKind:
-    """What an error is about: by the profile, else by its type."""
+    """The kind of an error: by the profile, else by its type."""
     if (kind := profile.problems.get(error.error_type or "")) is not None:
         return kind
     words = (error.error_type or "").lower()
@@ -111,6 +112,6 @@ def kind_of(error: VehicleError, profile: Profile) -> ProblemKind:
 
 
 def is_attended(state: State) -> bool:
-    """Whether people have it in their hands."""
+    """Whether people operate it."""
     mode = state.operating_mode or ""
     return mode in MODES and mode not in OBEYS and mode != "STARTUP"

@@ -1,6 +1,6 @@
-"""Errors that are about an order, not about the vehicle: which one refuses the order that was just said.
+"""Errors about orders, not about the vehicle: finding the one that refuses a given order.
 
-VDA 5050 3.0 (6.6.5.4) names their types, and each stays until the next order is accepted. Vehicles of 2.x say the same at any
+VDA 5050 3.0 (6.6.5.4) names their types, and each stays until the next order is accepted. Vehicles of 2.x report the same at any
 level, FATAL too, and often without naming the order.
 """
 
@@ -27,19 +27,19 @@ CRITICAL, FATAL = "CRITICAL", "FATAL"
 
 
 def plain(error_type: str | None) -> str:
-    """A type of an error as it is compared: vehicles write it in capitals, in camel case, with and without underscores."""
+    """A normalised error type: vehicles write it in capitals, in camel case, with and without underscores."""
     return (error_type or "").replace("_", "").lower()
 
 
 def is_about_order(error: VehicleError) -> bool:
-    """Whether its type says that an order or an instant action is wrong: such an error keeps no vehicle from going on."""
+    """Whether the type concerns an order or an instant action: such an error does not block the vehicle."""
     return plain(error.error_type) in ABOUT_ORDERS
 
 
 def refusal(order: VehicleOrder, state: State) -> VehicleError | None:
-    """The error that refuses an order: one that names it, else a new one about orders that names no other.
+    """The error that refuses an order: one that names it, else a new one about orders without another order's name.
 
-    Warnings that linger name others, or were there before the order or its update was said.
+    Lingering warnings name other orders, or existed before the order or its update was sent.
     """
     errors = [error for error in state.errors or () if error.key not in order.old_errors]
     named = next((error for error in errors if error.names(order.id)), None)
@@ -49,12 +49,12 @@ def refusal(order: VehicleOrder, state: State) -> VehicleError | None:
 
 
 def kept_refusal(state: State) -> VehicleError | None:
-    """An error about orders that names none and is still shown: vehicles keep it until they take an order, and do not say it anew."""
+    """A shown error about orders that names none: vehicles keep it until they take an order, and do not report it again."""
     return next((each for each in state.errors or () if is_about_order(each) and not each.order_named), None)
 
 
 def unsupported(error: VehicleError) -> frozenset[str]:
-    """The names of parameters that an error says are not supported; empty where it says no such thing."""
+    """The names of parameters that an error reports as unsupported; empty for other errors."""
     if plain(error.error_type) != UNSUPPORTED:
         return frozenset()
     said = ((pair.reference_key, pair.reference_value) for pair in error.error_references or ())
@@ -62,7 +62,7 @@ def unsupported(error: VehicleError) -> frozenset[str]:
 
 
 def is_critical(error: VehicleError, profile: Profile) -> bool:
-    """Whether a vehicle cannot go on with its order for this, though it takes others (3.0, 6.6.5.1)."""
+    """Whether the error ends the vehicle's order, though it takes others (3.0, 6.6.5.1)."""
     if is_about_order(error):
         return False
     kept = error.error_level == FATAL and error.error_type in profile.kept_until_order

@@ -1,27 +1,27 @@
-"""Problems that come and go: one that flickers is one problem, held until it has been away for a while, and not a call for help a second."""
+"""Steady problems: a flickering problem is held until it has been absent for a while, instead of calling for help every second."""
 
 from __future__ import annotations
 
 from dray.body import ProblemRaised
 
 HELD_S, HELD_MAX_S = 10.0, 120.0
-"""How long a problem that is back must be away before it is over: the first time, and at most."""
+"""Absence after which a recurring problem is over: the first time, and at most."""
 
 BACK_S = 60.0
-"""A problem that comes so soon after its end is the same one."""
+"""A problem that returns so soon after its end is the same one."""
 
 RETOLD_S = 60.0
-"""Words that change while the problem stays are told so often at most; figures in them that change are not told."""
+"""Least seconds between reports of a problem's changed text; changed figures in it are not reported."""
 
 KNOWN_MAX = 50
-"""Problems that are remembered; a vehicle has a handful."""
+"""Maximum problems remembered; a vehicle has a handful."""
 
 
 class Steady:
-    """What is told of one vehicle's problems.
+    """The reported problems of one vehicle.
 
     Attributes:
-        told: the problem as it stands; None for none.
+        told: the present problem; None for none.
     """
 
     def __init__(self) -> None:
@@ -29,18 +29,18 @@ class Steady:
         self._told_s = 0.0
         self._gone_s: float | None = None
         self._held_s: dict[str, float] = {}
-        """Of problems that were there: how long they must be away the next time."""
+        """By problem, the absence required the next time."""
         self._ended_s: dict[str, float] = {}
 
     def look(self, found: ProblemRaised | None, now_s: float) -> ProblemRaised | None:
-        """What is to be told, by what is found now.
+        """Update by the present findings.
 
         Args:
-            found: what keeps the vehicle from going on at this moment; None for nothing.
+            found: the present problem of the vehicle; None for none.
             now_s: the present time.
 
         Returns:
-            The problem that stands; None when it is over.
+            The problem to report; None when it is over.
         """
         told = self.told
         if found is None:
@@ -77,7 +77,7 @@ class Steady:
 
 
 def _name(problem: ProblemRaised) -> str:
-    """Which problem it is: its kind, and its words before the first colon, without figures."""
+    """The identity of a problem: its kind, and its text before the first colon, without figures."""
     return f"{problem.problem.kind} {_figureless(problem.reason.partition(':')[0])}"
 
 

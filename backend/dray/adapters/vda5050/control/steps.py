@@ -1,4 +1,4 @@
-"""Orders as they are built: the next step of a way, more of its base, an action where the vehicle stands."""
+"""Building orders: the next step of a way, more of its base, an action where the vehicle stands."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from dray.plant import Plant
 from dray.plant.model import MapFrame, VehicleType
 
 TEMPORARY = "here"
-"""What a node is called that is none of the plant's: where a vehicle stands between two."""
+"""The name of a node outside the plant, for a vehicle that stands between two nodes."""
 
 
 @dataclass(frozen=True)
 class More:
-    """What an update adds."""
+    """The content of an update."""
 
     stops: list[Stop]
     places: list[Place]
     speeds_mps: list[float | None]
-    """Of base and horizon."""
+    """The limits of base and horizon."""
     beyond: list[Stop]
 
 
@@ -37,12 +37,12 @@ class Steps:
 
     Args:
         plant: roads and stations.
-        vehicle_type: how fast it is.
-        profile: what it understands.
-        view: where it is.
+        vehicle_type: its speed.
+        profile: its type's profile.
+        view: its position.
 
     Attributes:
-        twice: an action's node is listed twice, sequence 0 and 2.
+        twice: whether an action's node is listed twice, with sequence 0 and 2.
     """
 
     def __init__(self, plant: Plant, vehicle_type: VehicleType, profile: Profile, view: VehicleView) -> None:
@@ -52,11 +52,11 @@ class Steps:
 
     @property
     def corners(self) -> Collection[str]:
-        """Nodes of the plant that vehicles do not know: the corners of lanes that are not straight."""
+        """Nodes that vehicles do not know: the corners of lanes that are not straight."""
         return self._lane_of.keys()
 
     def spot(self, node: str) -> Spot:
-        """Where a node lies, as the vehicle's map has it."""
+        """A node's position in the vehicle's map."""
         point = self._plant.nodes[node]
         map_id = self._view.names.map_of(node, self._view.map_id)
         return self._spot_at(point.x_m, point.y_m, self._profile.deviation_m, map_id)
@@ -65,12 +65,12 @@ class Steps:
         """The next step of a way.
 
         Args:
-            way: not all of it is passed, and more is released.
-            stand: where the vehicle is.
+            way: a way with released nodes ahead.
+            stand: the vehicle's position.
             speed_frac: the limit that people have set.
 
         Returns:
-            An order; in words why there is none.
+            An order, or the reason why there is none.
         """
         first = self._start(stand)
         due = way.nodes[way.passed + 1]
@@ -97,15 +97,15 @@ class Steps:
         return order
 
     def more(self, order: VehicleOrder, way: Way | None, speed_frac: float) -> More | None:
-        """What more of a way a running order should be told; None for nothing."""
+        """The next extension of a running order; None for none."""
         if not order.takes_updates:
             return None
         place = order.places[order.end]
         if way is None or place is None or place[0] != way.number:
-            # The rest of the way is another one's: only what is no base yet can be taken back.
+            # The rest belongs to another way: only the horizon can be withdrawn.
             return More([], [], [], []) if order.beyond else None
         index = place[1]
-        # What is left to drive counts: a base that is long enough is left alone.
+        # The remaining distance counts: a base that is long enough stays as it is.
         left_m = self._left_m(order)
         end = index
         most = way.drivable
@@ -126,7 +126,7 @@ class Steps:
         )
 
     def action(self, task: Task, node: str, *, twice: bool | None = None) -> VehicleOrder:
-        """An order for a task, where the vehicle stands: the node once, or twice for those that need a way to it."""
+        """An order for a task where the vehicle stands: its node once, or twice for vehicles that need a way to it."""
         twice = self.twice if twice is None else twice
         use, values = self._use(task), _values(task, node, self._view.names)
         action = Action("", use.type, use.blocking, use.values(**values))
@@ -140,7 +140,7 @@ class Steps:
         return order
 
     def place(self, way: Way, order: VehicleOrder | None) -> None:
-        """Count what is left of the present order's base as nodes of a new way, as far as they agree."""
+        """Count the rest of the present order's base as nodes of a new way, as far as they agree."""
         if order is None or order.kind is not Kind.STEP:
             return
         if order.passed == order.end:
@@ -151,10 +151,10 @@ class Steps:
             agrees = agrees and on_way < len(way.nodes) and way.nodes[on_way] == order.nodes[index]
             order.places[index] = (way.number, on_way) if agrees else None
             if agrees and on_way >= way.released:
-                way.released = on_way + 1  # It cannot be taken back.
+                way.released = on_way + 1  # The base cannot be withdrawn.
 
     def _start(self, stand: Stand) -> Stop:
-        """The first node of an order: the vehicle is there already, wherever that is."""
+        """The first node of an order: the vehicle's present position."""
         point, wide_m = self._plant.nodes[stand.node], self._profile.first_deviation_m
         pose, lane = self._view.pose, self._lane_of.get(stand.node)
         if lane is None and (not stand.ahead or pose is None):
@@ -184,7 +184,7 @@ class Steps:
         return [way.speed_mps(self._plant, i, self._type, speed_frac) for i in range(first, last + 1)]
 
     def _left_m(self, order: VehicleOrder) -> float:
-        """What a vehicle has still to drive of its base, at least."""
+        """A lower bound of the remaining distance on its base."""
         nodes = order.nodes[order.passed :]
         left_m = sum(length_m(self._plant, *pair) for pair in pairwise(nodes))
         pose = self._view.pose
@@ -196,7 +196,7 @@ class Steps:
         return max(left_m - float(((spot.x_m - pose.x_m) ** 2 + (spot.y_m - pose.y_m) ** 2) ** 0.5), 0.0)
 
     def _is_by_hand(self, task: Task) -> bool:
-        """Whether a person hands the load over: no station is there."""
+        """Whether a person hands the load over, without a station."""
         return isinstance(task, Pick) and task.station not in self._plant.places
 
     def _use(self, task: Task) -> ActionUse:
@@ -209,7 +209,7 @@ class Steps:
 
 
 def _values(task: Task, node: str, names: Names) -> dict[str, str | int]:
-    """What the parameters of a profile may name."""
+    """The values for names in a profile's parameters."""
     return {
         "station": names.station(task.charger if isinstance(task, Charge) else task.station),
         "node": names.node(node),

@@ -1,7 +1,7 @@
-"""A vehicle that takes no order: each one was refused as often as its profile allows, and none was shown in between.
+"""A vehicle that takes no orders: each was refused as often as its profile allows, and none was shown in between.
 
-One such order may be wrong; two are a problem of the vehicle, so that it wins no task that it does not drive, and people look. The
-problem ends by itself, since only another order tells whether it takes orders again; it lasts twice as long each time.
+One such order may be wrong. Two are a problem of the vehicle: it must win no tasks, and people must look. The problem ends by
+itself, since only another order shows whether the vehicle takes orders again; it lasts twice as long each time.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from __future__ import annotations
 ORDERS = 2
 
 TOLD_S, TOLD_MAX_S = 60.0, 600.0
-"""How long it is a problem: at first, and at most."""
+"""Duration of the problem: at first, and at most."""
 
 
 class Unwilling:
-    """Of one vehicle."""
+    """Counts the refused orders of one vehicle."""
 
     def __init__(self) -> None:
         self._refused = 0
@@ -21,19 +21,19 @@ class Unwilling:
         self._told_s, self._until_s = TOLD_S, 0.0
 
     def refused(self, reason: str, now_s: float) -> None:
-        """An order was given up, for this; empty where the vehicle does not say why, and may have before."""
+        """An order was given up, with the reason; empty where the vehicle gives none, though it may have before."""
         self._refused, self._reason = self._refused + 1, reason or self._reason
         if self._refused >= ORDERS:
             self._until_s = now_s + self._told_s
             self._told_s = min(2.0 * self._told_s, TOLD_MAX_S)
 
     def accepted(self) -> None:
-        """An order is shown."""
+        """The vehicle shows an order."""
         self._refused, self._reason = 0, ""
         self._told_s, self._until_s = TOLD_S, 0.0
 
     def problem(self, now_s: float) -> str:
-        """What people should read; empty while orders may be said."""
+        """The problem for people; empty while orders may be sent."""
         if now_s >= self._until_s:
             return ""
         why = self._reason or "it does not say why"

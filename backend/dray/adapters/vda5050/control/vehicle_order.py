@@ -1,4 +1,4 @@
-"""One order of ours at a vehicle: what it says, how far it has come, and how it is written and remembered."""
+"""One order of ours at a vehicle: its content, its progress, and its written and stored forms."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NOBODY_LOADS = "nobody has loaded it by hand"
 
 
 class Kind(StrEnum):
-    """What an order is for."""
+    """The purpose of an order."""
 
     STEP = "step"
     PICK = "pick"
@@ -32,34 +32,34 @@ class Kind(StrEnum):
 Task = Pick | Drop | Charge
 
 Stop = tuple[str, Spot]
-"""A node of an order, and where it lies."""
+"""A node of an order, with its position."""
 
 Place = tuple[int, int] | None
-"""Of a node of an order in the agent's way: the number of the way, and the index there; None for no place."""
+"""A node's place in the agent's way: the number of the way, and the index there; None for no place."""
 
 
 class VehicleOrder:
     """One order.
 
     Args:
-        kind: what it is for.
-        number: of the agent's instruction; reports carry it.
+        kind: its purpose.
+        number: the number of the agent's instruction, for reports.
         stops: the nodes of its base; the vehicle is at the first one.
-        beyond: those of its horizon.
-        speeds_mps: the limit on the edge to each node, base and horizon; the first one's means nothing.
-        action: what it does at its last node; None for a step.
+        beyond: the nodes of its horizon.
+        speeds_mps: the limit on the edge to each node, base and horizon; the first one is unused.
+        action: the action at its last node; None for a step.
         task: the instruction behind the action.
-        corners: nodes of the plant that the vehicle does not know: its edges lead over them. Neither base nor horizon ends at one.
+        corners: nodes that the vehicle does not know: edges lead over them. Neither base nor horizon ends at one.
 
     Attributes:
         origin: the node that the vehicle left last, or stands at.
-        ids: under which it was offered; the newest last.
-        id: the one that the vehicle shows, else the newest.
+        ids: all ids under which it was offered; the newest last.
+        id: the id that the vehicle shows, else the newest.
         update: the number of the newest update.
-        passed: how many of its base's nodes the vehicle has come past, less one: the index of the last one.
+        passed: the index of the last passed node of its base.
         places: for each node of the base its place in the agent's way.
         reason: why it has ended without success.
-        is_unwanted: it is to be cancelled as soon as the vehicle has it.
+        is_unwanted: whether to cancel it as soon as the vehicle has it.
     """
 
     def __init__(
@@ -82,44 +82,44 @@ class VehicleOrder:
         self.id = ""
         self.update = 0
         self.sent_base = len(stops)
-        """Nodes of the base that the vehicle is known to have."""
+        """Number of base nodes that the vehicle is known to have."""
         self.has_horizon = False
-        """The vehicle is known to have a horizon, too: it is not idle before that is taken back."""
+        """Whether the vehicle has a horizon: it does not become idle before that is withdrawn."""
         self.from_node = 0
-        """The first node of the newest update: the last one of the base before it."""
+        """The index of the newest update's first node: the last node of the base before."""
         self.passed = 0
         self.places: list[Place] = [None] * len(stops)
         self.states: States[OrderState] = States("an order", TRANSITIONS, OrderState.OFFERED)
         self.reason = ""
         self.old_errors: frozenset[tuple[str, str, tuple[str, ...]]] = frozenset()
-        """What the vehicle complained of when it was offered, or warned of when it was extended: that refuses something else."""
+        """The vehicle's errors when the order was offered, or warnings when it was extended: they do not refuse it."""
         self.refused_with = ""
-        """The words of its newest refusal in words."""
+        """The text of its newest refusal with one."""
         self.ended_by: VehicleError | None = None
-        """The error for which it was ended; None for none."""
+        """The error that ended it; None for none."""
         self.is_unwanted = False
         self.takes_updates = True
         self.is_twice = False
-        """Its node is listed twice."""
+        """Whether its node is listed twice."""
         self.begun_s = 0.0
-        """When it was offered first."""
+        """The time of the first offer."""
         self.offered_s = self.said_s = 0.0
         self.retry_s = 0.0
-        """When it may be offered again."""
+        """The earliest time of the next offer."""
         self.by_hand_s: float | None = None
-        """So long its action may wait for a person; None where nobody is needed."""
+        """Maximum seconds that its action may wait for a person; None where no person is needed."""
         self.waits_since_s: float | None = None
         """Since when its action only waits."""
         self.acts_since_s: float | None = None
-        """Since when the vehicle has it, and its action has not ended."""
+        """Since when the vehicle has it, with an action that has not ended."""
         self.quiet_since_s: float | None = None
-        """Since when the vehicle has nothing left to do, and the order is not done."""
+        """Since when the vehicle has no remaining work, though the order is not done."""
         self.strangers = 0
-        """States in a row that show another order."""
+        """Consecutive states that show another order."""
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """Of its base, as the plant calls them: the first one may have another name in the order."""
+        """The plant's names of its base's nodes: the first one may have another name in the order."""
         return (self.origin, *(stop[0] for stop in self.stops[1:]))
 
     @property
@@ -132,11 +132,11 @@ class VehicleOrder:
         return self.states.now
 
     def overdue(self, now_s: float, waiting_s: float) -> str:
-        """Why its action is not waited for any longer; empty while it is.
+        """Why its action has timed out; empty while it has not.
 
         Args:
             now_s: the present time.
-            waiting_s: so long an action may show that it waits.
+            waiting_s: maximum seconds that an action may show that it waits.
         """
         if self.by_hand_s is not None:
             return NOBODY_LOADS if now_s - self.offered_s >= self.by_hand_s else ""
@@ -144,7 +144,7 @@ class VehicleOrder:
         return ONLY_WAITS if waits else ""
 
     def message(self) -> Order:
-        """The newest update, as it is said; the same however often."""
+        """The newest update, as sent; equal each time."""
         first, base_end = self.from_node, self.end
         points = [*self.stops, *self.beyond]
         told = self._told(points)
@@ -177,7 +177,7 @@ class VehicleOrder:
         return Order(self.id, self.update, nodes, edges)
 
     def memory(self) -> OrderMemory:
-        """What the next life must know of it."""
+        """Its memory for the next life."""
         task = self.task
         return OrderMemory(
             id=self.id,
@@ -194,25 +194,25 @@ class VehicleOrder:
         )
 
     def is_shown(self, state: State) -> bool:
-        """Whether the vehicle shows it under any of its ids; one that has forgotten the id may show its action all the same."""
+        """Whether the vehicle shows it under any of its ids, or at least its action."""
         if state.order_id and state.order_id in self.ids:
             return True
         return self.action is not None and state.action(self.action.id) is not None
 
     def place_in(self, state: State) -> int:
-        """The index of the last node that was passed, by node and sequence number; never lower than it was."""
+        """The index of the last passed node, by node and sequence number; never decreases."""
         nodes, node = self.nodes, state.last_node_id
         told = self._told(self.stops)
         by_number = (state.last_node_sequence_id or 0) // 2
         if 0 <= by_number < len(told) and nodes[told[by_number]] == node:
             return max(self.passed, told[by_number])
-        # A vehicle whose sequence numbers are of no use.
+        # For a vehicle with useless sequence numbers.
         if nodes[self.passed] == node:
             return self.passed
         return next((i for i in range(self.passed + 1, len(nodes)) if nodes[i] == node), self.passed)
 
     def _told(self, points: list[Stop]) -> list[int]:
-        """The indexes of those that are nodes of the order: all but corners."""
+        """The indexes of the nodes that are in the order: all but corners."""
         return [index for index, (name, _) in enumerate(points) if index == 0 or name not in self._corners]
 
 
@@ -224,18 +224,18 @@ class Builder(Protocol):
         """Nodes that vehicles do not know."""
 
     def spot(self, node: str) -> Spot:
-        """Where a node lies."""
+        """A node's position."""
 
     def action(self, task: Task, node: str, *, twice: bool | None = None) -> VehicleOrder:
         """An order for a task at a node."""
 
 
 def restored(memory: OrderMemory, build: Builder) -> VehicleOrder:
-    """An order of an earlier life: of a task the same in every word, since it may have to be said again.
+    """An earlier life's order: for a task it is equal in every word, since it may have to be sent again.
 
     Args:
-        memory: its nodes are the plant's.
-        build: builds it as the earlier life has.
+        memory: its stored form, with the plant's names.
+        build: the same builder as in the earlier life.
     """
     task = task_of(memory)
     if task is not None:
@@ -251,7 +251,7 @@ def restored(memory: OrderMemory, build: Builder) -> VehicleOrder:
 
 
 def task_of(memory: OrderMemory) -> Task | None:
-    """What an earlier life was told to do; None for a step."""
+    """An earlier life's task; None for a step."""
     match memory.kind:
         case Kind.PICK:
             return Pick(

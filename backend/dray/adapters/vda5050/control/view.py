@@ -1,7 +1,7 @@
-"""What is known of a vehicle from what it has said: its newest state, its pose, whether it is there.
+"""The master's view of a vehicle from its messages: its newest state, its pose, whether it is present.
 
-Times are ours: the vehicle's own clock is not looked at. Doubled and reordered states are told by `headerId`, which may
-begin anew after a restart.
+Times are ours: the vehicle's own clock is not used. `headerId` identifies doubled and reordered states; it may restart
+after a restart of the vehicle.
 """
 
 from __future__ import annotations
@@ -32,22 +32,22 @@ from dray.plant.model import VehicleType
 NEVER_S = float("-inf")
 
 REORDERED_MAX = 20
-"""A header id that is lower by so much at most is an older message; by more, the vehicle counts anew."""
+"""A header id lower by at most this means an older message; a lower one means that the vehicle has restarted counting."""
 
 REORDERED_S = 5.0
-"""No message is overtaken by one that came so much earlier."""
+"""No message is overtaken by one sent so much earlier."""
 
 STANDING_MPS = 0.02
-"""Slower is standing: odometry is never quite still."""
+"""Maximum speed that counts as standing: odometry is never quite still."""
 
 STIRRED_M = 0.05
-"""A pose that changes by less has not changed: localisation is never quite still."""
+"""Minimum change of a pose that counts as movement: localisation is never quite still."""
 
 CONTRADICTED_S = 10.0
-"""`driving` of a vehicle whose speed is 0, and whose pose does not change, is not believed after this."""
+"""Seconds after which `driving` is not believed, if the speed is 0 and the pose does not change."""
 
 _INSTANT = re.compile(r"-i\d+$")
-"""How ids of our instant actions end (`InstantActions`); those of orders never do."""
+"""The end of ids of our instant actions (`InstantActions`); those of orders never match."""
 
 DOUBLED, REORDERED, OTHER_MAP, NOWHERE, OTHER_TOPIC, WHICH_MAP = (
     "a doubled state",
@@ -57,33 +57,33 @@ DOUBLED, REORDERED, OTHER_MAP, NOWHERE, OTHER_TOPIC, WHICH_MAP = (
     "another topic",
     "a node of several maps, without a map",
 )
-"""What is counted, beside what is odd in a message."""
+"""Counted events, beside odd parts of a message."""
 
 
 class VehicleView:
-    """What one vehicle has said of itself.
+    """The state of one vehicle, by its messages.
 
     Args:
-        profile: of its type.
-        agent: whose vehicle it is: ids of our orders and actions begin with it.
-        kind: what the plant says of it.
-        names: what it calls the things of the plant.
+        profile: its type's profile.
+        agent: its agent: ids of our orders and actions begin with it.
+        kind: its type in the plant.
+        names: its names for the plant's things.
 
     Attributes:
-        names: likewise.
-        said_node: its last node, as it says it; in `state` that has our name.
-        odd: what was ignored, by reason.
-        doubts: about values that cannot be.
-        battery: how full it is.
-        state: the newest one.
-        heard_s: when that came; `NEVER_S` before the first one.
-        pose: in the plant's frame; None as long as it has not told one.
-        speed_mps: at which it moves.
-        map_id: on which it is.
-        away: its own word that it is not there: what it said; empty for none.
-        away_s: when it said so.
-        stirred_s: when it was seen to move last, by its speed or by its pose.
-        factsheet: None before it was told.
+        names: its names for the plant's things.
+        said_node: its last node by its own name; in `state` that has our name.
+        odd: ignored things, by reason.
+        doubts: about impossible values.
+        battery: its battery level.
+        state: the newest state.
+        heard_s: the time of that state; `NEVER_S` before the first one.
+        pose: in the plant's frame; None before the first one.
+        speed_mps: its speed.
+        map_id: its map.
+        away: its own report that it is offline; empty for none.
+        away_s: the time of that report.
+        stirred_s: the time of its last movement, by its speed or by its pose.
+        factsheet: None before the first one.
     """
 
     def __init__(self, profile: Profile, agent: str, kind: VehicleType, names: Names) -> None:
@@ -107,15 +107,15 @@ class VehicleView:
         self.stirred_s = NEVER_S
         self._stirred_at: Pose | None = None
         self._counts_anew = False
-        """It has connected anew: its messages may be numbered from 0 again."""
+        """It has reconnected: its messages may be numbered from 0 again."""
         self.doubtful_s: float | None = None
-        """When a state came that is older, of a vehicle that was restarted, or with a pose that jumps; None when newer ones have come."""
+        """The time of an old state, a state of a restarted vehicle, or a pose that jumps; None after a newer one."""
 
     def take(self, topic: str, data: bytes, now_s: float) -> State | None:
-        """Note what it says.
+        """Process a message.
 
         Returns:
-            A new state; None for anything else.
+            A new state; None for any other message.
         """
         match topic:
             case "state":
@@ -138,7 +138,7 @@ class VehicleView:
 
     @property
     def battery_frac(self) -> float:
-        """How full it is; reckoned, where it does not say so in a way that can be."""
+        """The battery level; estimated without a plausible report."""
         return self.battery.frac
 
     @property
@@ -148,24 +148,24 @@ class VehicleView:
 
     @property
     def is_moving(self) -> bool:
-        """Whether it moves, as far as it tells: by its speed, else by its word."""
+        """Whether it moves: by its speed, else by its own report."""
         if self.state.velocity is not None or self.pose is not None:
             return self.speed_mps > STANDING_MPS
         return self.is_driving
 
     @property
     def driven_m(self) -> float | None:
-        """Since its last node, of a vehicle that follows lines; None where it does not say that."""
+        """Metres since its last node, for a vehicle that follows lines; None without a report."""
         return self.doubts.driven(self.state.distance_since_last_node)
 
     @property
     def is_driving(self) -> bool:
-        """Whether it says so, and neither its speed nor its pose has contradicted that for a while."""
+        """Whether it reports driving, and neither its speed nor its pose has contradicted that for a while."""
         return self.state.driving is True and not self.is_driving_denied
 
     @property
     def is_driving_denied(self) -> bool:
-        """Whether it says that it drives, and stands: its speed is 0, and its pose has not changed."""
+        """Whether it reports driving, but stands: its speed is 0, and its pose has not changed."""
         is_seen = self.state.velocity is not None or self.pose is not None
         last_s = max(self.heard_s, self._posed_s)
         still = is_seen and last_s - self.stirred_s >= CONTRADICTED_S
@@ -175,17 +175,17 @@ class VehicleView:
 
     @property
     def shows_ours(self) -> bool:
-        """Whether the order that it shows is ours, of whatever life."""
+        """Whether its order is ours, of any life."""
         return (self.state.order_id or "").startswith(self._prefix)
 
     @property
     def is_foreign(self) -> bool:
-        """Whether it shows an order of somebody else."""
+        """Whether its order is of another master."""
         return bool(self.state.order_id) and not self.shows_ours
 
     @property
     def is_idle(self) -> bool:
-        """Nothing is left to do, by the words of the text: no nodes, no edges, all actions over that count."""
+        """Whether no work remains, by the standard: no nodes, no edges, and all counting actions are over."""
         state = self.state
         return not (self.acting or state.node_states or state.edge_states or self.is_driving)
 
@@ -193,8 +193,8 @@ class VehicleView:
     def acting(self) -> tuple[ActionState, ...]:
         """Actions of orders that are not over.
 
-        Our instant actions do not count. Of somebody else's actions only those do that an order of somebody else may have:
-        a lamp or a horn holds no order up.
+        Our instant actions do not count. Others' actions count only if they are of a type for orders: a lamp or a horn does not
+        delay an order.
         """
         return tuple(
             action
@@ -204,7 +204,7 @@ class VehicleView:
 
     @property
     def foreign_actions(self) -> tuple[ActionState, ...]:
-        """Actions that are not over, and of no order of ours nor of a life of ours."""
+        """Actions that are not over, and belong to none of our orders or lives."""
         listed = (*self.state.going_on, *self.state.running_instant)
         return tuple(action for action in listed if not self._is_ours(action))
 
@@ -220,7 +220,7 @@ class VehicleView:
         if not is_first and (why := self._stale(state, now_s)):
             self.odd[why] += 1
             if why == DOUBLED:
-                self.heard_s = now_s  # It is there, whatever it says.
+                self.heard_s = now_s  # Any message shows that it is present.
             elif self.doubtful_s is None:
                 self.doubtful_s = now_s
             return False
@@ -228,7 +228,7 @@ class VehicleView:
         self.state, self.heard_s, self.said_node = state, now_s, said
         self._stamps.look(state.timestamp, now_s)
         self.doubts.loads(state.loads)
-        self.away = ""  # Whoever speaks is there: `connection` is a hint.
+        self.away = ""  # A message shows that it is present: `connection` is only a hint.
         before = self.pose
         self._take_pose(state.position, state.velocity, now_s)
         driven_m = 0.0
@@ -242,7 +242,7 @@ class VehicleView:
         return True
 
     def _with_our_names(self, state: State) -> State:
-        """A state whose last node has our name; none where several have the vehicle's name for it."""
+        """A state with our name of its last node; with none where the name is ambiguous."""
         theirs = state.last_node_id
         if not theirs:
             return state

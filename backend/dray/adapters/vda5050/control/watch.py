@@ -1,7 +1,7 @@
-"""Whether a vehicle that drives an order comes nearer: whatever its flags say, a stand has a name after a while.
+"""Checks whether a driving vehicle approaches its next node: whatever its flags say, a long stand becomes a problem.
 
-Three reasons are told apart: somebody has pressed its pause button, something is in its way (then others are told to go round), or
-nobody knows. Position and speed count for more than `driving` and `paused`.
+Possible reasons are its pause button, an obstacle, or unknown. After an obstacle other vehicles are told to avoid the lane. Position
+and speed prevail over `driving` and `paused`.
 """
 
 from __future__ import annotations
@@ -17,70 +17,70 @@ from dray.plant import Plant
 from dray.plant.model import VehicleType
 
 PAUSED_S = 5.0
-"""A vehicle that shows `paused` and stands for so long, and was not told to, was paused by hand."""
+"""Seconds of `paused` and standing, without our request, that mean a pause by hand."""
 
 OBSTACLE_S = 5.0
-"""A vehicle that stands before something for so long is not about to go on."""
+"""Seconds of standing before an obstacle after which the vehicle is blocked."""
 
 FREE_S = 3.0
-"""What is in the way is gone when the vehicle has not shown it for so long."""
+"""Seconds without showing the obstacle after which it is gone."""
 
 NEARER_M = 0.1
-"""Less is no progress."""
+"""Minimum progress; less is none."""
 
 GONE_M = 0.3
-"""A vehicle that has come so much nearer since it stood drives on."""
+"""Approach since the stand that means that the vehicle drives on."""
 
 PATIENCE_S, TIMES = 15.0, 3.0
-"""A lane is to be driven in so many times the time that its length and speed limit ask for, and this beside the longest gap
+"""The allowed time of a lane: this factor times the time for its length and speed limit, plus these seconds and the longest gap
 between two states."""
 
 OBSTACLE_WORDS = ("obstacle", "block", "fieldviolation", "protectivefield", "safetyfield")
-"""Pieces of the type of an error with which a vehicle stands before something."""
+"""Parts of the type of an error that means standing before an obstacle."""
 
 FATAL = "FATAL"
 
 
 class Watch:
-    """Of one vehicle.
+    """The progress of one vehicle.
 
     Args:
         plant: roads.
         kind: the type of the vehicle.
-        profile: what it understands.
-        view: what it says.
+        profile: its type's profile.
+        view: the vehicle's messages.
     """
 
     def __init__(self, plant: Plant, kind: VehicleType, profile: Profile, view: VehicleView) -> None:
         self._plant, self._kind, self._profile, self._view = plant, kind, profile, view
         self._about: tuple[VehicleOrder, int] | None = None
-        """The order that is watched, and the node that it had come to."""
+        """The watched order, and the last passed node."""
         self._nearest_m = float("inf")
         self._since_s = 0.0
-        """When it came nearer last."""
+        """The time of its last progress."""
         self._paused_s: float | None = None
         self._blocked_s: float | None = None
-        """Since when it stands and shows that something is in its way."""
+        """Since when it stands and shows an obstacle."""
         self._unblocked_s: float | None = None
         self._told: WayBlocked | None = None
         self._told_m = 0.0
         self.problem: ProblemRaised | None = None
-        """What keeps it from coming nearer; None while it does."""
+        """Why it does not progress; None while it does."""
 
     def look(
         self, order: VehicleOrder | None, number: int, gap_m: float | None, now_s: float, *, may_drive: bool
     ) -> WayBlocked | WayFree | None:
-        """Look at a vehicle that drives.
+        """Check a driving vehicle.
 
         Args:
-            order: the one that it shows; None for none.
-            number: of the agent's way.
-            gap_m: how far it is from the next node; None where it does not say where it is.
+            order: the shown order; None for none.
+            number: the number of the agent's way.
+            gap_m: its distance to the next node; None for an unknown position.
             now_s: the present time.
-            may_drive: it is not held, and nothing else is known to keep it.
+            may_drive: whether it is not held, and has no other known problem.
 
         Returns:
-            What its agent should hear about what is in its way; None for nothing new.
+            A new report about an obstacle for its agent; None for none.
         """
         self.problem = None
         if order is None or order.kind is not Kind.STEP or order.passed >= order.end or not may_drive:
@@ -102,7 +102,7 @@ class Watch:
         return said
 
     def _measure(self, gap_m: float | None, now_s: float) -> None:
-        """By its place, else by what it has driven since its last node."""
+        """Measure by its position, else by the distance driven since its last node."""
         if gap_m is None:
             driven_m = self._view.driven_m
             gap_m = None if driven_m is None else -driven_m
@@ -135,8 +135,8 @@ class Watch:
         if self._told is not None and self._told.order == number:
             return None
         start, end = order.nodes[order.passed], order.nodes[order.passed + 1]
-        # An agent that goes on has forgotten what it was told, and is told again.
-        # It is on the lane by its order, and an order's base cannot be taken back: it does not turn round there.
+        # After resuming, an agent has forgotten the report, and gets it again.
+        # Its order contains the lane, and a base cannot be withdrawn: it does not turn round there.
         self._told = WayBlocked(order=number, start=start, end=end, entered=True)
         self._told_m = self._nearest_m
         return self._told
@@ -157,7 +157,7 @@ class Watch:
     # --- nobody knows why ------------------------------------------------------------------------
 
     def _patience_s(self, order: VehicleOrder) -> float:
-        """How long it may take to come nearer."""
+        """The maximum time without progress."""
         start, end = order.nodes[order.passed], order.nodes[order.passed + 1]
         limit_mps = order.speeds_mps[order.passed + 1] or self._kind.max_speed_mps
         return (
@@ -176,7 +176,7 @@ class Watch:
 
 
 def shows_obstacle(state: State) -> bool:
-    """Whether a vehicle says that something is in its way, short of an error that is a problem by itself."""
+    """Whether a vehicle reports an obstacle, without an error that is a problem by itself."""
     if state.safety_state is not None and state.safety_state.field_violation is True:
         return True
     words = (

@@ -1,4 +1,4 @@
-"""The way that an agent has given, and how far its vehicle has come on it."""
+"""The agent's way, and its vehicle's progress on it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ class Way:
     """One `Drive`.
 
     Args:
-        drive: the instruction; `objection` has nothing against it.
-        corners: nodes of the plant that are none for the vehicle, and where nobody stops.
+        drive: the instruction, valid by `objection`.
+        corners: nodes that the vehicle does not know, where no vehicle stops.
 
     Attributes:
-        passed: the index of the last node that was passed; -1 before the first one.
-        released: how many nodes may be driven to.
-        failures: orders in a row that have brought it no farther.
+        passed: the index of the last passed node; -1 before the first one.
+        released: number of released nodes.
+        failures: consecutive orders without progress.
     """
 
     def __init__(self, drive: Drive, corners: Collection[str] = ()) -> None:
@@ -36,7 +36,7 @@ class Way:
 
     @property
     def drivable(self) -> int:
-        """How many nodes an order may lead to: it never ends at a corner."""
+        """Number of nodes that an order may lead to: it never ends at a corner."""
         count = self.released
         while count > 1 and self.nodes[count - 1] in self._corners:
             count -= 1
@@ -44,11 +44,11 @@ class Way:
 
     @property
     def base_end(self) -> str:
-        """The last node that may be driven to; empty when it is passed."""
+        """The last released node; empty when it is passed."""
         return self.nodes[self.released - 1] if self.passed < self.released - 1 else ""
 
     def release(self, number: int, released: int) -> None:
-        """Let more be driven; what is late or of another way changes nothing."""
+        """Release more; a late release, or one of another way, changes nothing."""
         if number == self.number:
             self.released = min(max(self.released, released), len(self.nodes))
 
@@ -63,12 +63,12 @@ class Way:
         return min([*limits, lane.speed_limit_mps] if lane is not None else limits)
 
     def reach(self, plant: Plant, start: int, ahead_m: float) -> int:
-        """The index up to which a base goes: one lane at least, then to the first node that is so far ahead, and no corner.
+        """The last index of a base: at least one lane, then to the first node at that distance that is no corner.
 
         Args:
             plant: the roads.
-            start: the node from which is measured; -1 for the first one.
-            ahead_m: how far ahead the base should reach.
+            start: the node from which the distance counts; -1 for the first one.
+            ahead_m: the wanted length of the base.
         """
         index = min(start + 1, self.last)
         gone_m = 0.0 if index < 1 else length_m(plant, self.nodes[index - 1], self.nodes[index])
@@ -84,7 +84,7 @@ def objection(drive: Drive, start: str, plant: Plant, kind: str) -> str:
 
     Args:
         drive: the instruction.
-        start: where a way must begin now.
+        start: the required first node of a way now.
         plant: the roads.
         kind: the type of the vehicle.
     """
@@ -102,6 +102,6 @@ def objection(drive: Drive, start: str, plant: Plant, kind: str) -> str:
 
 
 def length_m(plant: Plant, start: str, end: str) -> float:
-    """Of a lane; 0 where there is none."""
+    """The length of a lane; 0 where there is none."""
     lane = plant.roads.lane(start, end)
     return 0.0 if lane is None else lane.length_m

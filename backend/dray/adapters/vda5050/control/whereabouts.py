@@ -1,4 +1,4 @@
-"""Where a vehicle stands on the plant's roads: at a node, or between two."""
+"""A vehicle's position on the plant's roads: at a node, or between two."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from dray.messages.base import Part
 from dray.plant import Plant
 
 PAST_M = 0.05
-"""A vehicle that follows lines and says a `distanceSinceLastNode` no greater is still at the node."""
+"""Maximum `distanceSinceLastNode` of a line-following vehicle that is still at the node."""
 
 
 class Stand(Part, frozen=True):
-    """Where it is."""
+    """A position on the roads."""
 
     node: str
-    """The node that it stands at, or that it left last."""
+    """The present node, or the last one left."""
     ahead: str = ""
-    """The end of the lane that it is on; empty at a node."""
+    """The end of its lane; empty at a node."""
 
 
 class Whereabouts:
@@ -37,16 +37,16 @@ class Whereabouts:
     def find(
         self, pose: Pose | None, said: str, course: tuple[str, ...] = (), *, is_past: bool = False
     ) -> Stand | None:
-        """Where it stands.
+        """The vehicle's position on the roads.
 
         Args:
-            pose: in the plant's frame; None when the vehicle does not tell one.
+            pose: in the plant's frame; None without a report.
             said: `lastNodeId`; believed when the pose agrees, or when there is none.
-            course: the nodes that it was about to drive to, in their order.
-            is_past: it follows lines and has left its last node: it cannot go back to that, however near.
+            course: the next nodes to drive to, in order.
+            is_past: whether a line-following vehicle has left its last node: it cannot go back there, however near.
 
         Returns:
-            None when it is at no place of the plant, or does not say where.
+            None when it is at no place of the plant, or its position is unknown.
         """
         nodes = self._plant.nodes
         if pose is None:
@@ -60,14 +60,14 @@ class Whereabouts:
         return self._on_lane(pose, said, course)
 
     def gap_m(self, pose: Pose | None, node: str) -> float:
-        """How far it is from a node; 0 without a pose."""
+        """The distance to a node; 0 without a pose."""
         if pose is None:
             return 0.0
         spot = self._plant.nodes[node]
         return hypot(spot.x_m - pose.x_m, spot.y_m - pose.y_m)
 
     def _on_lane(self, pose: Pose, said: str, course: tuple[str, ...]) -> Stand | None:
-        """On the lane that it was driving, else on one from the last node, else on the nearest."""
+        """Search the lane that it was driving, then the lanes of the last node, then the nearest."""
         due = set(pairwise(course))
         best: tuple[int, float] | None = None
         found = None

@@ -1,9 +1,8 @@
-"""What an agent wants of its vehicle, carried out as orders: one way or one task at a time.
+"""An agent's wishes, carried out as orders: one way or one task at a time.
 
-The agent's way (`Way`) and task (`Task`) are what is wanted; the order at the vehicle (`Orders.present`) is what is done
-about it. `go_on` looks whether more can be done: a vehicle that is idle gets its next step, a running one more base where
-its profile allows updates. A base cannot be taken back, so it is kept short, and a new way begins where the lane ends that
-the vehicle is on, as `dray.body.Drive` wants it.
+The agent's way (`Way`) and task (`Task`) are the wishes; the vehicle's order (`Orders.present`) carries them out. `go_on` sends what is
+possible: an idle vehicle gets its next step, a running one more base where its profile allows updates. A base cannot be
+withdrawn, so it is kept short. A new way begins at the end of the vehicle's lane, as `dray.body.Drive` requires.
 """
 
 from __future__ import annotations
@@ -49,27 +48,27 @@ from dray.plant import Plant
 from dray.plant.model import VehicleType
 
 FRUITLESS_MAX = 3
-"""Orders in a row that ended before their end, and brought the way no farther."""
+"""Maximum consecutive orders that ended early without progress of the way."""
 
 
 class Work:
-    """Of one vehicle. It is told by `Orders` what becomes of them.
+    """The wishes for one vehicle. `Orders` tells it what becomes of its orders.
 
     Args:
         plant: roads and stations.
-        vehicle_type: what the plant says of the vehicle.
-        profile: what it understands.
-        view: what it says.
+        vehicle_type: its type in the plant.
+        profile: its type's profile.
+        view: the vehicle's messages.
         instant: its instant actions.
-        load: what is on board.
+        load: the load on board.
         holding: whether it is held.
-        out: where effects go.
+        out: receives the effects.
 
     Attributes:
-        orders: what it is ordered; set by whoever puts these together.
-        stand: where it is, when no step of ours says so; None as long as that is not known.
-        lacks_place: it is at no place of the plant.
-        way, task: what its agent wants; one of them at most.
+        orders: its orders; set by the code that connects these objects.
+        stand: its position, unless a step of ours gives it; None while unknown.
+        lacks_place: whether it is at no place of the plant.
+        way, task: its agent's wish; at most one of them.
         speed_frac: the limit that people have set.
     """
 
@@ -97,7 +96,7 @@ class Work:
         self.task: Task | None = None
         self.speed_frac = 1.0
         self._left = ""
-        """A node that it could not set off from: however near it is, it has left it."""
+        """A node that it failed to set off from: it counts as left, however near it is."""
         self._charged_s: float | None = None
         """Since when it charges for our task."""
 
@@ -107,10 +106,10 @@ class Work:
         return self.orders.present is not None or self.way is not None or self.task is not None
 
     def between(self) -> tuple[str, str]:
-        """The node that was passed last, and where a new way may begin.
+        """The last passed node, and the possible start of a new way.
 
         Raises:
-            ProtocolViolation: it is not known where it is.
+            ProtocolViolation: its position is unknown.
         """
         order, stand = self.orders.present, self.stand
         if stand is None:
@@ -121,12 +120,12 @@ class Work:
         return nodes[order.passed], nodes[min(order.passed + 1, order.end)]
 
     def gap_m(self, node: str) -> float:
-        """How far the vehicle is from a node; 0 as long as it does not say."""
+        """The vehicle's distance to a node; 0 while unknown."""
         return self._whereabouts.gap_m(self._view.pose, node)
 
     @property
     def wants_order(self) -> bool:
-        """Whether there is more to be ordered, once the vehicle takes it."""
+        """Whether there is more to order, once the vehicle takes it."""
         way = self.way
         wants_step = way is not None and way.passed < way.drivable - 1
         return wants_step or (self.task is not None and self._charged_s is None)
@@ -155,7 +154,7 @@ class Work:
         self.task = task
         order = self.orders.present
         if order is not None and order.task is not None:
-            order.number = task.order  # An earlier life's, and the same.
+            order.number = task.order  # An earlier life's equal task.
 
     def _why_not(self, task: Task) -> str:
         """Why a task cannot be begun; empty when it can."""
@@ -178,7 +177,7 @@ class Work:
         return "nothing on board" if isinstance(task, Drop) and not self._load.item else ""
 
     def _end_task(self, reason: str, now_s: float) -> None:
-        """A new way, or another task, ends what was going on: a charge as it should, a pick or drop with a failure."""
+        """End the present task by a new way or task: a charge succeeds, a pick or drop fails."""
         task, self._charged_s = self.task, None
         order = self.orders.present
         if order is not None and order.action is not None:
@@ -193,7 +192,7 @@ class Work:
     # --- where it is -----------------------------------------------------------------------------
 
     def locate(self) -> None:
-        """Where it stands when no order says so."""
+        """Find its position when no order gives it."""
         order = self.orders.present
         if order is not None and order.kind is Kind.STEP:
             return
@@ -216,14 +215,14 @@ class Work:
     # --- what becomes of an order (`Owner`) ------------------------------------------------------
 
     def on_passed(self, order: VehicleOrder, index: int, now_s: float) -> None:
-        """A node of its base was reached."""
+        """A node of the base was passed."""
         self.stand, self._left = Stand(order.nodes[index]), ""
         way, place = self.way, order.places[index]
         if way is not None and place is not None and place[0] == way.number:
             self._reach(way, place[1])
 
     def on_over(self, order: VehicleOrder, now_s: float) -> None:
-        """It has ended, in whatever way."""
+        """The order has ended, in any way."""
         done = order.now is OrderState.DONE
         if order.kind is Kind.STEP:
             self._end_step(order, done, now_s)
@@ -253,15 +252,15 @@ class Work:
         else:
             way.failures += 1
             self._tell_blocked(way, order, found)
-            # What was cut short goes on from where it stands; what was refused, again and again, does not.
+            # An interrupted way continues from the present position; a repeatedly refused one does not.
             if order.reason != STOPPED_SHORT or way.failures >= FRUITLESS_MAX:
                 self._lose_way(way, order.reason)
 
     def _tell_blocked(self, way: Way, order: VehicleOrder, found: Stand | None) -> None:
-        """An error about its way has ended an order: others go round that lane, and its agent goes another way, if one leads there.
+        """Report a blocked lane after an error has ended an order: other vehicles avoid it, and its agent takes another way, if any.
 
-        The error lasts until the next order is accepted, so it does not say when the lane is free: agents forget it after a
-        while, or somebody drives there.
+        The error lasts until the next order is accepted, so its end does not show that the lane is free: agents forget it after a
+        while, or when a vehicle drives there.
         """
         error, first = order.ended_by, order.passed + 1
         if error is None or is_about_order(error) or first > order.end:
@@ -275,7 +274,7 @@ class Work:
         self._tell(WayBlocked(order=way.number, start=start, end=goal, entered=entered and end == first))
 
     def _pass_corners(self, order: VehicleOrder, found: Stand, now_s: float) -> None:
-        """Of a lane that was left half way: the vehicle has not told them."""
+        """Pass the corners of a lane that was left half way: the vehicle has not reported them."""
         ahead = list(takewhile(lambda node: node in self.steps.corners, order.nodes[order.passed + 1 :]))
         if found.node in ahead:
             for _ in range(ahead.index(found.node) + 1):
@@ -290,7 +289,7 @@ class Work:
             self._load.dropped()
         if isinstance(task, Charge):
             if self.task is not None:
-                self._charged_s = now_s  # The battery says when that is over.
+                self._charged_s = now_s  # The battery level shows when the charge is over.
             return
         self.task = None
         self._tell(ActionDone(order=order.number))
@@ -302,7 +301,7 @@ class Work:
             and self.task is not None
             and not order.is_unwanted
         ):
-            self.steps.twice = True  # Tried again, with its node listed twice.
+            self.steps.twice = True  # Retry with its node listed twice.
             return
         self.steps.twice = self._profile.action_node_twice
         had_begun = order.reason in (FORGOTTEN, VANISHED)
@@ -318,7 +317,7 @@ class Work:
             self._fail(order.number, order.reason or CANCELLED)
 
     def lose_track(self, order: VehicleOrder) -> None:
-        """Nobody saw the end of a pick or drop: what is on board is asked, not assumed."""
+        """The end of a pick or drop was not seen: ask for the load on board instead of assuming it."""
         task = order.task
         item, quantity = (
             (task.item, task.quantity) if isinstance(task, Pick) else (self._load.item, self._load.quantity)
@@ -328,7 +327,7 @@ class Work:
     # --- going on --------------------------------------------------------------------------------
 
     def go_on(self, now_s: float) -> None:
-        """Say what comes next, if anything can: there is no problem, and it is not held."""
+        """Send the next order, if possible; there is no problem, and the vehicle is not held."""
         if self.orders.present is not None:
             self._grow(self.orders.present, now_s)
             return
@@ -360,7 +359,7 @@ class Work:
             self.orders.extend(more.stops, more.places, more.speeds_mps, more.beyond, now_s)
 
     def _is_still_charging(self, now_s: float) -> bool:
-        """Whether it charges, and has to be told to stop that first."""
+        """Whether it charges, and must be told to stop that first."""
         stop = self._profile.stop_charging
         if not self._view.is_charging or not stop or isinstance(self.task, Charge):
             if stop:
@@ -371,7 +370,7 @@ class Work:
         return self._instant.status(stop) not in OVER and not self._instant.is_given_up(stop)
 
     def watch_charge(self) -> None:
-        """A charge is over when the battery is full."""
+        """End a charge when the battery is full."""
         task = self.task
         self._view.battery.is_plugged = isinstance(task, Charge) and self._charged_s is not None
         if isinstance(task, Charge) and (self._charged_s is not None or self._view.is_charging):
@@ -380,7 +379,7 @@ class Work:
                 self._tell(ActionDone(order=task.order))
 
     def _begin(self, way: Way) -> None:
-        """It stands at the first node."""
+        """The vehicle stands at the first node of its way."""
         self._reach(way, 0)
         if way.last == 0:
             self._finish_way(way)
@@ -406,7 +405,7 @@ class Work:
 
 
 def _is_same(one: Task, other: Task) -> bool:
-    """Whether two instructions are about the same."""
+    """Whether two instructions have the same content."""
     match one, other:
         case (Pick(), Pick()):
             return (one.station, one.item, one.quantity) == (other.station, other.item, other.quantity)

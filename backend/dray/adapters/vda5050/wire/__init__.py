@@ -1,1 +1,1 @@
-"""What goes over the wire: one table of dialects, messages of vehicles read tolerantly, orders and instant actions written."""
+"""The wire: one table of dialects, tolerant reading of vehicles' messages, writing of orders and instant actions."""

@@ -1,7 +1,7 @@
-"""The versions of VDA 5050 that are spoken, as one table: what differs between 2.0, 2.1 and 3.0 in what a master says.
+"""The supported versions of VDA 5050, as one table: the differences between 2.0, 2.1 and 3.0 in a master's messages.
 
-Sources: VDA5050_EN.md and the folder json_schemas at the tags 2.0.0, 2.1.0 and 3.0.0. What vehicles say is read without
-a table: `messages` knows the names of all versions at once.
+Sources: VDA5050_EN.md and the folder json_schemas at the tags 2.0.0, 2.1.0 and 3.0.0. Reading needs no table: `messages` knows the
+names of all versions at once.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ class Dialect(msgspec.Struct, frozen=True):
     """One version."""
 
     version: str
-    """As the header of every message has it."""
+    """The version in the header of every message."""
     prefix: str
-    """Of topics, as the text suggests it; before MANUFACTURER/SERIAL."""
+    """The suggested prefix of topics, before MANUFACTURER/SERIAL."""
     deviation: str
-    """How a node names the allowed deviation."""
+    """A node's field for the allowed deviation."""
     is_ellipse: bool
-    """Whether that is an object of two axes and an angle, and no radius in metres."""
+    """Whether the deviation is an object of two axes and an angle, instead of a radius in metres."""
     max_speed: str
-    """How an edge names its limit."""
+    """An edge's field for its limit."""
     names_ends: bool
     """Whether an edge names the nodes at its ends."""
     action_names: tuple[str, ...]
-    """How an instant action names its type: the schema of 2.0 says it otherwise than its text, so both are said."""
+    """An instant action's fields for its type: the schema of 2.0 differs from its text, so both are written."""
 
 
 DIALECTS: dict[Version, Dialect] = {
@@ -69,7 +69,7 @@ def dialect_of(version: str) -> Dialect:
     """The dialect of a version.
 
     Raises:
-        SettingsError: nobody speaks that.
+        SettingsError: the version is not supported.
     """
     for known in get_args(Version):
         if version == known:

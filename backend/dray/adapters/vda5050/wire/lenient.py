@@ -1,7 +1,7 @@
-"""Bytes from a vehicle into one of `messages`: what fits is taken, what does not is counted, and nothing raises.
+"""Tolerant decoding of a vehicle's bytes into `messages`: odd parts are counted and skipped, and nothing raises.
 
-The quick way decodes what is well-formed. What is not (NaN, a number as text, a list with one bad entry) is mended field
-by field: a vehicle whose messages have one odd field would be mute otherwise.
+The fast path decodes well-formed messages. Others (NaN, a number as text, a list with one bad entry) are repaired field by
+field: otherwise a vehicle with one odd field would be mute.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from dray.messages.base import encodable
 S = TypeVar("S", bound=Said)
 
 LARGEST_BYTES = 2**20
-"""A state of some hundred nodes and actions has 50 kB."""
+"""Maximum size; a state of some hundred nodes and actions has 50 kB."""
 
 LISTED_MAX = 1000
-"""Entries of one list that are read: no order of ours has a tenth of it."""
+"""Maximum entries of one list that are read: no order of ours has a tenth of it."""
 
 NOT_JSON, NO_OBJECT, TOO_LARGE, ODD_FIELD = "not JSON", "no object", "too large", "an odd field"
-"""What is counted."""
+"""The counted faults."""
 
 
 def read(kind: type[S], data: bytes, odd: Counter[str]) -> S | None:
     """A message, or None when nothing of it can be used.
 
     Args:
-        kind: which one.
-        data: as it came.
-        odd: where it is counted what did not fit.
+        kind: its type.
+        data: the received bytes.
+        odd: the counter of faults.
     """
     if len(data) > LARGEST_BYTES:
         odd[TOO_LARGE] += 1
@@ -45,7 +45,7 @@ def read(kind: type[S], data: bytes, odd: Counter[str]) -> S | None:
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
         pass
     try:
-        said = json.loads(data)  # Takes NaN and Infinity, as many vehicles say them.
+        said = json.loads(data)  # It accepts NaN and Infinity, as many vehicles send them.
     except (ValueError, RecursionError):
         odd[NOT_JSON] += 1
         return None
@@ -65,7 +65,7 @@ def _mend(kind: type[S], said: dict[str, Any], odd: Counter[str]) -> S:
 
 
 def _fit(wanted: Any, value: Any, odd: Counter[str]) -> Any:
-    """A value as this type; None where it cannot be."""
+    """A value converted to this type; None where that is impossible."""
     if get_origin(wanted) in (UnionType, Union):
         wanted = next(part for part in get_args(wanted) if part is not type(None))
     if get_origin(wanted) is tuple:

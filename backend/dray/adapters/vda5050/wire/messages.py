@@ -1,7 +1,7 @@
-"""What a vehicle says, in any version: every field may be missing, null or odd.
+"""A vehicle's messages in all versions: every field may be missing, null or odd.
 
-One struct for all versions. Where two versions have two names for one thing both are fields, and a property takes the
-one that is there. What must not be believed (a NaN, an unknown word) reads as if it were missing.
+There is one struct for all versions. Where versions have two names for one thing both are fields, and a property takes the
+present one. Implausible values (a NaN, an unknown word) count as missing.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ class Position(Said, frozen=True):
 
     @property
     def is_localised(self) -> bool:
-        """Whether the vehicle knows where it is; one that does not say so is believed to."""
+        """Whether the vehicle knows its position; assumed when the flag is missing."""
         return self.position_initialized is not False and self.localized is not False
 
 
 class Velocity(Said, frozen=True):
-    """In the vehicle's frame, in metres per second."""
+    """Velocity in the vehicle's frame, in metres per second."""
 
     vx: float | None = None
     vy: float | None = None
 
 
 class Reference(Said, frozen=True):
-    """What an error is about."""
+    """The subject of an error."""
 
     reference_key: str | None = None
     reference_value: str | None = None
@@ -64,13 +64,13 @@ class VehicleError(Said, frozen=True):
 
     @property
     def key(self) -> tuple[str, str, tuple[str, ...]]:
-        """What two errors that are the same have in common."""
+        """The identity of an error."""
         named = tuple(f"{pair.reference_key}={pair.reference_value}" for pair in self.error_references or ())
         return self.error_type or "", self.error_description or "", named
 
     @property
     def text(self) -> str:
-        """For people."""
+        """A text for people."""
         kind, words = self.error_type or "an error without a type", self.error_description or self.error_hint
         return f"{kind}: {words}" if words else kind
 
@@ -86,12 +86,12 @@ class ActionState(Said, frozen=True):
 
     @property
     def result(self) -> str:
-        """In the vehicle's words; may be empty."""
+        """The result in the vehicle's words; may be empty."""
         return self.result_description or self.action_result or ""
 
 
 class NodeState(Said, frozen=True):
-    """One of `nodeStates`: a node that is still to come."""
+    """One of `nodeStates`: a remaining node."""
 
     node_id: str | None = None
     sequence_id: int | None = None
@@ -114,7 +114,7 @@ class Battery(Said, frozen=True):
 
     @property
     def percent(self) -> float | None:
-        """How full it is."""
+        """The charge level."""
         return self.battery_charge if self.battery_charge is not None else self.state_of_charge
 
 
@@ -128,7 +128,7 @@ class Safety(Said, frozen=True):
 
     @property
     def emergency_stop(self) -> str:
-        """Which one is active; empty for none."""
+        """The active emergency stop; empty for none."""
         said = self.e_stop or self.active_emergency_stop or "NONE"
         return "" if said == "NONE" else said
 
@@ -139,7 +139,7 @@ class Load(Said, frozen=True):
     load_id: str | None = None
     load_type: str | None = None
     weight: float | None = None
-    """In kg."""
+    """Weight in kg."""
 
 
 class State(Said, frozen=True):
@@ -152,7 +152,7 @@ class State(Said, frozen=True):
     last_node_id: str | None = None
     last_node_sequence_id: int | None = None
     distance_since_last_node: float | None = None
-    """In metres, of vehicles that follow lines: None of those that do not."""
+    """Metres, for vehicles that follow lines; None for others."""
     driving: bool | None = None
     paused: bool | None = None
     operating_mode: str | None = None
@@ -162,7 +162,7 @@ class State(Said, frozen=True):
     mobile_robot_position: Position | None = None
     velocity: Velocity | None = None
     loads: tuple[Load, ...] | None = None
-    """None where the vehicle does not say what is on board."""
+    """None where the vehicle does not report its load."""
     action_states: tuple[ActionState, ...] | None = None
     instant_action_states: tuple[ActionState, ...] | None = None
     battery_state: Battery | None = None
@@ -180,24 +180,24 @@ class State(Said, frozen=True):
 
     @property
     def actions(self) -> tuple[ActionState, ...]:
-        """Of orders and instant actions: 2.x has both in one list."""
+        """Actions of orders and instant actions: 2.x has both in one list."""
         return (*(self.action_states or ()), *(self.instant_action_states or ()))
 
     def action(self, action_id: str) -> ActionState | None:
-        """The state of an action; of several with one id the one that has come farthest."""
+        """The state of an action; of several with one id the most advanced."""
         states = [state for state in self.actions if state.action_id == action_id]
         return max(states, key=lambda state: _PROGRESS.get(state.action_status or "", -1), default=None)
 
     @property
     def going_on(self) -> tuple[ActionState, ...]:
-        """Actions of `actionStates` that are not over; one that is listed twice is, when it is once."""
+        """Actions of `actionStates` that are not over; an action listed twice is over when one entry is."""
         listed = self.action_states or ()
         ended = {state.action_id for state in listed if state.action_status in OVER}
         return tuple(state for state in listed if state.action_id and state.action_id not in ended)
 
     @property
     def running_instant(self) -> tuple[ActionState, ...]:
-        """Those of `instantActionStates` that are not over."""
+        """Instant actions of `instantActionStates` that are not over."""
         return tuple(state for state in self.instant_action_states or () if state.action_status not in OVER)
 
 
@@ -205,7 +205,7 @@ FINISHED, FAILED, WAITING, RETRIABLE = "FINISHED", "FAILED", "WAITING", "RETRIAB
 OVER = frozenset({FINISHED, FAILED})
 
 _PROGRESS = {WAITING: 0, RETRIABLE: 1, "INITIALIZING": 2, "PAUSED": 3, "RUNNING": 4, FAILED: 5, FINISHED: 6}
-"""A vehicle may list an action twice; see docs/vehicles.md, behaviour 18."""
+"""The order of progress, since a vehicle may list an action twice; see docs/vehicles.md, behaviour 18."""
 
 
 class Visualization(Said, frozen=True):
@@ -227,13 +227,13 @@ class Connection(Said, frozen=True):
 
     @property
     def is_away(self) -> bool:
-        """Whether it says that the vehicle is not there."""
+        """Whether it reports the vehicle as offline."""
         word = (self.connection_state or "").replace("_", "")
         return word in {"OFFLINE", "CONNECTIONBROKEN", "HIBERNATING"}
 
 
 class PhysicalParameters(Said, frozen=True):
-    """Of a factsheet: metres, seconds."""
+    """A part of a factsheet: metres, seconds."""
 
     speed_max: float | None = None
     maximum_speed: float | None = None
@@ -244,7 +244,7 @@ class PhysicalParameters(Said, frozen=True):
 
 
 class TypeSpecification(Said, frozen=True):
-    """Of a factsheet."""
+    """A part of a factsheet."""
 
     series_name: str | None = None
     max_load_mass: float | None = None
@@ -252,14 +252,14 @@ class TypeSpecification(Said, frozen=True):
 
 
 class FactsheetAction(Said, frozen=True):
-    """What the vehicle can do."""
+    """An action that the vehicle supports."""
 
     action_type: str | None = None
     action_scopes: tuple[str, ...] | None = None
 
 
 class ProtocolFeatures(Said, frozen=True):
-    """Of a factsheet."""
+    """A part of a factsheet."""
 
     agv_actions: tuple[FactsheetAction, ...] | None = None
     mobile_robot_actions: tuple[FactsheetAction, ...] | None = None

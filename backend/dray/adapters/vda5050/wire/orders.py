@@ -1,4 +1,4 @@
-"""Orders and instant actions as the master means them, and as a dialect writes them."""
+"""Orders and instant actions of the master, and their form in a dialect."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import msgspec
 from dray.adapters.vda5050.wire.dialects import Dialect
 
 Value = str | float | int | bool | tuple[str, ...]
-"""Of a parameter: 3.0 has some that are lists of texts."""
+"""A parameter's value: 3.0 has lists of texts, too."""
 
 
 class Action(msgspec.Struct, frozen=True):
@@ -26,13 +26,13 @@ class Action(msgspec.Struct, frozen=True):
 
 
 class Spot(msgspec.Struct, frozen=True):
-    """Where a node lies in the vehicle's map, in metres and radians."""
+    """A node's position in the vehicle's map, in metres and radians."""
 
     x: float
     y: float
     map_id: str
     deviation: float
-    """How far from it the vehicle may be (m)."""
+    """The vehicle's allowed distance from it (m)."""
     theta: float | None = None
 
 
@@ -41,14 +41,14 @@ class OrderNode(msgspec.Struct, frozen=True):
 
     id: str
     sequence: int
-    """Even; nodes and edges are counted together."""
+    """Its sequence number: even, counted together with edges."""
     released: bool
     spot: Spot
     actions: tuple[Action, ...] = ()
 
 
 class OrderEdge(msgspec.Struct, frozen=True):
-    """From the node before it to the node after it."""
+    """An edge from the previous to the next node."""
 
     sequence: int
     released: bool
@@ -56,7 +56,7 @@ class OrderEdge(msgspec.Struct, frozen=True):
     end: str
     max_speed_mps: float | None = None
     path: tuple[Spot, ...] = ()
-    """Of one that is not straight: its corners, both ends included."""
+    """The corners of an edge that is not straight, both ends included."""
 
 
 class Order(msgspec.Struct, frozen=True):
@@ -69,18 +69,18 @@ class Order(msgspec.Struct, frozen=True):
 
     @property
     def base(self) -> tuple[OrderNode, ...]:
-        """Its released nodes: they come first."""
+        """Its released nodes, which come first."""
         return tuple(node for node in self.nodes if node.released)
 
 
 class Naming(Protocol):
-    """What a vehicle calls things (`Names`)."""
+    """A vehicle's own names (`Names`)."""
 
     def node(self, ours: str) -> str:
-        """What it calls a node."""
+        """Its name of a node."""
 
     def edge(self, start: str, end: str) -> str:
-        """What it calls the lane between two nodes of ours."""
+        """Its name of the lane between two of our nodes."""
 
 
 def order_body(
@@ -94,11 +94,11 @@ def order_body(
     """An order without its header.
 
     Args:
-        order: what is ordered.
+        order: the order.
         dialect: its version.
-        names: what the vehicle calls nodes and edges.
-        trajectory: edges that are not straight say their shape; else their length alone.
-        without: fields of nodes, positions, edges and actions, and parameters of actions, that are left out.
+        names: the vehicle's names of nodes and edges.
+        trajectory: whether edges that are not straight have their shape; otherwise only their length.
+        without: names of optional fields and parameters to leave out.
     """
     nodes = [_node(node, dialect, names) for node in order.nodes]
     edges = [_edge(edge, dialect, names, trajectory=trajectory) for edge in order.edges]
@@ -113,11 +113,11 @@ def order_body(
 
 
 def instant_body(action: Action, dialect: Dialect, field: str) -> dict[str, Any]:
-    """One instant action without its header, under the name that its vehicle wants for the list."""
+    """One instant action without its header, with the vehicle's name for the list."""
     said = _action(action)
     kind = said.pop("actionType")
     said |= dict.fromkeys(dialect.action_names, kind)
-    # The name of every version is said, too, where a vehicle wants an older one.
+    # For a vehicle that wants an older name, the names of all versions are written.
     return {"actions": [said]} if field == "actions" else {"actions": [said], field: [said]}
 
 

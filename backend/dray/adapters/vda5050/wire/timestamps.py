@@ -1,4 +1,4 @@
-"""The time of a message, as the vehicle writes it. Reckoned here, since the driver knows no calendar and no clock."""
+"""A vehicle's timestamps. They are parsed here, since the driver uses no calendar and no clock."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ _MOMENT = re.compile(
 )
 
 DAYS_OF_EPOCH = 719_468
-"""From the first of March of year 0 to the first of January 1970."""
+"""Days from the first of March of year 0 to the first of January 1970."""
 
 
 def read_timestamp(said: str) -> tuple[float, int] | None:
-    """A `timestamp` as unix time, and the year that it names; None where it is no time of ISO 8601. Without a zone it is UTC."""
+    """A `timestamp` as unix time, and its year; None for invalid ISO 8601. Without a zone it is UTC."""
     found = _MOMENT.fullmatch(said)
     if found is None:
         return None
@@ -26,7 +26,7 @@ def read_timestamp(said: str) -> tuple[float, int] | None:
 
 
 def _days(year: int, month: int, day: int) -> int:
-    """Since 1970, in the calendar that begins with March, in which the leap day is the last."""
+    """Days since 1970, in a calendar that begins with March and has the leap day last."""
     year -= month <= 2
     before = 365 * year + year // 4 - year // 100 + year // 400
     return before + (153 * ((month + 9) % 12) + 2) // 5 + day - 1 - DAYS_OF_EPOCH

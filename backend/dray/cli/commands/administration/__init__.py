@@ -1,1 +1,1 @@
-"""Commands for whoever runs a plant: who may log in, keys, links, certificates, the database, who is shut out."""
+"""Commands for administrators of a plant: people, keys, links, certificates, the database, exclusions."""

@@ -1,7 +1,7 @@
-"""`dray carried-away`: say that a vehicle is off the floor, where no panel is at hand.
+"""`dray carried-away`: report that a vehicle is off the floor, without a panel.
 
-The word goes into the database; every gateway that works on it tells the plant. Whoever keeps the books of places decides whether
-to believe it: not while the vehicle is heard.
+The report goes into the database, and every gateway on it tells the plant. The keepers of the books decide whether to accept it: not
+while the vehicle is heard.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def carried_away(
     ] = False,
     db: Database = None,
 ) -> None:
-    """Say that a vehicle is off the floor: what it held is free once nobody has heard it for a minute."""
+    """Report that a vehicle is off the floor: its places become free once it has been silent for a minute."""
     from dray.cli.commands.administration.console import account, note, transact
     from dray.errors import SettingsError
     from dray.plant.model import ID_RULE, is_id

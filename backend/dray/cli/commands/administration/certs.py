@@ -94,9 +94,9 @@ def revoke(
         str, typer.Option(help="key-compromise, superseded, cessation-of-operation or unspecified.")
     ],
 ) -> None:
-    """Call back all certificates of an agent that were issued so far; copy revoked.pem to every computer then.
+    """Revoke all certificates issued so far for an agent; then copy revoked.pem to every computer.
 
-    Running processes notice the changed file within some seconds. A certificate that is issued afterwards is good.
+    Running processes notice the changed file within some seconds. Certificates issued later are valid.
     """
     from dray.adapters.security.certificates import Authority
     from dray.adapters.security.revocations import FILE, REASONS, call_back
@@ -119,7 +119,7 @@ def _plant_of(authority: Authority, file: Path | None) -> str:
 
     Raises:
         PlantError: the plant file cannot be used.
-        SettingsError: it is another plant's.
+        SettingsError: the authority belongs to another plant.
     """
     from dray.cli.commands.plant import chosen_plant
     from dray.cli.runtime.options import load_settings

@@ -1,4 +1,4 @@
-"""The console: commands that change who is who in the database itself, and are written down like all others."""
+"""The console: commands that change access data directly in the database, with lines in the audit log."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ T = TypeVar("T")
 
 
 def transact(db: str | None, work: Callable[[Work], Awaitable[T]]) -> T:
-    """Do something in one transaction of the database.
+    """Run one transaction of the database.
 
     Args:
         db: its URL, if an option gave one.
-        work: what to do; undone when it raises.
+        work: the work; undone when it raises.
 
     Raises:
         UnavailableError: the database cannot be opened.
@@ -30,7 +30,7 @@ def transact(db: str | None, work: Callable[[Work], Awaitable[T]]) -> T:
 
 
 async def note(work: Work, action: str, target: str, **detail: Any) -> None:
-    """Write a line of the audit log, in the transaction of what it tells."""
+    """Write a line of the audit log, in the transaction of its action."""
     row = AuditRow(
         at_s=time.time(),
         who=account(),
@@ -53,7 +53,7 @@ async def _transact(url: str, work: Callable[[Work], Awaitable[T]]) -> T:
 
 
 def account() -> str:
-    """Who is logged in on this computer; empty where it does not know."""
+    """The user of this computer; empty if unknown."""
     try:
         return getpass.getuser()
     except (KeyError, OSError):

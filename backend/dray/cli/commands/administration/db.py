@@ -20,7 +20,7 @@ def upgrade(
         str | None, typer.Option(help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
     ] = None,
 ) -> None:
-    """Create the tables, or bring them up to date; harmless when they are."""
+    """Create or upgrade the tables; harmless when they are up to date."""
     import asyncio
 
     from dray.cli.runtime.options import load_settings

@@ -1,4 +1,4 @@
-"""`dray key`: keys by which other systems use the API."""
+"""`dray key`: API keys of other systems."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ Database = Annotated[
 DAY_S = 86_400.0
 
 LONGEST_DAYS = 3650
-"""Ten years: whoever wants more wants a key without an end."""
+"""Maximum validity: ten years; a longer one needs a key without an end."""
 
 NAME_CHARS = 80
 
 NAMES_MAX = 100
-"""Places or materials of a key."""
+"""Maximum places or materials of a key."""
 
 OPEN_MOST = 1_250
-"""No caller has more transports open (`dray.gateway.routes.keys.KEY_OPEN_MOST`)."""
+"""Maximum open transports of a caller (`dray.gateway.routes.keys.KEY_OPEN_MOST`)."""
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,31}")
 
 
 @app.callback()
 def key() -> None:
-    """Keys by which other systems use the API."""
+    """API keys of other systems."""
 
 
 @app.command()
@@ -71,7 +71,7 @@ def create(
     ] = None,
     db: Database = None,
 ) -> None:
-    """Make a key; it is printed once and kept nowhere."""
+    """Create a key; it is printed once and stored nowhere."""
     from dray.cli.commands.administration.console import note, transact
     from dray.cli.runtime.output import one_of
     from dray.errors import SettingsError
@@ -126,7 +126,7 @@ def create(
 
 @app.command("list")
 def list_keys(db: Database = None) -> None:
-    """The keys that there are."""
+    """List the keys."""
     from dray.cli.commands.administration.console import transact
     from dray.cli.runtime.output import table
 
@@ -149,7 +149,7 @@ def list_keys(db: Database = None) -> None:
 
 @app.command()
 def signing(db: Database = None) -> None:
-    """Print the public key by which gateways on this database sign people's commands (DRAY_TRUSTED_KEYS)."""
+    """Print the public key of gateways on this database for signed commands (DRAY_TRUSTED_KEYS)."""
     import asyncio
 
     from dray.cli.runtime.gateway.authority import authority_of
@@ -171,7 +171,7 @@ def revoke(
     key_id: Annotated[str, typer.Argument(metavar="ID", help="As `dray key list` shows it.")],
     db: Database = None,
 ) -> None:
-    """Take a key back: it opens nothing from now on."""
+    """Revoke a key: it opens nothing from now on."""
     from dray.cli.commands.administration.console import note, transact
     from dray.errors import SettingsError
 
@@ -187,7 +187,7 @@ def revoke(
 
 
 def _may(key: ApiKey) -> str:
-    """What it may do, and within which limits."""
+    """Its permissions and limits."""
     if "transports:call" not in key.scopes.split():
         return key.scopes
     within = [f"{key.open_max} open, {key.open_each_max} for a place, {key.priority} at the highest"]

@@ -20,7 +20,7 @@ Database = Annotated[
 DAY_S = 86_400.0
 
 LONGEST_DAYS = 3650
-"""Ten years: whoever wants more wants a link without an end of its own."""
+"""Maximum validity: ten years; a longer one needs a link without an end of its own."""
 
 
 @app.callback()
@@ -53,7 +53,7 @@ def create(
     ] = None,
     db: Database = None,
 ) -> None:
-    """Make another link to the page of an order or a plain transport; it is printed once and kept nowhere."""
+    """Create another link to the page of an order or a plain transport; it is printed once and stored nowhere."""
     from dray.cli.commands.administration.console import note, transact
     from dray.cli.runtime.options import load_settings
     from dray.errors import SettingsError
@@ -91,7 +91,7 @@ def revoke(
     ],
     db: Database = None,
 ) -> None:
-    """Take links back: their pages say so from now on."""
+    """Revoke links: their pages say so from now on."""
     from dray.cli.commands.administration.console import note, transact
 
     token, now_s = what.rstrip("/").rpartition("/")[2], time.time()
@@ -104,7 +104,7 @@ def revoke(
             links, subject = await _links_with(work, token)
             count = await links.revoke(token, now_s)
         if count:
-            # Of a token nothing is written down: it opens a page, or has opened one.
+            # The audit log never contains a token: it opens a page, or has opened one.
             await note(work, "link.revoke", subject, links=count)
         return count
 
@@ -113,7 +113,7 @@ def revoke(
 
 
 async def _links_of(work: Work, subject: str) -> Links | None:
-    """The links to pages of orders or of transports, by what one leads to; None where there is neither of this name."""
+    """The repository of links to orders or to transports, by the kind of subject; None for an unknown subject."""
     if await work.orders.get(subject) is not None:
         return work.links
     if await work.transports.get(subject) is not None:
@@ -122,10 +122,10 @@ async def _links_of(work: Work, subject: str) -> Links | None:
 
 
 async def _links_with(work: Work, token: str) -> tuple[Links, str]:
-    """Those among which a token is, and to what it leads.
+    """The repository with a token's link, and the link's subject.
 
     Raises:
-        SettingsError: it is of no link.
+        SettingsError: no link has it.
     """
     from dray.errors import SettingsError
 

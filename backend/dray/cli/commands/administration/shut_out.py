@@ -1,6 +1,6 @@
-"""`dray shut-out`, `dray readmit`: let nobody hear an agent any more, and hear it again.
+"""`dray shut-out`, `dray readmit`: exclude an agent, so that nobody hears it, and readmit it.
 
-The decision goes into the database; every gateway that works on it tells the plant.
+The decision goes into the database, and every gateway on it tells the plant.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def shut_out(
     reason: Annotated[str, typer.Option(help="Why; panels and the audit log show it.")] = "",
     db: Database = None,
 ) -> None:
-    """Let nobody hear an agent any more, over restarts and without a gateway, until `dray readmit`."""
+    """Exclude an agent, over restarts and without a gateway, until `dray readmit`: nobody hears it any more."""
     from dray.cli.commands.administration.console import account, note, transact
     from dray.errors import SettingsError
     from dray.messages.shutout import MAX_SHUT_OUT
@@ -67,7 +67,7 @@ def readmit(
     agent: Annotated[str, typer.Argument(help="Its id, as `dray shut-out` lists it.")],
     db: Database = None,
 ) -> None:
-    """Hear an agent again that was shut out. A vehicle stays stopped until somebody acknowledges and resumes it."""
+    """Readmit an excluded agent. A vehicle stays stopped until a person acknowledges and resumes it."""
     from dray.cli.commands.administration.console import note, transact
     from dray.errors import SettingsError
 

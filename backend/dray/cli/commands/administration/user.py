@@ -1,4 +1,4 @@
-"""`dray user`: who may log in, and by what."""
+"""`dray user`: people and their logins."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ Who = Annotated[str, typer.Argument(metavar="NAME", help="As `dray user list` sh
 HOUR_S = 3600.0
 
 LONGEST_LINK_H = 24 * 14
-"""Two weeks: somebody may be on holiday."""
+"""Maximum validity: two weeks, because a person may be on holiday."""
 
 
 @app.callback()
 def user() -> None:
-    """Who may log in, and by what."""
+    """People and their logins."""
 
 
 @app.command()
@@ -45,7 +45,7 @@ def add(
     ] = None,
     db: Database = None,
 ) -> None:
-    """Let somebody new log in; give them a link, a password, a PIN or a badge afterwards."""
+    """Add a person; give them a link, a password, a PIN or a badge afterwards."""
     from dray.cli.commands.administration.console import note, transact
     from dray.cli.runtime.output import one_of
     from dray.errors import SettingsError
@@ -75,7 +75,7 @@ def add(
 
 @app.command("list")
 def list_users(db: Database = None) -> None:
-    """Who may log in."""
+    """List the people who may log in."""
     from dray.cli.commands.administration.console import transact
     from dray.cli.runtime.output import table
 
@@ -155,7 +155,7 @@ def link(
     url: PanelUrl = None,
     db: Database = None,
 ) -> None:
-    """Print a link by which somebody logs in once; earlier ones work no more."""
+    """Print a link that logs a person in once; earlier ones become invalid."""
     from dray.cli.commands.administration.console import note, transact
     from dray.cli.runtime.options import load_settings
     from dray.gateway.access.login.invitations import invite
@@ -173,20 +173,20 @@ def link(
 
 @app.command()
 def disable(name: Who, db: Database = None) -> None:
-    """Let somebody log in no more, at once and everywhere."""
+    """Disable a person's login, at once and everywhere."""
     _change(db, name, "user.disable", disabled_at_s=time.time())
     typer.echo(f"{name} may not log in any more, and is logged out everywhere")
 
 
 @app.command()
 def enable(name: Who, db: Database = None) -> None:
-    """Let somebody log in again."""
+    """Enable a person's login again."""
     _change(db, name, "user.enable", disabled_at_s=None)
     typer.echo(f"{name} may log in again")
 
 
 def _areas(areas: list[str], role: str, plant: Path | None) -> tuple[str, ...]:
-    """The areas, which the plant must have and an operator needs."""
+    """The areas, which must be in the plant, and which an operator needs."""
     from dray.cli.commands.plant import chosen_plant
     from dray.cli.runtime.options import load_settings
     from dray.errors import SettingsError
@@ -220,7 +220,7 @@ def _ask(what: str) -> str:
 
 
 def _expect(db: str | None, name: str, role: str, what: str, instead: str) -> None:
-    """Refuse before anything is typed."""
+    """Check the person's role before anything is typed."""
     from dray.cli.commands.administration.console import transact
     from dray.errors import SettingsError
 
@@ -232,7 +232,7 @@ def _expect(db: str | None, name: str, role: str, what: str, instead: str) -> No
 
 
 def _change(db: str | None, name: str, action: str, **columns: object) -> None:
-    """Change somebody; whoever is logged in under the name must do it again."""
+    """Change a person; their sessions end."""
     from dray.cli.commands.administration.console import note, transact
     from dray.errors import SettingsError
     from dray.gateway.access import people_changes

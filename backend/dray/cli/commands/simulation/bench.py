@@ -29,7 +29,7 @@ def bench(
     ] = "",
     traffic: Traffic = None,
 ) -> None:
-    """Measure; every figure stands beside a baseline that was measured in the same run."""
+    """Run benchmarks; every figure is beside a baseline of the same run."""
     from rich.console import Console
 
     from dray.cli.runtime.options import right_of_way
@@ -57,7 +57,7 @@ def bench(
             with progress.status(f"measuring {name}"):
                 rows += measure(quick)
         except UnavailableError as missing:
-            # Whoever asks for all gets all that there can be here.
+            # For all benchmarks, run all that can run here.
             if names:
                 raise
             progress.print(f"{name} is left out: {missing}")

@@ -1,4 +1,4 @@
-"""`dray sim explore`: random plants, loads and faults over many seeds, in search of what breaks it."""
+"""`dray sim explore`: random plants, loads and faults over many seeds, in search of violations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DEFAULT_SEEDS = "0:200"
 """A few minutes on one core."""
 
 SHOWN = 3
-"""Violations that are told with their last lines; the others with the command that replays them."""
+"""Violations printed with their last lines; the others only with the command that replays them."""
 
 
 def explore(

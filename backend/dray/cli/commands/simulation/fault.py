@@ -1,4 +1,4 @@
-"""`dray fault`: let something go wrong in a running `dray up`, and put it right again."""
+"""`dray fault`: inject faults into a running `dray up`, and end them."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ Token = Annotated[
 ]
 
 SUBJECTS = ("agent", "atv", "machine")
-"""Fields that say whom a fault is about; AGENT on the command line stands for the one that its kind has."""
+"""Fields that name a fault's subject; AGENT on the command line stands for the one of its kind."""
 
 
 @app.callback()
 def fault() -> None:
-    """Let something go wrong in a running `dray up`."""
+    """Inject faults into a running `dray up`."""
 
 
 @app.command("list")
 def list_faults(url: PanelUrl = None, token: Token = None) -> None:
-    """What is wrong by hand, and what could be."""
+    """List the injected faults, and the possible kinds."""
     from dray.cli.runtime.output import table
     from dray.cli.simulation.gateway_client import Gateway
 
@@ -58,7 +58,7 @@ def begin(
     url: PanelUrl = None,
     token: Token = None,
 ) -> None:
-    """Let something go wrong, until it is ended; prints the fault's id."""
+    """Inject a fault, until it is ended; prints its id."""
     from dray.cli.simulation.gateway_client import Gateway
 
     gateway = Gateway(url, token)
@@ -73,14 +73,14 @@ def end(
     url: PanelUrl = None,
     token: Token = None,
 ) -> None:
-    """Put it right again."""
+    """End a fault."""
     from dray.cli.simulation.gateway_client import Gateway
 
     Gateway(url, token).end_fault(fault)
 
 
 def _kind(name: str, kinds: tuple[Kind, ...]) -> Kind:
-    """The kind of this name, however it is spelt."""
+    """The kind of this name, in any spelling."""
     from dray.cli.runtime.output import one_of
 
     spelt = {_plain(kind.kind): kind for kind in kinds}
@@ -104,7 +104,7 @@ def _subject(kind: Kind, agent: str) -> dict[str, str]:
 
 
 def _pair(given: str) -> tuple[str, Any]:
-    """A field and its value: what reads as JSON is that, everything else is text."""
+    """A field and its value: JSON if it parses, otherwise text."""
     import msgspec
 
     from dray.errors import SettingsError

@@ -1,4 +1,4 @@
-"""`dray sim plants`: plants that a generator has drawn, each at work for some hours."""
+"""`dray sim plants`: generated plants, each at work for some hours."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def plants(
         ),
     ] = "",
 ) -> None:
-    """Draw plants of any shape, let each work at a load that it can serve, and judge.
+    """Generate plants of any shape, run each at a load that it can serve, and judge it.
 
-    Asked of each: every order delivered, no battery empty, no carrier that waits for longer than its promise and two
-    minutes, every invariant held. Exit 1 when a plant fails and neither `dray plant check` nor the verdict says why.
+    Criteria: every order is delivered, no battery gets empty, no carrier waits longer than its promise and two
+    minutes, every invariant holds. Exit 1 when a plant fails and neither `dray plant check` nor the verdict says why.
     """
     from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import write_json

@@ -28,7 +28,7 @@ def sim() -> None:
 
 @app.command("list")
 def list_scenarios() -> None:
-    """What can be run."""
+    """List the scenarios."""
     from dray.cli.runtime.output import table
     from dray_sim.scenarios import LIVE, SCENARIOS
 
@@ -58,8 +58,8 @@ def run(
 ) -> None:
     """Play a scenario and print its report; the same seed gives the same report.
 
-    It ends with a verdict: what was short, of what there is too little, and a figure for each resource. Scenarios that are
-    about certain machines take no --plant, --load or --hours, and say so; `dray sim list` tells which do.
+    It ends with a verdict: the shortage, its resource, and a figure for each resource. Scenarios about certain machines take no
+    --plant, --load or --hours, and say so; `dray sim list` tells which do.
 
     Exit 1 when its claim did not hold, or an invariant was broken.
     """

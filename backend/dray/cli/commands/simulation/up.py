@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from dray_sim.scenarios import LivePart
 
 SCENARIO_DATABASE = "sqlite:///dray-scenario.db"
-"""Of its own: the orders of another plant in `dray.db` are no part of the play."""
+"""The scenarios' own database: the orders of another plant in `dray.db` do not belong there."""
 
 
 def up(
@@ -123,11 +123,11 @@ def _live_part(name: str, others: Mapping[str, bool]) -> LivePart:
 
     Args:
         name: as `dray sim list` names it.
-        others: options that go with no scenario, and whether they were given.
+        others: options that exclude a scenario, and whether they were given.
 
     Raises:
-        BadParameter: one of them was.
-        SettingsError: there is no such scenario that can be followed live; it says which there are.
+        BadParameter: one of them was given.
+        SettingsError: no scenario of this name can be followed live; lists those that can.
     """
     from dray.cli.runtime.output import one_of
     from dray_sim.scenarios import LIVE
@@ -145,8 +145,8 @@ def brokered(*, vda5050: bool, url: str | None) -> Iterator[BrokerAddress | None
     """The broker of vehicles that speak VDA 5050, as long as the context lasts; None without them.
 
     Raises:
-        BadParameter: an address that is none, or where no vehicle speaks VDA 5050.
-        UnavailableError: none can be started here.
+        BadParameter: the address is invalid, or no vehicle speaks VDA 5050.
+        UnavailableError: no broker can be started here.
     """
     if not vda5050:
         if url is not None:
@@ -177,7 +177,7 @@ def controlled(plant: Plant, *, real_bodies: bool) -> Iterator[ControllerServer 
     """The OPC UA server of machines with controllers, as long as the context lasts; None without them.
 
     Raises:
-        UnavailableError: none can be started here.
+        UnavailableError: no server can be started here.
     """
     if not real_bodies:
         yield None

@@ -18,10 +18,10 @@ def vehicles(
     ] = None,
     traffic: Traffic = None,
 ) -> None:
-    """Kill and restart agents, vehicles and brokers in any order, behind a proxy that drops, doubles, delays, spoils and reorders messages.
+    """Kill and restart agents, vehicles and brokers in any order, behind a proxy that drops, doubles, delays, corrupts and reorders messages.
 
-    Vehicles speak VDA 5050 2.0, 2.1 and 3.0 by turns. Asked: every task is delivered once or withdrawn, no action is carried out twice,
-    no invariant is broken. Exit 1 when that does not hold.
+    Vehicles speak VDA 5050 2.0, 2.1 and 3.0 by turns. Criteria: every task is delivered once or withdrawn, no action is carried out twice,
+    no invariant is broken. Exit 1 otherwise.
     """
     from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import table

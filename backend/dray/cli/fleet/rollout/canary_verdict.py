@@ -1,16 +1,14 @@
-"""The verdict on a canary, a process of another version: what others have said of it, and what follows. Pure: told what is heard.
+"""The verdict on a canary, a process of another version, from other agents' messages. Pure: it only gets messages.
 
-An agent of a bad version may believe that it does well. So it is not asked: what counts is what those say
-that it works for and with.
+An agent of a bad version may believe that it does well. So only the messages of its customers and contractors count.
 
     kind         a task done well                                       a task done badly
     vehicle      its coordinator closes it as delivered by it, in time  late, or somebody else has to carry it
     machine      a vehicle that it has hired is told "handed over"      its goal is lost, by the strategist's word
     strategist   a machine has taken a goal from it
 
-Only what was contracted in its present life counts, for what its last one began is not its fault. What a
-coordinator takes back or a person stops counts neither way. Whether its process lives is for others to tell
-(`dray.cli.fleet.rollout.update`).
+Only contracts of its present life count, because it is not responsible for those of its last one. A task withdrawn by its
+coordinator or stopped by a person counts neither way. `dray.cli.fleet.rollout.update` checks whether its process lives.
 """
 
 from __future__ import annotations
@@ -43,25 +41,25 @@ from dray.messages.fact import (
 from dray.messages.kinds import Kind
 
 BIDS_KEPT = 100
-"""Bids of one vehicle of which nobody has told yet what became of them: it makes one every few seconds."""
+"""Maximum open bids of one vehicle: it makes one every few seconds."""
 
 NOT_YET = float("inf")
 
 
 class Canary:
-    """What is common to all canaries.
+    """The common part of all canaries.
 
     Args:
-        agent: who is the canary.
-        version: what its heartbeats should say that it runs.
-        tasks: so many have to be done well.
-        before: the incarnation of its last life, as far as one was heard.
-        late_s: so much later than promised (plant clock) is late.
+        agent: its id.
+        version: the expected version in its heartbeats.
+        tasks: number of tasks to do well.
+        before: the known incarnation of its last life.
+        late_s: tolerance of promised times (plant clock).
 
     Attributes:
         done: tasks done well.
         failure: why it has failed; empty while it has not.
-        joined: its present life was heard.
+        joined: whether its present life was heard.
     """
 
     def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
@@ -76,19 +74,19 @@ class Canary:
 
     @property
     def passed(self) -> bool:
-        """Whether it has done what it had to."""
+        """Whether it has done its tasks."""
         return self.joined and self.done >= self.tasks and not self.failure
 
     def note_present(self) -> None:
-        """It is on the bus: all that can be seen of somebody who has no heartbeat."""
+        """It is on the bus: the only evidence for an agent without a heartbeat."""
         self.joined = True
 
     def fail(self, reason: str) -> None:
-        """It has failed; the first reason is kept."""
+        """Record the failure; the first reason is kept."""
         self.failure = self.failure or reason
 
     def on_message(self, sender: str, message: Message) -> None:
-        """Note what somebody has said."""
+        """Evaluate a message."""
         if isinstance(message, Heartbeat):
             if sender == self.agent:
                 self._on_own_heartbeat(message)
@@ -98,7 +96,7 @@ class Canary:
                 note(sender, message.fact, message.at_s)
 
     def look(self, now_s: float) -> None:
-        """Note that it is so late by now (plant clock)."""
+        """Check for lateness at this time (plant clock)."""
 
     def _on_own_heartbeat(self, heartbeat: AtvHeartbeat | MachineHeartbeat) -> None:
         if heartbeat.incarnation <= self._life:
@@ -111,14 +109,14 @@ class Canary:
 
 
 class AtvCanary(Canary):
-    """A vehicle as a canary: what coordinators say of its transports."""
+    """A vehicle as a canary, judged by coordinators' messages about its transports."""
 
     def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
         super().__init__(agent, version, tasks, before, late_s)
         self._bids: dict[tuple[str, int], float] = {}
-        """When it would be done, by task and epoch."""
+        """Bid completion times, by task and epoch."""
         self._carries: dict[str, float] = {}
-        """Its tasks, and when it has promised to be done."""
+        """Its tasks, and their promised times."""
         self._on_fact = {
             BidReceived: self._note_bid,
             AwardAnswered: self._note_award,
@@ -128,7 +126,7 @@ class AtvCanary(Canary):
         }
 
     def look(self, now_s: float) -> None:
-        """A task may be late that is not done yet."""
+        """Check its unfinished tasks for lateness."""
         for task, promised_s in self._carries.items():
             if now_s > promised_s + self._late_s:
                 self.fail(f"{task} is not done {now_s - promised_s:.0f} s after it had promised to be")
@@ -163,19 +161,19 @@ class AtvCanary(Canary):
 
     def _note_command(self, sender: str, command: CommandObeyed, _at_s: float) -> None:
         if sender == self.agent and command.what == CommandKind.STOP and command.done:
-            # Whatever becomes of what it carries now, a person has wanted it.
+            # A person's stop explains any delay of its present transports.
             self._carries.clear()
 
 
 class MachineCanary(Canary):
-    """A machine as a canary: what vehicles and the strategist say of it."""
+    """A machine as a canary, judged by vehicles' and the strategist's messages."""
 
     def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
         super().__init__(agent, version, tasks, before, late_s)
         self._hired: set[tuple[str, int]] = set()
-        """What vehicles carry for it, by task and epoch: when one takes over, the contract of the other ends later."""
+        """Its hired transports, by task and epoch: after a takeover, the other contract ends later."""
         self._goals: dict[str, None] = {}
-        """Goals that it has taken in this life."""
+        """Goals taken in this life."""
         self._on_fact = {
             ContractTaken: self._note_taken,
             ContractEnded: self._note_ended,
@@ -203,7 +201,7 @@ class MachineCanary(Canary):
 
 
 class StrategistCanary(Canary):
-    """A strategist as a canary, which has no heartbeat: machines take goals from it."""
+    """A strategist as a canary, without a heartbeat: it is judged by machines that take its goals."""
 
     def __init__(self, agent: str, version: str, tasks: int, before: int, late_s: float) -> None:
         super().__init__(agent, version, tasks, before, late_s)
@@ -218,7 +216,7 @@ CANARIES: Mapping[str, type[Canary]] = {
     Kind.MACHINE: MachineCanary,
     Kind.STRATEGIST: StrategistCanary,
 }
-"""By kind of agent. The others have nothing to show but that they are there."""
+"""The canaries by kind of agent. For the others, only their presence can be checked."""
 
 HEARD = frozenset[str]({Kind.ATV, Kind.MACHINE})
-"""Kinds of agents that have heartbeats."""
+"""Kinds of agents with heartbeats."""

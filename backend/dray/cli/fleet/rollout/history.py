@@ -1,7 +1,7 @@
-"""What a factory did over some time, from the history that its agents have told. Pure.
+"""A factory's performance over some time, from its agents' history. Pure.
 
-The history in the database is whole: the historian asks for every fact that it has missed. So what is counted
-here is exact, also over the time in which the historian itself was away. Times are the plant's.
+The history in the database is complete: the historian asks for every missed fact. So the counts here are exact, even for the
+time of the historian's own absence. Times are the plant's.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from dray.messages.fact import CarrierChanged, ContractEnded, TaskClosed, TaskOp
 from dray.messages.keys import STRATEGISTS
 
 WINDOW_S = 900.0
-"""Over which a flow is measured: some fifteen transports of the default plant at its usual load. Chance alone
-makes one such window a quarter worse than another; a shorter one would tell of nothing else."""
+"""The window for a flow, in seconds: some fifteen transports of the default plant at its usual load. By chance alone one such
+window may be a quarter worse than another; a shorter one would show only chance."""
 
 KINDS = tuple(kind.__name__ for kind in (TaskOpened, TaskClosed, CarrierChanged, ContractEnded))
-"""Of the facts that count here."""
+"""The facts that count here."""
 
 
 class Told(msgspec.Struct, frozen=True):
-    """A fact, who has told it, and when it was so."""
+    """A fact, its agent, and its time."""
 
     agent: str
     at_s: float
@@ -32,31 +32,31 @@ class Told(msgspec.Struct, frozen=True):
 
 
 class History:
-    """What has become of the transports of some time.
+    """The outcome of the transports of some time.
 
     Args:
-        told: the facts of that time, each once, in the order in which things happened.
+        told: the facts of that time, each once, by time.
 
     Attributes:
-        delivered_s: when transports were closed as delivered, in order.
-        twice: those that were closed as delivered twice, or handed over by two vehicles.
+        delivered_s: the times of transports closed as delivered, in order.
+        twice: transports closed as delivered twice, or handed over by two vehicles.
     """
 
     def __init__(self, told: Iterable[Told]) -> None:
         self.delivered_s: list[float] = []
         self.twice: set[str] = set()
         self._open: dict[str, tuple[str, float]] = {}
-        """Transports that were opened and not closed: by whom, and when."""
+        """Open transports: the coordinator and the time of opening."""
         self._delivered: set[str] = set()
         self._carriers: dict[str, str] = {}
-        """Who has handed over, by task."""
+        """The vehicle that has handed over, by task."""
         self._changes: list[tuple[float, str]] = []
-        """When a carrier was replaced, and who it was."""
+        """Replacements of carriers: the time and the former carrier."""
         for each in told:
             self._note(each)
 
     def lost(self, words: Mapping[str, MachineHeartbeat]) -> set[str]:
-        """Transports that are open, and that their machine has not named since.
+        """Open transports that their machine does not mention any more.
 
         Args:
             words: the newest heartbeat of each machine.
@@ -69,7 +69,7 @@ class History:
         }
 
     def passed_on(self, carrier: str, from_s: float, to_s: float) -> int:
-        """How many tasks of a vehicle somebody else has carried on, from one moment to another."""
+        """Number of a vehicle's tasks taken over by others, from one moment to another."""
         return sum(who == carrier and from_s <= at_s <= to_s for at_s, who in self._changes)
 
     def per_minute(self, from_s: float, to_s: float) -> float:
@@ -79,12 +79,12 @@ class History:
         return 60.0 * count / (to_s - from_s) if to_s > from_s else 0.0
 
     def worst_per_minute(self, from_s: float, to_s: float) -> float:
-        """The same in the worst `WINDOW_S` between two moments; the whole, if they are nearer to each other."""
+        """The lowest rate of any `WINDOW_S` between two moments; the mean, if the time is shorter."""
         last_s = to_s - WINDOW_S
         if last_s <= from_s:
             return self.per_minute(from_s, to_s)
         times = self.delivered_s
-        # A window has the fewest where it begins at the start, or just after a delivery.
+        # The minimum is in a window that begins at the start, or just after a delivery.
         begins_s = [from_s, *(at_s for at_s in times if from_s <= at_s <= last_s)]
         fewest = min(bisect_left(times, at_s + WINDOW_S) - bisect_right(times, at_s) for at_s in begins_s)
         return 60.0 * fewest / WINDOW_S

@@ -1,4 +1,4 @@
-"""A listener on the bus of a running fleet: it hears everybody's heartbeats and history, and says nothing."""
+"""A listener on the bus of a running fleet: it hears all heartbeats and history, and sends nothing."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ OnMessage = Callable[[str, Message], None]
 
 
 class Listener:
-    """Tells others what it hears, and remembers the newest word of each agent.
+    """Passes on all messages, and remembers the newest of each agent.
 
-    Made on the loop on which it is used; closed by `close`.
+    Create it on the loop that uses it; `close` closes it.
 
     Args:
-        registry: whose fleet.
-        folder: the fleet's.
+        registry: the fleet.
+        folder: the fleet's folder.
 
     Attributes:
-        lives: the newest incarnation that each vehicle and machine has said.
+        lives: the newest incarnation of each vehicle and machine.
         machines: the newest heartbeat of each machine.
-        numbers: the life and the number of the newest fact of each agent.
+        numbers: life and number of each agent's newest fact.
     """
 
     def __init__(self, registry: ProcessRegistry, folder: Path) -> None:
@@ -43,7 +43,7 @@ class Listener:
 
     @contextlib.contextmanager
     def telling(self, tell: OnMessage) -> Iterator[None]:
-        """Let somebody hear all, as long as the context lasts."""
+        """Pass all messages to a callback, as long as the context lasts."""
         self._told.append(tell)
         try:
             yield
@@ -51,7 +51,7 @@ class Listener:
             self._told.remove(tell)
 
     async def present(self) -> frozenset[str]:
-        """Who is on the bus now."""
+        """The agents on the bus now."""
         return await self._bus.roll_call()
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The statistics of a fleet: what its database says of orders, and of what agents have told."""
+"""The statistics of a fleet from its database: orders, and the agents' history."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dray.store.history.events import EventRow
 from dray.store.history.gaps import Known
 
 FACTS = 200_000
-"""Read at once: those of KINDS that a plant of 300 agents tells in some hours; some 100 MB."""
+"""Maximum facts read at once: those of KINDS in some hours of a plant of 300 agents; some 100 MB."""
 
 _fact: msgspec.json.Decoder[AnyFact] = msgspec.json.Decoder(AnyFact)
 
@@ -26,15 +26,15 @@ class OrderCount(msgspec.Struct, frozen=True):
 
     delivered: int
     late: int
-    """Delivered after their due time, or still open at the end though it has passed."""
+    """Orders delivered after their due time, or open and overdue at the end."""
 
     def since(self, before: OrderCount) -> OrderCount:
-        """What has come to what there was before."""
+        """The difference to an earlier count."""
         return OrderCount(self.delivered - before.delivered, self.late - before.late)
 
 
 class OrderStatistics:
-    """Reads only.
+    """Reads the statistics; changes nothing.
 
     Args:
         store: the fleet's database.
@@ -46,10 +46,10 @@ class OrderStatistics:
     @classmethod
     @asynccontextmanager
     async def open(cls, url: str) -> AsyncIterator[Self]:
-        """Open the database, and leave its tables as they are: to renew them is for the fleet's own gateway.
+        """Open the database, without migrating its tables: that is for the fleet's own gateway.
 
         Raises:
-            UnavailableError: it cannot be opened.
+            UnavailableError: opening failed.
         """
         store = Store(await Database.open(url))
         try:
@@ -70,10 +70,10 @@ class OrderStatistics:
         return OrderCount(totals.delivered, totals.delivered - totals.on_time + overdue)
 
     async def missing(self, numbers: Mapping[str, tuple[int, int]]) -> int:
-        """How many facts of the present lives are not written down yet, or are gone.
+        """The number of facts of the present lives that are not stored yet, or are gone.
 
         Args:
-            numbers: by agent, its life, and the number in it up to which facts count.
+            numbers: by agent, its life and its last counting number.
 
         Raises:
             UnavailableError: the database is away.
@@ -87,7 +87,7 @@ class OrderStatistics:
         return lacking
 
     async def history(self, from_s: float, to_s: float) -> History:
-        """What has happened from one moment to another (plant clock).
+        """The history from one moment to another (plant clock).
 
         Raises:
             UnavailableError: the database is away.

@@ -1,4 +1,4 @@
-"""The replacement of one process in a running fleet: it leaves, another one comes, and is looked at."""
+"""The replacement of one process in a running fleet: shutdown, start, and observation of the new one."""
 
 from __future__ import annotations
 
@@ -22,34 +22,34 @@ from dray.gateway.live.timescale import TimeScale
 from dray.settings import Settings
 
 JOIN_S = 60.0
-"""Real seconds in which a new process must be on the bus: on a busy computer a start takes ten."""
+"""Real seconds for a new process to join the bus: on a busy computer a start takes ten."""
 
 HOLD_S = 3.0
-"""Real seconds that a new process must have been there: what cannot live ends in its first moments."""
+"""Minimum real seconds of presence of a new process: a broken one ends in its first moments."""
 
 LOOK_S = 0.1
-"""How often it is looked at (real seconds)."""
+"""Real seconds between two checks."""
 
 LATE_S = 60.0
-"""A vehicle may be so late by its plant: a dock that is held for another one, a way round somebody who stands.
-In the simulated plant, where nobody stands in the way, none is late by a second."""
+"""Tolerated delay of a vehicle by its plant: a dock held for another one, or a detour. In the simulated plant, without people
+in the way, no vehicle is late by a second."""
 
 BUSY_S = 5.0
-"""And by so many real seconds by its computer, which counts where the plant's clock runs faster."""
+"""Tolerated delay by its computer in real seconds, which matters where the plant's clock runs faster."""
 
 READY_S = 2.0
-"""Longest wait for one answer of a gateway (real seconds)."""
+"""Timeout of one answer of a gateway (real seconds)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Terms:
-    """How a process is replaced.
+    """The terms of a replacement.
 
     Attributes:
-        software: what runs from now on.
-        canary_tasks: tasks that it has to do well; 0 for none.
-        patience_s: so long it is given work for that (plant clock).
-        at_once: the old one need not finish what it has begun.
+        software: the new software.
+        canary_tasks: tasks to do well; 0 for none.
+        patience_s: maximum time for these tasks (plant clock).
+        at_once: whether to end the old one without a graceful shutdown.
     """
 
     software: Software
@@ -59,12 +59,12 @@ class Terms:
 
 
 class Scene:
-    """A fleet in which processes are replaced.
+    """A fleet with replacements in progress.
 
     Args:
-        folder: of the fleet.
-        settings: of the fleet.
-        listener: on its bus.
+        folder: the fleet's folder.
+        settings: the fleet's settings.
+        listener: a listener on its bus.
     """
 
     def __init__(self, folder: Path, settings: Settings, listener: Listener) -> None:
@@ -79,12 +79,12 @@ class Scene:
 
     @property
     def first_s(self) -> float:
-        """When the fleet was started (plant clock)."""
+        """The start of the fleet (plant clock)."""
         return self._time.plant_epoch_s
 
     @property
     def late_s(self) -> float:
-        """So much later than it has promised a vehicle may be (plant clock)."""
+        """The tolerated delay of a vehicle against its promise (plant clock)."""
         return LATE_S + BUSY_S * self.speed
 
     def now_s(self) -> float:
@@ -101,7 +101,7 @@ class Scene:
         wanted = control.Replace(member.name, terms.software, terms.canary_tasks, terms.at_once)
         done = await control.replace(self._folder, wanted)
         gone_s = joined_s = time.monotonic()
-        # Whatever was heard of it until now was said by the old one: the new one has only begun to start.
+        # Earlier messages were the old one's: the new one has only begun to start.
         canary = self._canary(member, terms)
         if isinstance(done, control.Refused):
             canary.fail(done.reason)
@@ -127,7 +127,7 @@ class Scene:
         )
 
     async def settle(self, member: Member) -> None:
-        """It has passed as a canary: its later lives are on none.
+        """It has passed as a canary: its later lives are no canaries.
 
         Raises:
             UnavailableError: the fleet's supervisor does not answer.
@@ -181,7 +181,7 @@ def _verdict(canary: Canary) -> Verdict:
 
 
 def _answers(url: str) -> bool:
-    """Whether a gateway takes orders."""
+    """Whether a gateway accepts orders."""
     try:
         # No proxy: the gateway is on this computer.
         with build_opener(ProxyHandler({})).open(url, timeout=READY_S):

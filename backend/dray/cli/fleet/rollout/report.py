@@ -1,4 +1,4 @@
-"""What an update has done and what it has cost: as data, and as tables for people."""
+"""The result and cost of an update: as data, and as tables for people."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dray.cli.runtime.output import table
 
 
 class Verdict(StrEnum):
-    """What became of one replacement."""
+    """The result of one replacement."""
 
     PASSED = "passed"
     UNTRIED = "no work to be tried with"
@@ -21,18 +21,18 @@ class Verdict(StrEnum):
 
 
 class Step(msgspec.Struct, frozen=True, kw_only=True):
-    """One replacement of a process. Seconds are real ones, where nothing else is said.
+    """One replacement of a process. Seconds are real ones unless noted.
 
     Attributes:
-        began_s: when it was asked to leave (plant clock).
-        ended_s: when the verdict was there (plant clock).
-        left_s: until the old process had ended, after it was asked to leave.
-        killed: it had to be killed.
+        began_s: the time of the shutdown request (plant clock).
+        ended_s: the time of the verdict (plant clock).
+        left_s: from the shutdown request to the end of the old process.
+        killed: whether it had to be killed.
         away_s: from then on until the new one was on the bus.
         canary_s: from then on until the verdict.
         tasks: done well as a canary.
-        passed_on: tasks that somebody else carries because of it.
-        why: of a verdict that is not the usual one.
+        passed_on: tasks taken over by others because of it.
+        why: the reason of an unusual verdict.
     """
 
     agent: str
@@ -63,15 +63,15 @@ class Flow(msgspec.Struct, frozen=True):
 
 
 class Cost(msgspec.Struct, frozen=True, kw_only=True):
-    """What the factory did meanwhile.
+    """The factory's performance during the update.
 
     Attributes:
-        before: over an hour before the update, or as long as there is a fleet.
-        during: from the first leaving to the last verdict.
+        before: over an hour before the update, or since the fleet's start.
+        during: from the first shutdown to the last verdict.
         orders: during the update.
-        lost: tasks that nobody names any more; must be empty.
+        lost: tasks that no agent mentions any more; must be empty.
         twice: tasks that were handed over twice; must be empty.
-        missing: facts that the history lacks, so that all this may be wrong by as many.
+        missing: number of facts that the history lacks, and so the error of these figures.
     """
 
     before: Flow
@@ -86,12 +86,12 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     """The whole update.
 
     Attributes:
-        version: the one that was to be.
-        done: every agent that was to be replaced runs it.
+        version: the target version.
+        done: whether every agent to be replaced runs it.
         end: how it ended, in words.
         speed: plant seconds per real second.
         took_s: real seconds.
-        cost: None when the database was away.
+        cost: None when the database was unavailable.
     """
 
     version: str

@@ -1,16 +1,16 @@
-"""The update of a running fleet: agents are replaced one at a time, each a canary, and all go back when one fails.
+"""The update of a running fleet: agents are replaced one at a time, each a canary, and all are rolled back when one fails.
 
     shuts down gracefully -> ends -> the new one starts -> is on the bus -> is a canary -> has passed -> the next agent
                                     |                    |               |
-                                    +-- ends, is not there in time, says another version, does badly
+                                    +-- ends, is not there in time, reports another version, does badly
                                                          |
-                                 it goes back at once; then all that were replaced before it, in order
+                                 it is rolled back at once; then all that were replaced before it, in order
 
-All go back, and not that one alone: the others have passed with the same software by a few tasks, and the
-fault that one has shown is in all of them.
+All are rolled back, and not that one alone. The others have passed with the same software by a few tasks, but they have the same
+fault.
 
-Whoever finds no work within the patience is untried, and stays if another agent of its kind has passed; else
-it goes back alone, and the update stops there. Started again, an update goes on where it has stopped.
+A canary without work within the timeout is untried. It stays if another agent of its kind has passed; otherwise it is rolled back
+alone, and the update stops there. Started again, an update continues there.
 """
 
 from __future__ import annotations
@@ -38,31 +38,31 @@ from dray.errors import SettingsError, UnavailableError
 from dray.messages.kinds import Kind
 
 ORDER: Sequence[str] = (Kind.ATV, Kind.STATION, Kind.MACHINE, Kind.GATE, Kind.STRATEGIST, HISTORIAN, GATEWAY)
-"""A vehicle first: there are others for its work. The floor stands for hardware, and has no software of ours."""
+"""The order of kinds. Vehicles come first, because others can do their work. The floor stands for hardware, without our software."""
 
 BASELINE_S = 3600.0
-"""Before the update (plant clock): what is done meanwhile is compared with it."""
+"""The time before the update for comparison (plant clock)."""
 
 WHOLE_S = 90.0
-"""Longest wait for the whole history (real seconds): the historian asks for a missed last fact within a minute."""
+"""Longest wait for the complete history (real seconds): the historian asks for a missed last fact within a minute."""
 
 ASK_AGAIN_S = 0.5
-"""How often it is asked whether it is whole (real seconds)."""
+"""Real seconds between two checks whether it is complete."""
 
 Tell = Callable[[str], None]
-"""Says to a person how far it is."""
+"""Tells a person the progress."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is to be done.
+    """An update's parameters.
 
     Attributes:
-        folder: of the fleet.
-        target: what all are to run.
+        folder: the fleet's folder.
+        target: the software for all.
         only: these processes; empty for all.
-        canary_tasks: tasks that each agent has to do well.
-        patience_s: so long each is given work for that (plant clock).
+        canary_tasks: tasks that each agent must do well.
+        patience_s: maximum time for these tasks (plant clock).
     """
 
     folder: Path
@@ -76,7 +76,7 @@ async def update_fleet(plan: Plan, tell: Tell) -> Report:
     """Update a fleet; a signal stops it where it is.
 
     Raises:
-        SettingsError: a name that is none, or a software that does not speak with the others.
+        SettingsError: a name is unknown, or the software does not speak with the others.
         UnavailableError: there is no fleet, or its `dray fleet up` does not answer.
     """
     registry = read_registry(plan.folder)
@@ -94,10 +94,10 @@ async def update_fleet(plan: Plan, tell: Tell) -> Report:
 
 
 def replaceable(registry: ProcessRegistry, plan: Plan) -> list[Member]:
-    """Who is to be replaced, in order: those that do not run the target yet, or only as a canary.
+    """The processes to replace, in order: those without the target software, or with it only as a canary.
 
     Raises:
-        SettingsError: a name that is none, or a software that does not speak with the others.
+        SettingsError: a name is unknown, or the software does not speak with the others.
     """
     there = {member.name: member for member in registry.members if member.kind in ORDER}
     chosen = [one_of(there, name, "--only") for name in dict.fromkeys(plan.only)] or list(there.values())
@@ -113,7 +113,7 @@ def replaceable(registry: ProcessRegistry, plan: Plan) -> list[Member]:
 
 
 def proven_kinds(registry: ProcessRegistry, software: Software) -> set[str]:
-    """Kinds of agents of which one runs this software and has passed its time as a canary."""
+    """Kinds of agents of which one has passed as a canary with this software."""
     return {
         member.kind
         for member in registry.members
@@ -122,14 +122,14 @@ def proven_kinds(registry: ProcessRegistry, software: Software) -> set[str]:
 
 
 class Update:
-    """One update on its way.
+    """One update in progress.
 
     Args:
-        plan: what is to be done.
-        scene: where it is done.
-        listener: on the fleet's bus.
-        statistics: of the fleet.
-        tell: how far it is.
+        plan: its parameters.
+        scene: the fleet.
+        listener: a listener on the fleet's bus.
+        statistics: the fleet's statistics.
+        tell: tells the progress.
     """
 
     def __init__(
@@ -144,10 +144,10 @@ class Update:
         )
 
     async def run(self, members: Sequence[Member], proven: set[str]) -> Report:
-        """Replace these, one after the other, and tell what it has cost.
+        """Replace processes, one after the other, and report the cost.
 
         Args:
-            members: in order.
+            members: the processes, in order.
             proven: kinds of which one agent has passed already; grows.
         """
         began_s, before = self._scene.now_s(), await self._statistics.orders()
@@ -197,10 +197,10 @@ class Update:
         return await self._replace(member, Terms(plan.target, plan.canary_tasks, plan.patience_s))
 
     async def _roll_back(self, failed: Member, replaced: Sequence[Member]) -> list[str]:
-        """Give everybody back the software of before: the one that has failed at once, the others in order.
+        """Restore the earlier software: of the failed process at once, of the others in order.
 
         Returns:
-            Who is not there with it.
+            The processes that are not back with it.
         """
         steps = [await self._go_back(failed, at_once=True)]
         steps += [await self._go_back(member) for member in reversed(replaced)]
@@ -220,14 +220,14 @@ class Update:
         return step
 
     async def _cost(self, orders: OrderCount, began_s: float, ended_s: float) -> Cost:
-        """What the factory did meanwhile, as soon as its history is whole.
+        """Measure the factory's performance, as soon as its history is complete.
 
         Args:
-            orders: all of them before.
-            began_s: of the update (plant clock).
-            ended_s: of the update (plant clock).
+            orders: the count before the update.
+            began_s: the update's beginning (plant clock).
+            ended_s: the update's end (plant clock).
         """
-        # Of this moment: the factory goes on.
+        # Take these at this moment, because the factory goes on.
         numbers, machines = dict(self._listener.numbers), dict(self._listener.machines)
         missing = await self._until_written(numbers)
         since_s = max(self._scene.first_s, began_s - BASELINE_S)
@@ -246,7 +246,7 @@ class Update:
         )
 
     async def _until_written(self, numbers: Mapping[str, tuple[int, int]]) -> int:
-        """Wait until the history holds all that was told up to these numbers; how much it lacks in the end."""
+        """Wait until the history contains all facts up to these numbers; returns the number still missing."""
         latest_s = time.monotonic() + WHOLE_S
         while True:
             missing = await self._statistics.missing(numbers)

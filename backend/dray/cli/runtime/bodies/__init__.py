@@ -1,1 +1,1 @@
-"""Bodies of agents, as their processes make them: one module for each kind."""
+"""Creating the bodies of agents in their processes: one module for each kind."""

@@ -1,4 +1,4 @@
-"""The broker behind which bodies are."""
+"""The broker of bodies."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dray.settings import Settings
 
 
 def broker_of(settings: Settings) -> BrokerAddress:
-    """The broker that the settings name.
+    """The broker in the settings.
 
     Raises:
-        SettingsError: they name none.
+        SettingsError: there is none.
     """
     if not settings.broker:
         raise SettingsError("DRAY_BROKER", "a real body is behind a broker: say where that is")

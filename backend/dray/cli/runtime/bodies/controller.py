@@ -22,12 +22,12 @@ _log = logging.getLogger(__name__)
 
 
 def by_controller(surroundings: Surroundings, name: str, senses: type[StorageState | GateState]) -> Embody:
-    """The controller of a dock.
+    """The body of an agent whose dock has a controller.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
-        senses: what the controller tells of itself.
+        senses: the type of the controller's state.
     """
 
     @asynccontextmanager

@@ -1,4 +1,4 @@
-"""Bodies of agents: what a life of an agent is given."""
+"""The bodies of agents for one life."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from dray.ports import Body
 from dray.supervision import Failures
 
 REMIND_EVERY_S = 30.0
-"""How often it is said why an agent does not begin."""
+"""Seconds between log messages about why an agent does not begin."""
 
 
 @dataclass(frozen=True, slots=True)
 class Embodied:
-    """A body, and who tells when it is lost.
+    """A body, with its end.
 
     Attributes:
         body: the agent's; None for one that only talks.
-        lost: returns when it is there no more; never, for one whose absence is a problem and no end.
-        failures: of those who hear what it says.
+        lost: returns when the body is lost; never, for a body whose absence is only a problem.
+        failures: errors in handling its messages.
     """
 
     body: Body | None
@@ -34,7 +34,7 @@ class Embodied:
 
 
 Embody = Callable[[ZenohBus, SqliteJournal], AbstractAsyncContextManager[Embodied]]
-"""Makes the body of one life of an agent."""
+"""Creates the body for one life of an agent."""
 
 
 @asynccontextmanager
@@ -44,7 +44,7 @@ async def bodiless(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Emb
 
 
 def reading(embody: Embody, folder: Path) -> Embody:
-    """A body that fetches documents and lays them ready in a folder."""
+    """A body that also fetches documents and stores them in a folder."""
 
     @asynccontextmanager
     async def with_documents(bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:

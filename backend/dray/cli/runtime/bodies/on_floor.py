@@ -19,9 +19,9 @@ def on_floor(surroundings: Surroundings, name: str, added: BodySpec | None = Non
     """A body on the floor of the plant.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
-        added: its body, when the plant file of the floor does not know it.
+        added: its body, if the floor's plant file lacks it.
     """
 
     @asynccontextmanager
@@ -43,12 +43,12 @@ def on_floor(surroundings: Surroundings, name: str, added: BodySpec | None = Non
 
 
 def counted_on_floor(surroundings: Surroundings, name: str, embody: Embody) -> Embody:
-    """The body of a real vehicle whose places are simulated: the floor counts what it picks and drops.
+    """The body of a real vehicle at simulated places: the floor counts its picks and drops.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
-        embody: makes the vehicle's own body.
+        embody: creates the vehicle's own body.
     """
 
     @asynccontextmanager

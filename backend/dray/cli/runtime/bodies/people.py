@@ -1,4 +1,4 @@
-"""Machines, storages and the gate whose bodies are people."""
+"""Bodies operated by people, for machines, storages and the gate."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _PeopleKept = TypeVar("_PeopleKept", bound=Struct)
 
 
 class _PeopleWorld(Generic[_PeopleKept]):
-    """What a body of people needs beside a clock: a disk."""
+    """The surroundings of a people's body, beside its clock: a disk."""
 
     def __init__(self, remember: Callable[[_PeopleKept], None]) -> None:
         self.remember = remember
@@ -46,7 +46,7 @@ def _of_people(
     damaged: _PeopleKept,
     make: Callable[[_PeopleWorld[_PeopleKept], _PeopleKept | None], Body],
 ) -> Embody:
-    """A body that is people: what they have said is kept in a file of the journal folder."""
+    """A body operated by people; a file in the journal folder stores their reports."""
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
@@ -61,10 +61,10 @@ def _of_people(
 
 
 def by_people(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody:
-    """A machine without a controller, whose people say what has happened.
+    """A machine without a controller, whose people report the events.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
         spec: the machine.
     """
@@ -78,12 +78,12 @@ def by_people(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embod
 
 
 def store_by_people(surroundings: Surroundings, name: str, spec: StorageSpec) -> Embody:
-    """A storage or a warehouse without a controller, whose people say what has come and gone.
+    """A storage or a warehouse without a controller, whose people report arrivals and removals.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
-        spec: what is kept there.
+        spec: the storage.
     """
     return _of_people(
         surroundings,
@@ -95,10 +95,10 @@ def store_by_people(surroundings: Surroundings, name: str, spec: StorageSpec) ->
 
 
 def gate_by_people(surroundings: Surroundings, name: str) -> Embody:
-    """The gate of the delivery warehouses, whose people say what has arrived.
+    """The gate of the delivery warehouses, whose people report arrivals.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
     """
     return _of_people(surroundings, name, KeptGate, DAMAGED_GATE, PeopleGate)

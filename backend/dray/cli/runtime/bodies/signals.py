@@ -1,4 +1,4 @@
-"""Machines and storages whose controllers tell and obey single values, by OPC UA or MQTT."""
+"""Machines and storages with single-value signals of controllers, by OPC UA or MQTT."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from dray.settings import Settings
 from dray.supervision import Failures
 
 FIRST_S = 10.0
-"""So long a machine waits for its controller before it begins without, and says so."""
+"""Longest wait of a machine for its controller before it begins without, and reports that."""
 
 
 SILENT_S = 10.0
-"""A storage's controller that is away for longer is gone: its agent ends, so that nobody counts on it, and begins anew."""
+"""Silence after which a storage's controller is lost: its agent ends, so that nobody relies on it, and restarts."""
 
 
 _log = logging.getLogger(__name__)
@@ -46,18 +46,18 @@ _Kept = TypeVar("_Kept")
 
 
 class _World(Generic[_Kept]):
-    """What such a body needs beside a clock: a link and a disk."""
+    """The surroundings of such a body, beside its clock: a link and a disk."""
 
     def __init__(self, write: Callable[[], None], remember: Callable[[_Kept], None]) -> None:
         self.write, self.remember = write, remember
 
 
 class SignalsLink(Protocol):
-    """A link to a controller that tells and obeys single values.
+    """A link to a controller with single-value signals.
 
     Attributes:
-        linked: set once its values could be heard for the first time.
-        failures: what the listener could not deal with.
+        linked: set when its values have come for the first time.
+        failures: errors of the listener.
     """
 
     linked: asyncio.Event
@@ -67,7 +67,7 @@ class SignalsLink(Protocol):
         """The listener's outputs have changed."""
 
     async def run(self, listener: LinkListener) -> None:
-        """Be linked until cancelled."""
+        """Stay linked until cancelled."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +75,9 @@ class RealController:
     """The controller of a machine, or of a storage's dock.
 
     Attributes:
-        mapping: which of its values are which signals.
-        folder: of the mapping file.
-        settings: of the process, with what is secret.
+        mapping: its signals.
+        folder: the mapping file's folder.
+        settings: the process's settings, with the secrets.
     """
 
     mapping: OpcUaMapping | MqttMapping
@@ -86,14 +86,14 @@ class RealController:
 
     @classmethod
     def of(cls, settings: Settings, check: Callable[[SignalMapping], None]) -> RealController:
-        """What the settings say. Without a body of that kind the mapping file tells it: that of an OPC UA server has an address.
+        """The controller in the settings. Without such a body kind there, the mapping file decides: one for OPC UA has an address.
 
         Args:
-            settings: of the process.
-            check: raises ValueError where the mapping is not that of such a body.
+            settings: the process's settings.
+            check: raises ValueError for a mapping of another kind of body.
 
         Raises:
-            SettingsError: there is no mapping, or it cannot be used; or what OPC UA needs is not installed.
+            SettingsError: the mapping is missing or unusable, or the packages for OPC UA are missing.
         """
         file = settings.mapping
         if file is None:
@@ -114,15 +114,15 @@ class RealController:
 
     @property
     def password(self) -> str:
-        """Of its user; empty for none."""
+        """Its user's password; empty for none."""
         password = self.settings.opcua_password
         return "" if password is None else password.get_secret_value()
 
     def link(self, client: str) -> SignalsLink:
-        """A link that does not run yet.
+        """A link that is not running yet.
 
         Args:
-            client: our name at a broker.
+            client: our client name at a broker.
         """
         if isinstance(self.mapping, MqttMapping):
             return SignalsOverMqtt(self.mapping, broker_of(self.settings), client)
@@ -132,15 +132,15 @@ class RealController:
 
 
 def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody:
-    """A machine whose controller tells and obeys single values. One that is away is the machine's problem, and no end of its agent.
+    """A machine with single-value signals. A lost controller is the machine's problem, and does not end its agent.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
         spec: the machine.
 
     Raises:
-        SettingsError: there is no mapping, or it cannot be used.
+        SettingsError: the mapping is missing or unusable.
     """
     settings = surroundings.settings
     real = RealController.of(settings, SignalMapping.check_machine)
@@ -172,17 +172,17 @@ def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embo
 
 
 def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -> Embody:
-    """A storage or a warehouse whose dock's controller tells and obeys single values.
+    """A storage or a warehouse with single-value signals at its dock.
 
-    Its agent waits until the controller is there, and ends when it has been away for `SILENT_S`.
+    Its agent waits for the controller, and ends when that has been away for `SILENT_S`.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
-        spec: what is kept there.
+        spec: the storage.
 
     Raises:
-        SettingsError: there is no mapping, or it cannot be used.
+        SettingsError: the mapping is missing or unusable.
     """
     settings, clock = surroundings.settings, surroundings.clock
     items = {line.material for line in spec.stocks}

@@ -25,7 +25,7 @@ from dray.plant.model import VehicleType
 from dray.settings import Settings
 
 LOOK_EVERY_S = 0.2
-"""How often it is looked whether the vehicle has said where it is."""
+"""Seconds between checks whether the vehicle has reported its position."""
 
 
 _log = logging.getLogger(__name__)
@@ -36,9 +36,9 @@ class RealVehicle:
     """A vehicle behind a broker.
 
     Attributes:
-        broker: where it is.
-        address: whose topics are the vehicle's.
-        profile: what it understands.
+        broker: the broker's address.
+        address: the vehicle's address in topics.
+        profile: its profile.
     """
 
     broker: BrokerAddress
@@ -47,10 +47,10 @@ class RealVehicle:
 
     @classmethod
     def of(cls, settings: Settings) -> RealVehicle:
-        """What the settings say.
+        """The vehicle in the settings.
 
         Raises:
-            SettingsError: something is missing, or cannot be used.
+            SettingsError: something is missing, or unusable.
         """
         for name, value in (
             ("broker", settings.broker),
@@ -66,17 +66,17 @@ class RealVehicle:
         )
 
     def link(self, client: str) -> MqttLink:
-        """To its broker.
+        """A link to its broker.
 
         Args:
-            client: our name there; a second one of this name ends the first.
+            client: our client name there; a second client of this name ends the first.
         """
         prefix = self.profile.topic(self.address.manufacturer, self.address.serial, "").rstrip("/")
         return MqttLink(self.broker, prefix, client, HEARD)
 
 
 class World:
-    """What a vehicle's body needs beside a clock: a link, a disk, a log."""
+    """The surroundings of a vehicle's body, beside its clock: a link, a disk, a log."""
 
     def __init__(self, link: MqttLink, memory: Callable[[Memory], None], name: str) -> None:
         self._link, self._memory, self._name = link, memory, name
@@ -95,9 +95,9 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
     """A real vehicle.
 
     Args:
-        surroundings: of the process.
+        surroundings: the process's surroundings.
         name: the agent's id.
-        kind: what the plant says of the vehicle.
+        kind: the vehicle's type in the plant.
         real: the vehicle.
     """
 
@@ -131,10 +131,10 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
 
 @asynccontextmanager
 async def linked(link: MqttLink, body: VehicleBody) -> AsyncIterator[Callable[[], Awaitable[None]]]:
-    """Keep a vehicle's link as long as the context lasts.
+    """Run a vehicle's link as long as the context lasts.
 
     Yields:
-        What returns or raises when the link has ended by a fault of ours; it never does otherwise.
+        A function that returns or raises when the link has ended by a fault of ours, and never otherwise.
     """
     running = asyncio.create_task(link.run(body))
 
@@ -150,7 +150,7 @@ async def linked(link: MqttLink, body: VehicleBody) -> AsyncIterator[Callable[[]
 
 
 async def until_known(body: VehicleBody, name: str) -> None:
-    """Wait until the vehicle has said where it is: agent, vehicle and broker may be started in any order."""
+    """Wait until the vehicle has reported its position: agent, vehicle and broker may be started in any order."""
     waited_s, told = REMIND_EVERY_S, ""
     while not body.control.is_known:
         await asyncio.sleep(LOOK_EVERY_S)

@@ -1,1 +1,1 @@
-"""A gateway in service: its port and who may hold it, its first users and its key, a clean stop, people on duty."""
+"""A gateway in service: its port and connection limits, its first users and its key, a clean end, people on duty."""

@@ -1,4 +1,4 @@
-"""The key by which a gateway grants commands: made at the first start, and kept with the data."""
+"""The key with which a gateway signs grants: created at the first start, and stored with the data."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dray.adapters.security.signing import SigningKey
 from dray.store import Store
 
 NAME = "gateway"
-"""Of the key in the database: all gateways on one database sign alike."""
+"""The key's name in the database: all gateways on one database share it."""
 
 
 async def authority_of(store: Store) -> SigningKey:
-    """The signing key of a database; made now when there is none."""
+    """The signing key of a database; created when missing."""
     fresh = SigningKey.generate()
     public = SigningKey(fresh).public
     async with store.write() as work:

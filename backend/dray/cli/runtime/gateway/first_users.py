@@ -1,4 +1,4 @@
-"""First users: the people of a first start, and the links by which they come in while they know no secret."""
+"""First users: the people of a first start, and their login links while they have no secrets."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ MANAGER = "manager"
 
 
 async def welcome(store: Store, plant: PlantFile, now_s: float) -> dict[str, str]:
-    """Make a manager, and an operator per area, where nobody is known yet.
+    """Create a manager, and an operator per area, if nobody exists yet.
 
     Args:
-        store: where people are kept.
-        plant: whose areas they work in.
+        store: the store.
+        plant: the plant, with its areas.
         now_s: wall clock.
 
     Returns:
-        Per id of these who knows no secret, the token of a new login link.
+        A new login link's token for each of these without a secret, by id.
     """
     usual = usual_people(plant, now_s)
     async with store.write() as work:

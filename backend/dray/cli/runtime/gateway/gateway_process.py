@@ -38,12 +38,12 @@ async def run_gateway(where: Surroundings, customers: Customers | None = None) -
     """Run a gateway until a signal.
 
     Args:
-        where: what it begins with.
-        customers: whoever orders there; None where nobody simulates any.
+        where: the process's surroundings.
+        customers: simulated customers; None for none.
 
     Raises:
-        UnavailableError: the port, the bus or the database is not to be had, or another gateway has taken
-            its name.
+        UnavailableError: the port, the bus or the database is unavailable, or another gateway has taken its
+            name.
     """
     plant = where.plant
     elsewhere = asyncio.Event()
@@ -71,7 +71,7 @@ async def run_gateway(where: Surroundings, customers: Customers | None = None) -
             async with where.bus(settings.gateway_name, give_way) as bus:
                 authority = await authority_of(store)
                 incarnation = await store.next_incarnation(plant.id)
-                # Steered as the agents' clocks are: should the computer's be set, nobody seems silent for it.
+                # Steered like the agents' clocks: if the computer's clock is set, no agent appears silent.
                 wall = SystemClock(asyncio.get_running_loop())
                 operators = OperatorWorkers(bus, Keys(plant.id), where.time, wall.now_s)
                 app = create_app(
@@ -105,7 +105,7 @@ async def run_historian(where: Surroundings) -> None:
     """Run the historian until a signal.
 
     Raises:
-        UnavailableError: the bus or the database is not to be had, or a historian has been started elsewhere.
+        UnavailableError: the bus or the database is unavailable, or a historian has been started elsewhere.
     """
     stopped = asyncio.Event()
     elsewhere = False
@@ -119,7 +119,7 @@ async def run_historian(where: Surroundings) -> None:
     try:
         async with where.bus(HISTORIAN, give_way) as bus:
             life = await store.next_incarnation(where.plant.id)
-            # Steered as the gateway's: should the computer's be set ahead, what is young is not too old at once.
+            # Steered like the gateway's: if the computer's clock is set ahead, young data is not deleted as too old.
             wall = SystemClock(asyncio.get_running_loop())
             historian = historian_of(where.settings, where.plant, store, bus, where.time, life, wall.now_s)
             async with where.told(BusMeter(bus), History(historian)):

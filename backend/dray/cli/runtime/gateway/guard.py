@@ -1,9 +1,8 @@
-"""The guard of a listener: how many may be connected, and how long they may keep us waiting.
+"""The guard of a listener: it limits the number of connections, and their waiting times.
 
-A connection costs a file descriptor and memory before anybody has said who is there. So there are bounds: in all,
-and for each address. Who comes to a bound takes the place of whoever has been connected longest without having asked for
-anything, so a crowd that only holds connections keeps nobody out. A request that does not arrive, or an answer that
-nobody reads, ends its connection.
+A connection costs a file descriptor and memory before its user is known. So there are limits in total and for each address. At a
+limit, a new connection replaces the oldest one without a request, so idle connections keep nobody out. A request that does not
+arrive, or an answer that nobody reads, ends its connection.
 """
 
 from __future__ import annotations
@@ -21,28 +20,28 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from dray.gateway.access.limits import neighbourhood
 
 HEAD_S = 10.0
-"""Wall seconds for the head of a request to arrive, from the connection or from the answer before it: over the worst
-WLAN a browser needs one."""
+"""Wall seconds for the head of a request to arrive, from the connection or from the last answer: over the worst WLAN a
+browser needs one."""
 
 BODY_S = 20.0
-"""For its body: 1 MiB at half a megabit per second."""
+"""Wall seconds for its body: 1 MiB at half a megabit per second."""
 
 STALL_S = 30.0
-"""An answer of which nobody has taken anything for so long is given up; a stream pings every 20 s."""
+"""Seconds without progress after which an answer is given up; a stream pings every 20 s."""
 
 SPARE_FILES = 384
-"""File descriptors that the listener leaves to others: 160 for stops, the database's, the bus's, those of files that
-are served, and some connections that are accepted and not sent away yet."""
+"""File descriptors reserved for other uses: 160 for stops, those of the database, the bus and served files, and some accepted
+connections that are about to be refused."""
 
 
 class Phase(Enum):
-    """What a connection is doing."""
+    """The phase of a connection."""
 
     HEAD = "head"
-    """Nothing was asked yet, or nothing more."""
+    """It waits for a request."""
     BODY = "body"
     ANSWER = "answer"
-    """Being answered, or a stream."""
+    """It sends an answer, or a stream."""
 
 
 PATIENCE_S = {Phase.HEAD: HEAD_S, Phase.BODY: BODY_S}
@@ -53,25 +52,25 @@ class Visit:
 
     Args:
         transport: the connection.
-        address: of the other end, or its network; empty for nobody's.
-        protocol: what reads it.
+        address: the other end's address or network; empty for unknown.
+        protocol: its reader.
         now_s: a clock.
     """
 
     def __init__(self, transport: asyncio.Transport, address: str, protocol: Any, now_s: float) -> None:
         self.transport, self.address, self.protocol = transport, address, protocol
         self.taken_s = now_s
-        """When the other end had last taken what was sent to it."""
+        """The time of the other end's last reading."""
         self._doing: tuple[Phase, object] = (Phase.HEAD, None)
         self._since_s = now_s
 
     @property
     def phase(self) -> Phase:
-        """What it is doing."""
+        """Its present phase."""
         return self._now()[0]
 
     def overdue(self, now_s: float) -> bool:
-        """Whether it has kept us waiting for too long."""
+        """Whether its phase lasts too long."""
         if not self.transport.get_write_buffer_size():
             self.taken_s = now_s
         doing = self._now()
@@ -92,17 +91,17 @@ class Visit:
 
 
 class Guard:
-    """Who is connected to one listener.
+    """The connections of one listener.
 
     Args:
-        most: connections in all.
-        each: of one address.
-        exempt: addresses that speak for many.
-        now_s: a clock that never goes back.
+        most: maximum connections in total.
+        each: maximum connections per address.
+        exempt: addresses without that maximum, which speak for many.
+        now_s: a monotonic clock.
 
     Attributes:
-        turned_away: connections that were ended for lack of a place.
-        given_up: connections that have kept us waiting for too long.
+        turned_away: connections ended because of a limit.
+        given_up: connections ended because of a timeout.
     """
 
     def __init__(
@@ -110,7 +109,7 @@ class Guard:
     ) -> None:
         self._most, self._each, self._exempt, self._now_s = most, each, frozenset(exempt), now_s
         self._visits: dict[asyncio.BaseTransport, Visit] = {}
-        """The oldest first."""
+        """By transport, the oldest first."""
         self._of: dict[str, dict[asyncio.BaseTransport, Visit]] = {}
         """The same by address."""
         self.turned_away = 0
@@ -118,11 +117,11 @@ class Guard:
 
     @property
     def connected(self) -> int:
-        """How many there are."""
+        """Number of connections."""
         return len(self._visits)
 
     def enter(self, transport: asyncio.Transport, protocol: Any) -> None:
-        """Somebody has connected, or an open connection has another protocol now."""
+        """A new connection, or another protocol of an open one."""
         known = self._visits.get(transport)
         if known is not None:
             known.protocol = protocol
@@ -141,7 +140,7 @@ class Guard:
             self._of.setdefault(address, {})[transport] = visit
 
     def leave(self, transport: asyncio.BaseTransport) -> None:
-        """A connection has ended; harmless when done twice."""
+        """A connection has ended; harmless when repeated."""
         visit = self._visits.pop(transport, None)
         if visit is None:
             return
@@ -151,20 +150,20 @@ class Guard:
             del self._of[visit.address]
 
     def flows(self, transport: asyncio.BaseTransport) -> None:
-        """The other end has taken what was sent to it."""
+        """The other end has read data."""
         visit = self._visits.get(transport)
         if visit is not None:
             visit.taken_s = self._now_s()
 
     def sweep(self) -> None:
-        """End the connections that keep us waiting."""
+        """End the connections whose phase lasts too long."""
         now_s = self._now_s()
         for visit in [visit for visit in self._visits.values() if visit.overdue(now_s)]:
             self.given_up += 1
             self._end(visit)
 
     def _make_room(self, visits: Iterable[Visit]) -> bool:
-        """End the oldest of these connections that keep us waiting, one that has asked for nothing before others."""
+        """End the oldest waiting one of these connections, preferably one without a request; False when there is none."""
         for phase in (Phase.HEAD, Phase.BODY):
             waiting = next((visit for visit in visits if visit.phase is phase), None)
             if waiting is not None:
@@ -215,10 +214,10 @@ def guarded(guard: Guard) -> tuple[type[asyncio.Protocol], type[asyncio.Protocol
 
 
 def room_for(connections: int) -> int:
-    """How many connections there can be, so that `SPARE_FILES` are left; the process's own limit is raised for it.
+    """The possible number of connections that leaves `SPARE_FILES`; raises the process's own limit for it.
 
     Args:
-        connections: how many are wanted.
+        connections: the wanted number.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = connections + SPARE_FILES

@@ -1,4 +1,4 @@
-"""Operators' agents beside a gateway: one worker each, for as long as the person is on duty (`dray.gateway.factory.duty`)."""
+"""Operators' agents beside a gateway: one worker each, while the person is on duty (`dray.gateway.factory.duty`)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _log = logging.getLogger(__name__)
 
 
 class _PlantClock:
-    """The plant's clock as the gateway knows it. Implements `dray.ports.Clock`."""
+    """The plant's clock by the gateway's time scale. Implements `dray.ports.Clock`."""
 
     def __init__(self, time: TimeScale, wall_s: Callable[[], float]) -> None:
         self._time, self._wall_s = time, wall_s
@@ -42,9 +42,9 @@ class _PlantClock:
 
 
 class _NoNotes:
-    """An operator's journal: nothing of a person is written down. Implements `dray.ports.Journal`.
+    """An operator's journal, which stores nothing about a person. Implements `dray.ports.Journal`.
 
-    Lives are numbered by the moment at which they begin, so that the newest counts, at whichever gateway it is.
+    Lives are numbered by their start time, so that the newest counts, at any gateway.
     """
 
     memory: Memory = {}  # noqa: RUF012 (nothing is ever put in)
@@ -69,7 +69,7 @@ class OperatorWorkers:
     """Implements `dray.gateway.factory.duty.OperatorHost`.
 
     Args:
-        bus: where the agents meet.
+        bus: the agents' bus.
         keys: the plant's.
         time: the two clocks.
         wall_s: the wall clock.
@@ -82,11 +82,11 @@ class OperatorWorkers:
         self._tasks: set[asyncio.Task[None]] = set()
 
     def employ(self, operator: str, body: Body) -> Employed:
-        """Run the agent of somebody who goes on duty now."""
+        """Run the agent of a person who goes on duty now."""
         before = self._workers.pop(operator, None)
         if before is not None:
             before.kill()
-        # Milliseconds: whoever goes off and on again within a second is another life.
+        # Milliseconds: going off and on duty within a second is another life.
         life = int(self._wall_s() * 1000)
         worker = Worker(
             Operator(operator, self._keys.plant, incarnation=life),
@@ -110,7 +110,7 @@ class OperatorWorkers:
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
-        """Let nobody's agent outlive this; what was promised holds for the next life."""
+        """Stop all agents at the end; promises hold for the next life."""
         try:
             yield
         finally:

@@ -1,4 +1,4 @@
-"""A gateway's service: its address, its greeting, its administrator's token, and answering until a signal."""
+"""A gateway's service: its address, its greeting, its administrator's token, and serving until a signal."""
 
 from __future__ import annotations
 
@@ -56,19 +56,19 @@ Whoever has a secret needs no link: dray user password manager{db}, dray user pi
 
 
 Customers = Callable[[OrderPlacement], Awaitable[None]]
-"""Whoever orders at a gateway of this process."""
+"""Customers who order at a gateway of this process."""
 
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """What is to be run.
+    """The parameters of a service.
 
     Attributes:
         settings: the gateway's.
         plant: the factory's.
         speed: factory seconds per real second.
-        customers: place orders from when requests are answered until cancelled; None where nobody simulates any.
-        greets: whether it says where it answers, and by which links people come in.
+        customers: place orders while requests are served, until cancelled; None for none.
+        greets: whether it prints its address and the login links.
     """
 
     settings: Settings
@@ -79,7 +79,7 @@ class Service:
 
 
 def with_admin_token(service: Service) -> tuple[Service, str]:
-    """The service with a token for its administrator; and the token when it was made here."""
+    """The service with an administrator's token; and the token if it was created here."""
     if service.settings.admin_token is not None:
         return service, ""
     token = new_token()
@@ -88,7 +88,7 @@ def with_admin_token(service: Service) -> tuple[Service, str]:
 
 
 def with_stop_port(service: Service, listener: socket.socket) -> Service:
-    """The service with the port that its stops have got: the panels are told."""
+    """The service with the actual port for stops, for the panels."""
     settings = service.settings.model_copy(update={"stop_port": listener.getsockname()[1]})
     return replace(service, settings=settings)
 
@@ -102,7 +102,7 @@ def historian_of(
     life: int,
     wall_s: Callable[[], float],
 ) -> Historian:
-    """The historian of a plant, which is not running yet. Call it on the loop on which it will run."""
+    """A plant's historian that is not running yet. Call it on the loop on which it will run."""
     return Historian(
         store=store,
         bus=bus,
@@ -138,18 +138,18 @@ async def serve(
     greeting: str,
     ended: Callable[[], Awaitable[object]] | None = None,
 ) -> None:
-    """Answer until a signal.
+    """Serve until a signal.
 
     Args:
-        service: what runs.
+        service: the parameters.
         app: the gateway.
-        listener: where it answers.
-        greeting: what to say when it does.
-        ended: returns or raises when it makes no sense to go on; when a factory ends, say.
+        listener: its port.
+        greeting: printed when it serves.
+        ended: returns or raises when serving makes no sense any more, as after the end of a simulated factory.
 
     Raises:
-        UnavailableError: Prometheus' port is not to be had.
-        whatever keeps the gateway from starting.
+        UnavailableError: Prometheus' port is unavailable.
+        Exception: any that keeps the gateway from starting.
     """
     ready = asyncio.Event()
     server = Server(app, service.settings, ready.set)
@@ -172,7 +172,7 @@ async def serve(
 
 async def _greet(greeting: str, ready: asyncio.Event) -> None:
     await ready.wait()
-    # What was loaded for a start stays: a full collection looks at what has come since, and holds the loop up for no tenth of a second.
+    # Objects from the start stay: a full collection then only looks at later ones, and does not hold the loop up for a tenth of a second.
     gc.collect()
     gc.freeze()
     typer.echo(greeting, nl=False)
@@ -180,13 +180,13 @@ async def _greet(greeting: str, ready: asyncio.Event) -> None:
 
 
 def greeting_of(service: Service, url: str, token: str, links: Mapping[str, str]) -> str:
-    """What to say when requests are answered.
+    """The text to print when requests are served.
 
     Args:
-        service: what runs.
-        url: where.
-        token: the administrator's, if it was made for this run.
-        links: per person without a secret, the token of a login link.
+        service: the parameters.
+        url: the address.
+        token: the administrator's, if it was created for this run.
+        links: by person without a secret, the token of a login link.
     """
     plant, database = service.plant, make_url(service.settings.database_url)
     lines = GREETING.format(
@@ -209,7 +209,7 @@ def greeting_of(service: Service, url: str, token: str, links: Mapping[str, str]
 
 
 def _db_option(database: URL) -> str:
-    """How other commands find this database; empty where they do by themselves, or need its password, too."""
+    """The option with which other commands find this database; empty if not needed, or if it would need a password."""
     if database == make_url(Settings.model_fields["database_url"].default) or database.password is not None:
         return ""
     return f" --db {shlex.quote(database.render_as_string())}"
@@ -217,7 +217,7 @@ def _db_option(database: URL) -> str:
 
 @contextlib.asynccontextmanager
 async def _told(settings: Settings, app: FastAPI) -> AsyncIterator[None]:
-    """Tell Prometheus without a login what `/metrics` tells it with one, if that is asked for."""
+    """Serve the metrics of `/metrics` to Prometheus without a login, if the settings ask for it."""
     if not settings.metrics_listen:
         yield
         return

@@ -1,4 +1,4 @@
-"""The server of a command: it says when it answers, leaves signals to others, and tells why it cannot start."""
+"""The server of a command: it reports when it serves, leaves signals to others, and explains a failed start."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from dray.cli.runtime.listener import BACKLOG
 from dray.settings import Settings
 
 ACCEPTED_AT_ONCE = 8
-"""Of the connections that wait (`BACKLOG`), in one turn of the loop: few against what an address may have (`Guard`), so that nobody is sent away to
-make room for those behind before anything was read of it."""
+"""Waiting connections (`BACKLOG`) accepted per turn of the loop: few against the limit per address (`Guard`). So no connection is
+ended for later ones before anything was read from it."""
 
 INCOMING_BYTES = 4096
-"""Longest message that a panel may send on the stream: it has nothing to say."""
+"""Maximum size of a panel's message on the stream: it has little to send."""
 
 HEAD_BYTES = 32 * 1024
-"""Longest head of a request: an address with a filter, and the cookies of a host with other servers."""
+"""Maximum size of a request's head: an address with a filter, and the cookies of a host with other servers."""
 
 GOODBYE_S = 3
-"""Wall seconds that open requests get when the server ends: no answer takes longer, but a command."""
+"""Wall seconds for open requests at the server's end: only commands may take longer."""
 
 
 class _Candid:
-    """An ASGI application whose failure to start is kept, and not written to the log.
+    """An ASGI application whose failed start is stored instead of logged.
 
     Args:
         app: the application.
 
     Attributes:
-        failure: what has ended its lifespan.
+        failure: the exception that has ended its lifespan.
     """
 
     def __init__(self, app: Any) -> None:
@@ -58,14 +58,14 @@ class _Candid:
 
 
 class Server(uvicorn.Server):
-    """uvicorn with a word when it answers, with signals left to us, and with the reason when it cannot start.
+    """uvicorn with a callback when it serves, without signal handling, and with the reason of a failed start.
 
     Args:
         app: an ASGI application.
-        settings: how much is logged, and which proxies are trusted.
-        on_ready: called once, when requests are answered.
-        guard: of its connections; that of the settings, when absent.
-        head_bytes: longest head of a request.
+        settings: the log level, and the trusted proxies.
+        on_ready: called once, when requests are served.
+        guard: limits its connections; by default from the settings.
+        head_bytes: maximum size of a request's head.
         streams: whether there are any streams.
     """
 
@@ -91,18 +91,18 @@ class Server(uvicorn.Server):
             http=http,
             ws=socket if streams else "none",
             h11_max_incomplete_event_size=head_bytes,
-            # To asyncio: how many are accepted in one go, before the guard sees any of them.
+            # For asyncio: the number accepted at once, before the guard sees any of them.
             backlog=ACCEPTED_AT_ONCE,
             log_level=settings.log_level,
             # Ours: see `dray.cli.runtime.gateway.service`.
             log_config=None,
             access_log=settings.log_level == "debug",
-            # Else uvicorn would believe every program on this machine what address it speaks for.
+            # Otherwise uvicorn would believe any program on this machine about its client's address.
             proxy_headers=bool(settings.trusted_proxies),
             forwarded_allow_ips=settings.trusted_proxies,
             server_header=False,
             ws_max_size=INCOMING_BYTES,
-            # Each client's frames are compressed on what it was sent before: a fifth of the bytes, for some 20 us a frame.
+            # Each client's frames are compressed with the earlier ones as context: a fifth of the bytes, for some 20 us a frame.
             ws_per_message_deflate=True,
             timeout_graceful_shutdown=GOODBYE_S,
         )
@@ -110,19 +110,19 @@ class Server(uvicorn.Server):
         self._on_ready = on_ready
 
     async def on_tick(self, counter: int) -> bool:
-        """Ten times a second; see that nobody keeps us waiting once in each."""
+        """Called ten times a second; sweeps overdue connections once a second."""
         if counter % 10 == 0:
             self.guard.sweep()
         return await super().on_tick(counter)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start to answer."""
+        """Start to serve."""
         try:
             await super().startup(sockets)
             for each in sockets or ():
-                each.listen(BACKLOG)  # It took the number above for the length of the queue as well.
+                each.listen(BACKLOG)  # asyncio has also used the number above as the length of the queue.
         except SystemExit:
-            # uvicorn would end the process with a code of its own.
+            # uvicorn would exit with a code of its own.
             if self.failure is None:
                 raise
             self.should_exit = True
@@ -131,16 +131,16 @@ class Server(uvicorn.Server):
 
     @property
     def failure(self) -> BaseException | None:
-        """Why the application could not start, or was ended; None while all is well."""
+        """Why the application could not start, or has ended; None without a failure."""
         return self._candid.failure
 
     def stop(self) -> None:
-        """Answer what has been asked, and end."""
+        """Serve the open requests, and end."""
         self.should_exit = True
 
     @contextlib.contextmanager
     def capture_signals(self) -> Generator[None]:
-        """Leave signals to `stopped_by_signals`: uvicorn would end the process by the signal."""
+        """Leave signals to `stopped_by_signals`: uvicorn would end the process with the signal."""
         yield
 
 

@@ -1,4 +1,4 @@
-"""The stop path, put together: a thread with a loop and a listener of its own (`dray.gateway.stop`)."""
+"""The stop path, assembled: a thread with its own loop and listener (`dray.gateway.stop`)."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ from dray.ports import Bus
 from dray.settings import Settings
 
 SWITCH_S = 0.001
-"""How long one thread holds the interpreter while others wait; 5 ms by default. A stop changes hands some ten times,
-and the gateway and a simulated factory are at work beside it."""
+"""Longest time in which one thread keeps the interpreter from others; 5 ms by default. A stop changes threads some ten times, beside
+the gateway and a simulated factory."""
 
 CONNECTIONS, CONNECTIONS_EACH = 160, 64
-"""In all, and of one address: tablets have one each, and keep it for as long as they ask again."""
+"""Maximum connections in total, and per address: a tablet keeps one between its requests."""
 
 HEAD_BYTES = 8 * 1024
-"""Longest head of a request for a stop."""
+"""Maximum size of the head of a request for a stop."""
 
 STARTING_S, ENDING_S = 10.0, 5.0
-"""Longest waits for the thread: it has next to nothing to do."""
+"""Timeouts of the thread's start and end: it has little to do."""
 
 _log = logging.getLogger(__name__)
 
@@ -53,17 +53,17 @@ OpenBus = Callable[[], AbstractContextManager[Bus]]
 
 @dataclass(frozen=True, slots=True)
 class StopPath:
-    """What the stop path is made of.
+    """The parts of the stop path.
 
     Attributes:
-        listener: where it answers.
-        origin_port: of the gateway's own listener.
+        listener: its port.
+        origin_port: the port of the gateway's own listener.
         settings: the gateway's.
         bus: opened on the thread of stops.
-        authority: grants what is sent.
+        authority: signs grants.
         time: the two clocks.
         incarnation: of the plant's agents.
-        wall_s: the wall clock, callable from any thread; the computer's, steered, when None.
+        wall_s: the wall clock, callable from any thread; by default the computer's, steered.
     """
 
     listener: socket.socket
@@ -80,12 +80,12 @@ class StopPath:
         """Run beside a gateway, as long as the context lasts.
 
         Args:
-            commands: the gateway's, which show what was stopped.
-            access: who is who, and the audit log.
+            commands: the gateway's, for showing stops.
+            access: people and keys, and the audit log.
 
         Raises:
             UnavailableError: the thread does not start.
-            whatever keeps it from starting.
+            Exception: any that keeps it from starting.
         """
         sys.setswitchinterval(SWITCH_S)
         recorder = StopRecorder(commands, access.audit_log)
@@ -137,7 +137,7 @@ class _Thread:
 
     async def _live(self) -> None:
         way, settings = self._way, self._way.settings
-        # The gateway's own clock is read on its own thread.
+        # The gateway's own clock belongs to its own thread.
         wall_s = way.wall_s or SystemClock(asyncio.get_running_loop()).now_s
         with way.bus() as bus:
             sender = StopSender(
@@ -183,7 +183,7 @@ class _Thread:
         self._tell(stop, self._recorder.ended, stop, answer)
 
     def _tell(self, stop: Stop, call: Callable[..., None], *args: object) -> None:
-        """The stop is on its way, whether anybody keeps account of it or not."""
+        """Record a stop that is already sent; a failure to record changes nothing."""
         try:
             self._crossing.order(call, *args)
         except UnavailableError as error:
@@ -200,7 +200,7 @@ def listen_for_stops(settings: Settings, port: int) -> socket.socket:
         port: that of the gateway itself.
 
     Raises:
-        UnavailableError: the settings name a port, and it is not to be had.
+        UnavailableError: the port in the settings is unavailable.
     """
     if settings.stop_port is not None:
         return listen(settings.host, settings.stop_port, "DRAY_STOP_PORT")

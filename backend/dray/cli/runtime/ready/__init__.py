@@ -1,1 +1,1 @@
-"""What a real plant still lacks for service: one finding for each thing that must be there (`dray plant ready`)."""
+"""A real plant's readiness for service: one finding for each requirement (`dray plant ready`)."""

@@ -1,4 +1,4 @@
-"""Agents: whether each of the plant file is heard, and whether its body answers."""
+"""Agents: checks that each one of the plant file is heard, and that its body answers."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from dray.messages.keys import GATE
 from dray.plant import Plant
 
 BESIDE = frozenset({"products", "machines"})
-"""Parts of a plant file that may differ in a running plant: products are defined there, and machines join."""
+"""Parts of a plant file that may differ in a running plant: people define products there, and machines join."""
 
 
 def plant_of_gateway(plant: Plant, answers: Answers) -> Finding:
-    """Whether the gateway serves this plant, and none that is simulated."""
+    """Whether the gateway serves this plant, and not a simulated one."""
     name, picture = "plant of the gateway", answers.picture
     file = msgspec.json.decode(msgspec.json.encode(plant.file))
     if picture.plant != plant.id:
@@ -40,9 +40,9 @@ def agents(plant: Plant, strategists: Iterable[str], answers: Answers) -> Iterat
     """Whether every machine, storage and vehicle, the gate and the strategist are heard.
 
     Args:
-        plant: names them.
-        strategists: all of them, by id.
-        answers: of the gateway.
+        plant: the plant.
+        strategists: all strategists, by id.
+        answers: the gateway's answers.
     """
     picture, alerts = answers.picture, answers.picture.alerts
     heard = picture.agents()
@@ -113,7 +113,7 @@ def _strategists(wanted: tuple[str, ...], answers: Answers, alerts: Iterable[Ale
 
 
 def bodies(plant: Plant, answers: Answers) -> Finding:
-    """Whether the bodies of machines and vehicles answer: one that does not is a problem of its agent."""
+    """Whether the bodies of machines and vehicles answer: a silent body is a problem of its agent."""
     name, heard = "bodies", answers.picture.agents()
     wanted = [each for each in (*plant.machines, *plant.fleet) if not _lack(heard.get(each), answers.picture)]
     broken = [

@@ -1,4 +1,4 @@
-"""What a running gateway says of its plant, as far as whoever asks may know it."""
+"""A running gateway's answers about its plant, within the asker's permissions."""
 
 from __future__ import annotations
 
@@ -14,64 +14,64 @@ from dray.errors import SettingsError
 T = TypeVar("T")
 
 PAGE = 500
-"""People or keys that are asked for at once: the most that a gateway tells in one answer."""
+"""People or keys per request: the maximum of one answer."""
 
 PEOPLE, DUTY = "people:write", "vehicles:command"
-"""Scopes, without which nothing is told of people and keys, and of who is on duty."""
+"""Scopes that are needed to see people and keys, and people on duty."""
 
 
 class Client(Protocol):
     """Asks a gateway; `dray.cli.runtime.rest_client.RestClient` does."""
 
     def ask(self, method: str, path: str, shape: type[T]) -> T:
-        """One request.
+        """Send one request.
 
         Raises:
-            SettingsError: the gateway does not know who asks, or refuses.
-            UnavailableError: nobody answers there, or not as Dray does.
+            SettingsError: the gateway does not know the asker, or refuses.
+            UnavailableError: nobody answers there, or another server.
         """
         ...
 
     def date_s(self) -> float | None:
-        """The wall clock of the gateway, in whole seconds, up to a second old; None where it does not tell."""
+        """The wall clock of the gateway, in whole seconds, up to a second old; None without a date."""
         ...
 
 
 class Part(msgspec.Struct, frozen=True):
-    """How a part of the gateway is."""
+    """The state of a part of the gateway."""
 
     ok: bool
     reason: str = ""
 
 
 class Ready(msgspec.Struct, frozen=True):
-    """The parts of a gateway that takes orders."""
+    """The parts of a gateway that accepts orders."""
 
     parts: dict[str, Part]
 
 
 class Me(msgspec.Struct, frozen=True):
-    """Who asks."""
+    """The asker."""
 
     scopes: tuple[str, ...]
     areas: tuple[str, ...] | None = None
 
 
 class Silence(msgspec.Struct, frozen=True):
-    """The rule by which an agent counts as failed."""
+    """The rule for counting an agent as failed."""
 
     lost_after_s: float
 
 
 class Clock(msgspec.Struct, frozen=True):
-    """How far an agent's clock is off."""
+    """An agent's clock error."""
 
     ahead_s: float
     wrong: bool
 
 
 class Agent(msgspec.Struct, frozen=True, kw_only=True):
-    """A machine, a vehicle or a station, as its last heartbeat told; fields that its kind does not have are as below."""
+    """A machine, a vehicle or a station, by its last heartbeat; missing fields have the defaults below."""
 
     id: str
     seen_at_s: float
@@ -83,11 +83,11 @@ class Agent(msgspec.Struct, frozen=True, kw_only=True):
     removal: dict[str, Any] | None = None
     clock: Clock | None = None
     unconfirmed: tuple[dict[str, Any], ...] | None = None
-    """Not None where the body of a machine is people."""
+    """Not None where people operate a machine."""
 
 
 class Alert(msgspec.Struct, frozen=True):
-    """Something that is wrong now."""
+    """A present problem."""
 
     kind: str
     agent: str = ""
@@ -109,18 +109,18 @@ class Picture(msgspec.Struct, frozen=True, kw_only=True):
     machines: tuple[Agent, ...] = ()
     atvs: tuple[Agent, ...] = ()
     stations: tuple[Agent, ...] = ()
-    """Those of storages and warehouses, and the gate."""
+    """The stations of storages and warehouses, and the gate."""
     alerts: tuple[Alert, ...] = ()
     fault_injection: bool = False
-    """The plant is simulated."""
+    """Whether the plant is simulated."""
 
     def agents(self) -> dict[str, Agent]:
-        """All that were heard, by id."""
+        """All agents heard, by id."""
         return {each.id: each for each in (*self.machines, *self.atvs, *self.stations)}
 
 
 class Person(msgspec.Struct, frozen=True):
-    """Somebody who may log in, or no more."""
+    """A person with a login, possibly disabled."""
 
     id: str
     role: str
@@ -140,11 +140,11 @@ class Key(msgspec.Struct, frozen=True):
 
 
 class Duty(msgspec.Struct, frozen=True):
-    """In which areas nobody is on duty."""
+    """The areas without an operator on duty."""
 
     areas_without: tuple[str, ...] = ()
     comes_at_s: dict[str, float] = {}
-    """Of these, where nobody is there by the working time: when somebody comes."""
+    """For areas outside their working hours, the time at which an operator comes."""
 
 
 class _People(msgspec.Struct, frozen=True):
@@ -159,16 +159,16 @@ class _Keys(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answers:
-    """What a gateway has said.
+    """A gateway's answers.
 
     Attributes:
         parts: its parts, by name.
         picture: the plant as panels show it.
         plant: its plant file, as JSON.
-        people: who may log in; None where whoever asks may not know that.
-        keys: those of other systems; None likewise.
-        duty: who is on duty; None likewise.
-        clock: unix times: when its clock was asked by ours, what it said, and when that came; None where it does not tell.
+        people: people with logins; None without permission.
+        keys: keys of other systems; None without permission.
+        duty: people on duty; None without permission.
+        clock: unix times: of our request, of the gateway's date, of its answer; None without a date.
     """
 
     parts: dict[str, Part]
@@ -181,15 +181,15 @@ class Answers:
 
 
 def ask(client: Client, wall_s: Callable[[], float]) -> Answers:
-    """Ask a gateway everything.
+    """Ask a gateway for everything.
 
     Args:
-        client: asks it.
+        client: sends the requests.
         wall_s: this computer's wall clock.
 
     Raises:
-        SettingsError: the gateway does not know who asks, or whoever asks may not see the whole plant.
-        UnavailableError: nobody answers there, or it cannot take orders.
+        SettingsError: the gateway does not know the asker, or the asker may not see the whole plant.
+        UnavailableError: nobody answers there, or the gateway cannot accept orders.
     """
     parts = client.ask("GET", "/readyz", Ready).parts
     me = client.ask("GET", "/api/me", Me)

@@ -1,4 +1,4 @@
-"""Certificates: whether every process of the plant has one, by the plant's authority, that is good for long enough."""
+"""Certificates: checks that every process of the plant has one of the plant's authority that is valid for long enough."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dray.messages.kinds import Kind
 from dray.settings import Settings
 
 SOON_DAYS = 30
-"""A certificate that ends sooner is to be renewed now, as the alert of Prometheus says."""
+"""Remaining validity in days below which to renew a certificate, as in the alert of Prometheus."""
 
 NAME = "certificates"
 
@@ -33,9 +33,9 @@ def certificates(
 
     Args:
         plant: its id.
-        wanted: whom each process speaks for, by the name of its certificate.
-        settings: say whether links have certificates at all.
-        folder: where they were made; None for that of the settings.
+        wanted: the agents of each process, by the name of its certificate.
+        settings: whether links have certificates at all.
+        folder: the folder of their creation; None for that of the settings.
         now_s: unix time.
     """
     chosen = folder or settings.bus_certificates
@@ -88,7 +88,7 @@ def _examine(
     revoked: Revocations,
     now_s: float,
 ) -> tuple[str, float]:
-    """What is wrong with the certificate of one process, empty for nothing; and until when it is valid (unix time, infinite where there is none)."""
+    """The fault of one process's certificate, empty for none; and the end of its validity (unix time, infinite without one)."""
     never = float("inf")
     try:
         found = x509.load_pem_x509_certificate((folder / f"{name}.pem").read_bytes())

@@ -1,4 +1,4 @@
-"""This computer: its clock, and the room on its disks."""
+"""This computer: its clock, and the space on its disks."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from dray.plant import Plant
 from dray.settings import Settings
 
 DATE_S = 2.0
-"""A gateway tells whole seconds, and makes that up once a second."""
+"""Precision of a gateway's date: whole seconds, updated once a second."""
 
 FACTS_PER_H = 500
-"""Of one vehicle with its transports, in real time: 1,000 vehicles tell a million in two hours."""
+"""Facts per hour of one vehicle with its transports, in real time: 1,000 vehicles send a million in two hours."""
 
 FACT_BYTES = 500
-"""Of one fact in the database, with its indexes."""
+"""Size of one fact in the database, with its indexes."""
 
 REST_BYTES = 2**30
-"""For what panels showed, figures, orders and logs, and for journals: what a plant of some tens of vehicles fills in months."""
+"""Space for recordings, figures, orders and logs, and for journals: some tens of vehicles fill it in months."""
 
 LOOK_S = 5.0
-"""To wait for the time service, which answers at once."""
+"""Timeout of the time service, which answers at once."""
 
 
 def clocks(answers: Answers | None, ntp: Callable[[], bool | None]) -> Iterator[Finding]:
-    """Whether this computer's clock is kept right, and those of the gateway and of the agents agree.
+    """Whether this computer's clock is synchronised, and those of the gateway and of the agents agree.
 
     Args:
-        answers: of the gateway; None where it does not answer.
-        ntp: whether this computer's clock is synchronised; None where nobody can tell.
+        answers: the gateway's answers; None where it does not answer.
+        ntp: whether this computer's clock is synchronised; None if unknown.
     """
     synchronised = ntp()
     todo = "timedatectl set-ntp true, or install chrony; clocks must agree within 100 ms"
@@ -65,7 +65,7 @@ def _gateway(clock: tuple[float, float, float] | None) -> Finding:
     if clock is None:
         return unknown(name, "its answers have no date")
     asked_s, told_s, answered_s = clock
-    # What it told lies between `told_s` and so much later, and was told between question and answer.
+    # The gateway's time is in the interval of `DATE_S` from `told_s`, and was taken between question and answer.
     ahead_s, behind_s = told_s - answered_s, asked_s - (told_s + DATE_S)
     if max(ahead_s, behind_s) > CLOCKS_AGREE_S:
         off = f"{ahead_s:.0f} s ahead of" if ahead_s > 0 else f"{behind_s:.0f} s behind"
@@ -74,7 +74,7 @@ def _gateway(clock: tuple[float, float, float] | None) -> Finding:
 
 
 def ntp_synchronised() -> bool | None:
-    """Whether the kernel takes this computer's clock for synchronised; None where systemd does not tell."""
+    """Whether the kernel considers this computer's clock synchronised; None without systemd's answer."""
     tool = shutil.which("timedatectl")
     if tool is None:
         return None
@@ -92,12 +92,12 @@ def ntp_synchronised() -> bool | None:
 
 
 def disks(plant: Plant, settings: Settings, free_bytes: Callable[[Path], int]) -> Iterator[Finding]:
-    """Whether there is room for the database and for journals.
+    """Whether there is space for the database and for journals.
 
     Args:
-        plant: of so many vehicles.
-        settings: where both are, and for how long facts are kept.
-        free_bytes: what is free on the disk of a folder.
+        plant: the plant, with its number of vehicles.
+        settings: the locations of both, and the retention of facts.
+        free_bytes: free space on the disk of a folder.
     """
     facts = min(settings.events_most, FACTS_PER_H * 24 * settings.events_days * max(1, len(plant.fleet)))
     wanted = round(facts * FACT_BYTES) + REST_BYTES
@@ -124,7 +124,7 @@ def _disk(name: str, folder: Path, wanted: int, free_bytes: Callable[[Path], int
 
 
 def free_on(folder: Path) -> int:
-    """Bytes that are free on the disk of a folder."""
+    """Free bytes on the disk of a folder."""
     return shutil.disk_usage(folder).free
 
 

@@ -1,4 +1,4 @@
-"""The database: whether it can be reached and written, has the newest tables, and by which key commands are signed."""
+"""The database: checks that it is reachable and writable, has the newest tables, and which key signs commands."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from dray.store.database.migrate import revisions
 from dray.store.work import Store
 
 SIGNER = "gateway"
-"""Of the key in the database by which all gateways on it sign."""
+"""The name of the signing key in the database, which all its gateways share."""
 
 
 QUIET_S = 300.0
-"""From each agent that is heard the historian writes something at least once a minute."""
+"""Maximum silence of the historian in seconds: for each agent heard it writes at least once a minute."""
 
 
 async def database(settings: Settings, now_s: float) -> AsyncIterator[Finding]:
-    """Whether the database is there, and what it tells.
+    """Findings about the database, and from it.
 
     Args:
-        settings: where it is; and whose signatures agents believe.
+        settings: its URL, and the keys that agents trust.
         now_s: unix time.
     """
     name, url = "database", make_url(settings.database_url)
@@ -59,7 +59,7 @@ async def database(settings: Settings, now_s: float) -> AsyncIterator[Finding]:
 
 
 def _lacks_file(url: URL) -> bool:
-    """Whether opening the database would make it."""
+    """Whether opening the database would create it."""
     return url.get_backend_name() == "sqlite" and not Path(url.database or "").is_file()
 
 

@@ -1,4 +1,4 @@
-"""Docks: whether each says that it is safe before a vehicle loads there, as far as mapping files and the running plant tell."""
+"""Docks: checks by mapping files and the running plant that each signals readiness before a vehicle loads there."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ NAME = "docks"
 
 
 def docks(plant: Plant, mappings: Path | None, answers: Answers | None) -> Finding:
-    """Whether docks shake hands. One that does not is no fault: vehicles load as soon as they stand there.
+    """Whether docks have a handshake. A missing one is no fault: vehicles load as soon as they stand there.
 
     Args:
-        plant: whose machines and storages have docks.
-        mappings: the folder of the controllers' mapping files, each called as its machine or storage; None for none.
-        answers: of the gateway; None where it does not answer.
+        plant: its machines and storages have docks.
+        mappings: the folder of the controllers' mapping files, each named as its machine or storage; None for none.
+        answers: the gateway's answers; None where it does not answer.
     """
     late: list[str] = []
     people: list[str] = []
@@ -67,7 +67,7 @@ def _told(known: dict[str, bool], people: list[str]) -> list[str]:
 
 
 def _shakes_hands(plant: Plant, place: str, file: Path) -> bool:
-    """Whether the controller of a machine or a storage says that its dock is safe.
+    """Whether the controller of a machine or a storage signals that its dock is safe.
 
     Raises:
         SettingsError: its mapping cannot be used.

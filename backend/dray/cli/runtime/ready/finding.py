@@ -1,4 +1,4 @@
-"""A finding: whether one thing is there that service needs, what was seen of it, and what to do."""
+"""A finding: one requirement for service, the observation, and the remedy."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from enum import StrEnum
 import msgspec
 
 NAMED_MOST = 8
-"""Names in one finding; of more the number is told."""
+"""Maximum names in one finding; further ones are only counted."""
 
 
 class Verdict(StrEnum):
-    """Whether something is there."""
+    """Whether a requirement is met."""
 
     OK = "ok"
     MISSING = "missing"
     UNKNOWN = "unknown"
-    """It cannot be told from here."""
+    """It cannot be checked from here."""
 
 
 class Finding(msgspec.Struct, frozen=True):
-    """What was found of one thing.
+    """The result for one requirement.
 
     Attributes:
-        name: of the thing.
-        verdict: whether it is there.
-        seen: what was seen.
-        todo: what to do, with the command; empty where there is nothing to do.
+        name: the requirement's name.
+        verdict: whether it is met.
+        seen: the observation.
+        todo: the remedy, with the command; empty for none.
     """
 
     name: str
@@ -37,22 +37,22 @@ class Finding(msgspec.Struct, frozen=True):
 
 
 def ok(name: str, seen: str, todo: str = "") -> Finding:
-    """It is there; `todo` may say what would be better still."""
+    """The requirement is met; `todo` may suggest an improvement."""
     return Finding(name, Verdict.OK, seen, todo)
 
 
 def missing(name: str, seen: str, todo: str) -> Finding:
-    """It is not there, or not as it must be."""
+    """The requirement is not met."""
     return Finding(name, Verdict.MISSING, seen, todo)
 
 
 def unknown(name: str, seen: str, todo: str = "") -> Finding:
-    """Nobody can tell from here."""
+    """It cannot be checked from here."""
     return Finding(name, Verdict.UNKNOWN, seen, todo)
 
 
 def named(names: Iterable[str]) -> str:
-    """Names in a sentence; of many the first ones, and how many more there are."""
+    """Names in a sentence; of many only the first ones, and the number of the others."""
     all_ = list(names)
     more = len(all_) - NAMED_MOST
     return ", ".join(all_[:NAMED_MOST]) + (f" and {more} more" if more > 0 else "")

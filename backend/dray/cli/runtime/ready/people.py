@@ -1,4 +1,4 @@
-"""People and keys: who may log in, who is on duty, and by which keys other systems come in."""
+"""People and keys: checks of logins, people on duty, and keys of other systems."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from dray.cli.runtime.ready.finding import Finding, missing, named, ok, unknown
 from dray.plant import Plant
 
 SOON_S = 30 * 86_400.0
-"""What ends sooner is to be renewed now."""
+"""Remaining validity in seconds below which to renew."""
 
 WRITES_ORDERS = "orders:write"
 
 
 def people_and_keys(plant: Plant, answers: Answers, now_s: float) -> Iterator[Finding]:
-    """What is missing of people and keys.
+    """Findings about people and keys.
 
     Args:
-        plant: whose areas need operators.
-        answers: of the gateway.
+        plant: the plant, whose areas need operators.
+        answers: the gateway's answers.
         now_s: unix time.
     """
     lacks = f"whoever asks may not know it: the token needs {PEOPLE}"

@@ -1,4 +1,4 @@
-"""All findings of a plant, in the order in which it is brought into service."""
+"""All findings of a plant, in the order of bringing it into service."""
 
 from __future__ import annotations
 
@@ -34,24 +34,24 @@ ASKED = (
     ),
     *("bodies", "managers", "operators", "API keys", "people on duty"),
 )
-"""What only a gateway tells."""
+"""Requirements that only a gateway can answer."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Viewpoint:
-    """From where a plant is looked at.
+    """The sources for the checks.
 
     Attributes:
         file: the plant file, as commands name it.
-        settings: of this computer.
-        client: asks the gateway; `url` is where.
-        url: of the gateway, for people.
-        has_token: whether the gateway is told who asks.
-        certificates: the folder where they were made; None for that of the settings.
+        settings: this computer's settings.
+        client: asks the gateway.
+        url: the gateway's address, for people.
+        has_token: whether requests carry a token.
+        certificates: the folder of their creation; None for that of the settings.
         mappings: the folder of the mapping files of controllers; None for none.
         wall_s: this computer's wall clock.
-        ntp: whether that is synchronised; None where nobody can tell.
-        free_bytes: what is free on the disk of a folder.
+        ntp: whether that is synchronised; None if unknown.
+        free_bytes: free space on the disk of a folder.
     """
 
     file: str
@@ -67,10 +67,10 @@ class Viewpoint:
 
 
 async def findings(plant: Plant, here: Viewpoint) -> list[Finding]:
-    """What is there of a plant, and what is missing, with commands for this plant file.
+    """All findings about a plant, with commands for this plant file.
 
     Raises:
-        SettingsError: the gateway does not know who asks, or whoever asks may not see the whole plant.
+        SettingsError: the gateway does not know the asker, or the asker may not see the whole plant.
     """
     return [replace(each, todo=each.todo.replace("FILE", here.file)) async for each in _all(plant, here)]
 
@@ -127,7 +127,7 @@ def _gateway(here: Viewpoint) -> tuple[Finding, Answers | None]:
 
 
 def lines(found: list[Finding]) -> Iterator[str]:
-    """The findings for people: what is missing has a line with what to do."""
+    """The findings for people: an unmet requirement has a line with the remedy."""
     width = max(len(each.name) for each in found)
     for each in found:
         yield f"{each.verdict:8} {each.name:{width}}  {each.seen}"

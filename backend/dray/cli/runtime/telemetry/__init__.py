@@ -1,6 +1,5 @@
-"""What a process tells of itself: its log, its traces, and what it counts.
+"""A process's telemetry: its log, its traces, and its metrics.
 
-`agent_meter` reads an agent that has a process of its own, `bus_meter` a process's place on the bus, `clock_meter` how
-its clock stands. What is simulated has its meters in `dray.cli.simulation`. Names are the same wherever figures come
-from, so that one board shows all.
+`agent_meter` reads an agent with its own process, `bus_meter` a process's connection to the bus, `clock_meter` its clock. Meters of
+simulated parts are in `dray.cli.simulation`. Names do not depend on the source of the figures, so that one dashboard shows all.
 """

@@ -1,4 +1,4 @@
-"""What agents count: one that has a process of its own, or all lives of many together."""
+"""Metrics of agents: of one with its own process, or of all lives of many together."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from dray.worker.worker import Worker
 HANDLED, IGNORED, DROPPED = "handled", "ignored", "dropped"
 
 Counts = Counter[tuple[str, str]]
-"""What was counted, and of which kind or for which reason."""
+"""Counts by name, and by kind or reason."""
 
 
 class AgentMeter(Collector):
-    """What one agent and its journal have counted in this life.
+    """The counts of one agent and its journal in this life.
 
     Args:
-        worker: runs the agent.
+        worker: the agent's worker.
         journal: the agent's.
     """
 
@@ -31,7 +31,7 @@ class AgentMeter(Collector):
         self._worker, self._journal = worker, journal
 
     def collect(self) -> Iterator[Metric]:
-        """Everything as of now."""
+        """All present metrics."""
         yield from families_of(counted(self._worker))
         yield gauge("agent_events_waiting", "Events in an agent's inbox.", len(self._worker.inbox.waiting))
         yield SummaryMetricFamily(
@@ -43,7 +43,7 @@ class AgentMeter(Collector):
 
 
 def counted(worker: Worker) -> Counts:
-    """What an agent has counted in this life."""
+    """An agent's counts in this life."""
     ignored = {(IGNORED, reason): count for reason, count in dict(worker.ignored).items()}
     return Counter(
         {
@@ -56,7 +56,7 @@ def counted(worker: Worker) -> Counts:
 
 
 def families_of(counts: Counts) -> Iterator[Metric]:
-    """What agents have counted, in Prometheus' words."""
+    """Agents' counts as Prometheus metrics."""
     yield counter("agent_events_handled", "Events that agents handled.", counts[HANDLED, ""])
     ignored = {reason: count for (what, reason), count in counts.items() if what == IGNORED}
     yield counters("agent_messages_ignored", "Messages that changed nothing.", "reason", ignored)

@@ -1,4 +1,4 @@
-"""What could not be dealt with of what a body has said."""
+"""The metric of failures in handling a body's messages."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ class BodyMeter(Collector):
     """Our own faults with the messages of one body.
 
     Args:
-        failures: of those who hear them.
+        failures: the counted failures.
     """
 
     def __init__(self, failures: Sequence[Failures]) -> None:
         self._failures = failures
 
     def collect(self) -> Iterator[Metric]:
-        """Everything as of now."""
+        """All present metrics."""
         counts = sum((each.counts for each in self._failures), Counter[str]())
         what = "Messages of a body that could not be dealt with, by our own fault."
         yield counters("body_messages_failed", what, "kind", counts)

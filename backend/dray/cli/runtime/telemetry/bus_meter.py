@@ -1,4 +1,4 @@
-"""What a process's place on the bus counts, by the names that a simulated network's counts have."""
+"""Metrics of a process's connection to the bus, with the names of a simulated network's metrics."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from dray.adapters.zenoh.bus import FAILED, ZenohBus
 
 
 class BusMeter(Collector):
-    """What one place on the bus has counted.
+    """The counts of one connection to the bus.
 
     Args:
-        bus: the process's.
+        bus: the process's bus.
     """
 
     def __init__(self, bus: ZenohBus) -> None:
         self._bus = bus
 
     def collect(self) -> Iterator[Metric]:
-        """Everything as of now."""
+        """All present metrics."""
         bus = self._bus
         yield counter("bus_messages_delivered", "Messages that reached an agent.", bus.delivered)
         lost = {

@@ -1,4 +1,4 @@
-"""How the plant's clock in this process stands to the computer's."""
+"""Metrics of the plant's clock in this process, against the computer's."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from dray.adapters.telemetry.metric_families import counter, gauge
 
 
 class ClockMeter(Collector):
-    """What one clock has seen.
+    """The measurements of one clock.
 
     Args:
-        clock: the process's.
+        clock: the process's clock.
     """
 
     def __init__(self, clock: SystemClock) -> None:
         self._clock = clock
 
     def collect(self) -> Iterator[Metric]:
-        """Everything as of now."""
+        """All present metrics."""
         self._clock.now_s()
         yield counter("clock_steps", "How often the computer's clock was set.", self._clock.steps)
         yield gauge(

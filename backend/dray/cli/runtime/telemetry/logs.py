@@ -11,7 +11,7 @@ import msgspec
 from dray.settings import Settings
 
 FIELDS = ("agent", "fact", "task", "epoch", "role", "goal", "order", "reason")
-"""What a record may tell beside its text; by these a structured log is searched."""
+"""Optional fields of a record beside its text, for searching a structured log."""
 
 _encoder = msgspec.json.Encoder(enc_hook=str)
 
@@ -34,7 +34,7 @@ class JsonFormatter(logging.Formatter):
 
 
 def prepare_logs(settings: Settings) -> None:
-    """Log to stderr from now on, in the form that was asked for."""
+    """Log to stderr from now on, in the form of the settings."""
     handler = logging.StreamHandler()
     if settings.log_format == "json":
         handler.setFormatter(JsonFormatter())
@@ -45,7 +45,7 @@ def prepare_logs(settings: Settings) -> None:
 
 
 def quieten(settings: Settings) -> None:
-    """Others' news of how they start is no news to a person who starts Dray."""
+    """Hide other packages' messages about their start."""
     if settings.log_level == "info":
         for name in ("alembic", "uvicorn.error"):
             logging.getLogger(name).setLevel(logging.WARNING)

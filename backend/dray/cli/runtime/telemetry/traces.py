@@ -1,4 +1,4 @@
-"""Traces and the log of facts, for the agents of a process: only what the settings ask for stands in their way."""
+"""Traces and the log of facts, for the agents of a process: only what the settings ask for is active."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def traced(settings: Settings) -> Iterator[TracerProvider | None]:
-    """Where spans go while the process runs; None where nobody traces. Sends what is left at the end."""
+    """The receiver of spans while the process runs; None without tracing. Sends the rest at the end."""
     if not settings.trace_url:
         yield None
         return
@@ -33,11 +33,11 @@ def traced(settings: Settings) -> Iterator[TracerProvider | None]:
 def watched(
     settings: Settings, provider: TracerProvider | None, to_wall_s: Callable[[float], float]
 ) -> Callable[[Bus], Bus]:
-    """Makes where agents meet out of a bus.
+    """A function that wraps a bus with logs and traces.
 
     Args:
-        settings: how is logged.
-        provider: where spans go, if anywhere.
+        settings: the log format and the traffic log.
+        provider: the receiver of spans, if any.
         to_wall_s: plant clock to wall clock.
     """
 
