@@ -18,7 +18,7 @@ function view() {
   const leave = effect(() => refreshing(asking, EVERY_MS, told));
   const render = (what: string): void => {
     asking.current = () => {
-      about.value;
+      void about.toString();
       return new Promise((answerIt, failIt) => open.push({ about: what, answer: answerIt, fail: failIt }));
     };
   };
