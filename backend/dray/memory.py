@@ -27,7 +27,7 @@ from dray.messages import (
 )
 from dray.messages.base import Part
 from dray.messages.contract import Brought
-from dray.messages.floor.traffic import AllRemoved, Bookings
+from dray.messages.floor.traffic import AllRemoved, PlaceReservations
 from dray.messages.gate import GoalOf
 from dray.messages.transport import TransportState
 
@@ -375,15 +375,15 @@ class GoalBooked(Part, frozen=True):
     """Pieces counted at the gate and reported; for a part, those that its machine has made."""
 
 
-class BookMemory(Part, tag_field="kind", tag="book", frozen=True):
-    """A replica of a district's book, as its keeper remembers it (`dray.protocol.traffic.books.copies`)."""
+class TableMemory(Part, tag_field="kind", tag="book", rename={"reservations": "bookings"}, frozen=True):
+    """A replica of a district's table, as its replica remembers it (`dray.protocol.traffic.reservations.copies`)."""
 
     epoch: int
-    """The highest epoch that the keeper has promised or heard of."""
+    """The highest epoch that the replica has promised or heard of."""
     kept_epoch: int
-    """The epoch of the keeper that wrote the replica."""
+    """The epoch of the replica that wrote the replica."""
     version: int
-    bookings: Bookings = ()
+    reservations: PlaceReservations = ()
     removed: AllRemoved = ()
 
 
@@ -398,7 +398,7 @@ Note = (
     | OrderNoted
     | ReturnedOrder
     | EndedOrder
-    | BookMemory
+    | TableMemory
     | ShutWord
     | GateMemory
     | GateGoal

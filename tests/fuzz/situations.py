@@ -24,7 +24,7 @@ from dray.messages import (
     Confirmed,
     Docked,
     DockOpened,
-    GateTold,
+    GateReported,
     GoalBrief,
     Handover,
     MachineHeartbeat,
@@ -299,7 +299,7 @@ def gate_with_goods() -> Played:
 
 def gated_strategist() -> Played:
     actor = Played(lambda life: GatedStrategist(PLANT, incarnation=life), PlainGate())
-    return actor.told(GATE, GateTold("", (), more=False, since=1))
+    return actor.told(GATE, GateReported("", (), more=False, since=1))
 
 
 def strategist_with_an_order() -> Played:

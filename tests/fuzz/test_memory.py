@@ -33,7 +33,7 @@ from variants import variants
 
 from dray.messages import Award, Message, OrderReleased, VehicleCommand
 from dray.plant import Plant
-from dray.protocol.runtime.events import Agent, Heard, Woke
+from dray.protocol.runtime.events import Agent, Received, Woke
 
 NEW_NAMES = frozenset(
     {"task", "order", "goal", "command", "atv", "machine", "agent", "bidder", "dwell_point"}
@@ -162,7 +162,7 @@ def test_an_agent_does_not_keep_all_that_it_hears(
     weights = []
     for number in range(1, SAID + 1):
         now_s = actor.now_s + number * SPACING_S
-        agent.handle(Heard(f"sender{number}", said(kind, number)), now_s)
+        agent.handle(Received(f"sender{number}", said(kind, number)), now_s)
         if agent.wake_at_s <= now_s:
             agent.handle(Woke(None if actor.body is None else actor.body.sense()), now_s)
         if number in (SAID // 2, SAID):

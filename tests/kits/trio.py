@@ -1,21 +1,28 @@
-"""Three keepers of one book, and what is under way between them, for tests."""
+"""Three replicas of one table, and what is under way between them, for tests."""
 
 from __future__ import annotations
 
-from dray.messages.floor.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking, PlaceWished
+from dray.messages.floor.traffic import (
+    PlaceRequested,
+    PlaceReservation,
+    TableAcknowledged,
+    TableAsked,
+    TableReplicated,
+    TableReported,
+)
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.books.copies import Copies, Kept
+from dray.protocol.traffic.reservations.copies import Copies, Kept
 
 NAMES = ("M1", "M2", "M3")
 
 
 class Trio:
-    """Three keepers and what is under way between them."""
+    """Three replicas and what is under way between them."""
 
     def __init__(self) -> None:
         self.lives = {name: Life() for name in NAMES}
-        self.keepers = {
+        self.replicas = {
             name: Copies("M1", name, NAMES, Kept(), self.lives[name], is_signed) for name in NAMES
         }
         self.cut: set[str] = set()
@@ -34,36 +41,36 @@ class Trio:
                         self.deliver(sender, effect)
 
     def deliver(self, sender: str, effect: Send) -> None:
-        if effect.to not in self.keepers:
+        if effect.to not in self.replicas:
             self.to_vehicles.append((sender, effect))
             return
-        keeper, message = self.keepers[effect.to], effect.message
+        replica, message = self.replicas[effect.to], effect.message
         match message:
-            case PlaceBooked():
-                keeper.on_booked(sender, message, silent=self.is_silent(keeper))
-            case BookKept():
-                keeper.on_kept(sender, message)
-            case BookAsked():
-                keeper.on_asked(sender, message, silent=self.is_silent(keeper))
-            case BookTold():
-                keeper.on_told(sender, message)
+            case TableReplicated():
+                replica.on_replicated(sender, message, silent=self.is_silent(replica))
+            case TableAcknowledged():
+                replica.on_acknowledged(sender, message)
+            case TableAsked():
+                replica.on_asked(sender, message, silent=self.is_silent(replica))
+            case TableReported():
+                replica.on_reported(sender, message)
 
-    def is_silent(self, keeper: Copies) -> bool:
-        """Whether the keeper of the present epoch does not answer another one."""
-        return keeper.leader in self.cut
+    def is_silent(self, replica: Copies) -> bool:
+        """Whether the leader of the present epoch does not answer another one."""
+        return replica.leader in self.cut
 
     def lead(self, name: str) -> Copies:
-        """Let one seek to keep the book; whoever is cut off is known not to answer."""
-        self.keepers[name].seek(self.cut)
+        """Let one seek to keep the table; whoever is cut off is known not to answer."""
+        self.replicas[name].seek(self.cut)
         self.carry()
-        return self.keepers[name]
+        return self.replicas[name]
 
 
-def is_signed(atv: str, wish: PlaceWished) -> bool:
-    """Whether a vehicle has signed a wish, as these tests sign."""
-    return wish.signature == atv.encode()
+def is_signed(atv: str, request: PlaceRequested) -> bool:
+    """Whether a vehicle has signed a request, as these tests sign."""
+    return request.signature == atv.encode()
 
 
-def line(atv: str, number: int, *, mark: bytes = b"") -> tuple[PlaceBooking, ...]:
-    """A book of one line."""
-    return (PlaceBooking(place="b3", number=number, atv=atv, mark=mark),)
+def line(atv: str, number: int, *, mark: bytes = b"") -> tuple[PlaceReservation, ...]:
+    """A reservation table of one line."""
+    return (PlaceReservation(place="b3", number=number, atv=atv, mark=mark),)

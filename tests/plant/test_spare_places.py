@@ -41,8 +41,8 @@ def test_what_is_too_much_for_the_floor_stands_apart_and_not_before_docks() -> N
     assert crowded
     for plant in crowded:
         goods = [plant.node_of(place) for place in (*plant.machines, *plant.storages, *plant.warehouses)]
-        mouths = {lane.start for dock in goods for lane in plant.roads.entering[dock]}
-        spurs = {node for node in mouths if f"d-{node[2:]}" in goods}
+        entries = {lane.start for dock in goods for lane in plant.roads.entering[dock]}
+        spurs = {node for node in entries if f"d-{node[2:]}" in goods}
         assert not spurs & set(plant.spare_places.others)
 
 

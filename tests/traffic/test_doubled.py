@@ -41,7 +41,7 @@ def test_a_vehicle_that_is_answered_what_it_has_not_said_stops_and_is_an_alarm_u
         places = factory.traffic.places
         district = places.district_of[places.place_of(told.heard[-1].node)]
         forged = PlaceGranted(district=district, epoch=0, life=1, upto=10**6, grants=())
-        factory.workers["ATV1"].inbox.on_message(places.keepers_of[district][0], forged)
+        factory.workers["ATV1"].inbox.on_message(places.replicas_of[district][0], forged)
         said_s = clock().now_s()
         await asyncio.sleep(DOUBLED_S + 30.0)
         life.cancel()

@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 import pytest
 from variants import variants
 
-from dray.messages.floor.traffic import PlaceBooking, PlaceWished
+from dray.messages.floor.traffic import PlaceRequested, PlaceReservation
 from dray.plant import Plant
-from dray.protocol.traffic.books.book import Book
-from dray.protocol.traffic.books.copies import Copies
-from dray.protocol.traffic.driving import wishes, yielding
+from dray.protocol.traffic.driving import place_requests, yielding
 from dray.protocol.traffic.places import Footprint, Places
+from dray.protocol.traffic.reservations.copies import Copies
+from dray.protocol.traffic.reservations.reservation_table import ReservationTable
 from dray_sim.bench.traffic import plants
 from dray_sim.bench.traffic.air import Quality
 from dray_sim.bench.traffic.checks import Found, overlap
@@ -107,7 +107,7 @@ def test_every_machine_dies_once_and_no_place_is_held_twice() -> None:
     assert stands_s(world, 0.0) < STAND_S
 
 
-def test_a_book_that_all_keepers_have_lost_is_made_of_what_the_vehicles_hold() -> None:
+def test_a_table_that_all_replicas_have_lost_is_made_of_what_the_vehicles_hold() -> None:
     world = build(Setting(FLOORS["bridge"](), 5, 600.0))
     world.clock.run(100.0)
     for machine in world.machines.values():
@@ -145,16 +145,16 @@ def faults_of(floor: str, seeds: Sequence[int], quality: Quality, gap_s: float) 
     return Found()
 
 
-def test_a_grant_without_the_book_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    def write(self: Book, line: PlaceBooking) -> None:
+def test_a_grant_without_the_table_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    def write(self: ReservationTable, line: PlaceReservation) -> None:
         before = self._lines.get(line.place)
         if before is not None:
             del self._by_atv[before.atv][line.place]
         self._lines[line.place] = line
         self._by_atv.setdefault(line.atv, {})[line.place] = line
 
-    monkeypatch.setattr(Book, "holder", lambda self, place: "")
-    monkeypatch.setattr(Book, "_write", write)
+    monkeypatch.setattr(ReservationTable, "holder", lambda self, place: "")
+    monkeypatch.setattr(ReservationTable, "_write", write)
     found = faults_of("default", range(2), GOOD, 0.0)
     assert found.double_holds
     assert found.overlaps
@@ -163,25 +163,25 @@ def test_a_grant_without_the_book_is_found(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.slow
 def test_a_grant_that_no_majority_has_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     # Else the witness refuses nearly all of them.
-    monkeypatch.setattr(wishes, "WITNESS_ASKED", -1)
+    monkeypatch.setattr(place_requests, "WITNESS_ASKED", -1)
     monkeypatch.setattr(Copies, "majority", property(lambda self: 1))
     assert faults_of("bridge", range(12), POOR, 8.0).double_holds
 
 
 @pytest.mark.slow
 def test_a_release_that_is_believed_too_early_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    def strike(self: Book, wish: PlaceWished, atv: str) -> bool:
-        gone = [line.place for line in self.of(atv) if line.place not in wish.holds]
+    def strike(self: ReservationTable, request: PlaceRequested, atv: str) -> bool:
+        gone = [line.place for line in self.of(atv) if line.place not in request.holds]
         self._rub_out(atv, gone)
         return bool(gone)
 
-    monkeypatch.setattr(Book, "strike", strike)
+    monkeypatch.setattr(ReservationTable, "strike", strike)
     assert faults_of("default", range(6), SLOW, 0.0).double_holds
 
 
 def test_a_group_that_is_taken_in_halves_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Places, "group_end", lambda self, nodes, first: first)
-    assert faults_of("default", range(2), GOOD, 0.0).in_mouths
+    assert faults_of("default", range(2), GOOD, 0.0).in_entries
 
 
 def test_an_inherited_rank_that_never_lapses_is_found(monkeypatch: pytest.MonkeyPatch) -> None:

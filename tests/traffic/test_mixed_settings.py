@@ -8,16 +8,16 @@ import pytest
 from msgspec.structs import replace
 
 from dray.adapters.security.signing import SigningKey, TrustedKeys
-from dray.memory import BookMemory, Note
-from dray.messages import AtvHeartbeat, AtvStatus, HoldsAsked, Message, PlaceWished
+from dray.memory import Note, TableMemory
+from dray.messages import AtvHeartbeat, AtvStatus, HoldsAsked, Message, PlaceRequested
 from dray.messages.keys import Keys
 from dray.plant import Plant, load_plant
 from dray.plant.model import VehicleSpec
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Commit, Effect, Heard, Ignore, Instruct, Started
+from dray.protocol.runtime.events import Commit, Effect, Ignore, Instruct, Received, Started
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.books.bookkeeping import NOTE, WITHOUT_BOOKS, Bookkeeping
 from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.reservations.reservation_handling import NOTE, WITHOUT_TABLES, ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.drivers.traffic_handling import PROBLEM
@@ -83,17 +83,17 @@ def started_alone(atv: str) -> Atv:
     ("askers", "stands"),
     [(("M1", "M2"), True), (("M1", "M1"), False), (("M1", "ATV2"), False), (("M1", "nobody"), False)],
 )
-def test_two_keepers_of_books_are_believed_and_nobody_else(askers: tuple[str, ...], stands: bool) -> None:
+def test_two_replicas_of_tables_are_believed_and_nobody_else(askers: tuple[str, ...], stands: bool) -> None:
     agent = started_alone("ATV1")
     effects: list[Effect] = []
     for asker in askers:
-        effects += agent.handle(Heard(asker, HoldsAsked(district="M1.0", epoch=0)), 1.0)
+        effects += agent.handle(Received(asker, HoldsAsked(district="M1.0", epoch=0)), 1.0)
     holds = [effect for effect in effects if isinstance(effect, Instruct)]
     assert (len(holds) == 1, agent.unfit() == PROBLEM) == (stands, stands)
 
 
-def wish(district: str) -> PlaceWished:
-    return PlaceWished(
+def request(district: str) -> PlaceRequested:
+    return PlaceRequested(
         district=district,
         life=1,
         seq=1,
@@ -107,9 +107,9 @@ def wish(district: str) -> PlaceWished:
     )
 
 
-def test_a_machine_without_right_of_way_says_why_it_answers_no_wish() -> None:
+def test_a_machine_without_right_of_way_says_why_it_answers_no_request() -> None:
     life = Life()
-    table = Bookkeeping(
+    table = ReservationHandling(
         "M1",
         PLANT,
         None,
@@ -117,8 +117,8 @@ def test_a_machine_without_right_of_way_says_why_it_answers_no_wish() -> None:
         HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life),
         life,
     ).handlers({})
-    table[PlaceWished]("ATV1", wish("M1"), 0.0)
-    assert life.effects == [Ignore(WITHOUT_BOOKS)]
+    table[PlaceRequested]("ATV1", request("M1"), 0.0)
+    assert life.effects == [Ignore(WITHOUT_TABLES)]
 
 
 def changed() -> Plant:
@@ -136,13 +136,13 @@ def test_a_district_that_is_another_one_by_another_plant_file_has_another_name()
     assert Places(load_plant("single-track")).district_of == before.district_of
 
 
-def test_the_book_of_a_district_that_is_no_more_is_forgotten() -> None:
-    name = next(district for district, keepers in TRAFFIC.places.keepers_of.items() if "M1" in keepers)
-    kept = BookMemory(0, 0, 1, ())
+def test_the_table_of_a_district_that_is_no_more_is_forgotten() -> None:
+    name = next(district for district, replicas in TRAFFIC.places.replicas_of.items() if "M1" in replicas)
+    kept = TableMemory(0, 0, 1, ())
     memory: dict[str, Note] = {f"{NOTE}{name}": kept, f"{NOTE}M1.00000000": kept}
     heartbeats = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, Life())
-    books = Bookkeeping("M1", PLANT, TRAFFIC, TrustedKeys(KEY.public), heartbeats, Life())
-    books.start(memory, 0.0)
-    gone = [commit for commit in books.commits() if commit.note is None]
+    tables = ReservationHandling("M1", PLANT, TRAFFIC, TrustedKeys(KEY.public), heartbeats, Life())
+    tables.start(memory, 0.0)
+    gone = [commit for commit in tables.commits() if commit.note is None]
     assert gone == [Commit(None, f"{NOTE}M1.00000000")]
-    assert not [commit for commit in books.commits() if commit.note is None]
+    assert not [commit for commit in tables.commits() if commit.note is None]

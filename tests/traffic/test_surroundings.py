@@ -1,8 +1,8 @@
-"""What vehicles know of one another by what keepers of books tell: where they listen, whom they believe, and for how long."""
+"""What vehicles know of one another by what replicas of reservation tables tell: where they listen, whom they believe, and for how long."""
 
 from __future__ import annotations
 
-from dray.messages.floor.traffic import FloorTold, OnFloor
+from dray.messages.floor.traffic import FloorReported, OnFloor
 from dray.messages.keys import Keys
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
@@ -15,11 +15,11 @@ PLACES = TrafficMap(default_plant()).places
 KEYS = Keys("plant")
 DISTRICT, FAR = next(
     (one, other)
-    for one in PLACES.keepers_of
-    for other in PLACES.keepers_of
+    for one in PLACES.replicas_of
+    for other in PLACES.replicas_of
     if other not in PLACES.around(one)
 )
-KEEPER = PLACES.keepers_of[DISTRICT][0]
+REPLICA = PLACES.replicas_of[DISTRICT][0]
 HERE, THERE = sorted(PLACES.places_in(DISTRICT))[:2]
 
 
@@ -29,8 +29,8 @@ def on_floor(atv: str = "B", *holds: str, silent: bool = False, route: tuple[str
     )
 
 
-def told(*vehicles: OnFloor, number: int = 1, epoch: int = 3) -> FloorTold:
-    return FloorTold(district=DISTRICT, epoch=epoch, number=number, vehicles=vehicles)
+def told(*vehicles: OnFloor, number: int = 1, epoch: int = 3) -> FloorReported:
+    return FloorReported(district=DISTRICT, epoch=epoch, number=number, vehicles=vehicles)
 
 
 def heard(out: list[Effect]) -> set[str]:
@@ -56,26 +56,26 @@ def test_it_listens_to_the_district_where_it_is_and_to_those_beside_it_while_it_
     assert heard(life.effects) == set()
 
 
-def test_only_who_keeps_the_book_is_believed_and_no_word_that_was_overtaken() -> None:
+def test_only_who_keeps_the_table_is_believed_and_no_word_that_was_overtaken() -> None:
     surroundings = Surroundings("A", PLACES, KEYS.floor, Life())
     assert not surroundings.on_floor("B", told(on_floor("B", HERE)), 0.0)
-    assert surroundings.on_floor(KEEPER, told(on_floor("B", HERE), number=2), 0.0)
-    assert not surroundings.on_floor(KEEPER, told(on_floor("B", THERE), number=1), 0.1)
-    assert not surroundings.on_floor(KEEPER, told(on_floor("B", THERE), epoch=2, number=9), 0.1)
+    assert surroundings.on_floor(REPLICA, told(on_floor("B", HERE), number=2), 0.0)
+    assert not surroundings.on_floor(REPLICA, told(on_floor("B", THERE), number=1), 0.1)
+    assert not surroundings.on_floor(REPLICA, told(on_floor("B", THERE), epoch=2, number=9), 0.1)
     assert surroundings.others(0.1)["B"].holds == (HERE,)
 
 
 def test_an_absurd_epoch_keeps_nobody_from_being_heard_for_long() -> None:
     surroundings = Surroundings("A", PLACES, KEYS.floor, Life())
-    assert surroundings.on_floor(KEEPER, told(epoch=2**53), 0.0)
-    assert not surroundings.on_floor(KEEPER, told(on_floor("B", HERE)), COUNTS_S - 0.1)
-    assert surroundings.on_floor(KEEPER, told(on_floor("B", HERE)), COUNTS_S)
+    assert surroundings.on_floor(REPLICA, told(epoch=2**53), 0.0)
+    assert not surroundings.on_floor(REPLICA, told(on_floor("B", HERE)), COUNTS_S - 0.1)
+    assert surroundings.on_floor(REPLICA, told(on_floor("B", HERE)), COUNTS_S)
 
 
 def test_a_word_is_forgotten_and_counts_for_a_while_again_after_a_rest() -> None:
     surroundings = Surroundings("A", PLACES, KEYS.floor, Life())
     surroundings.listen([DISTRICT], 0.0)
-    surroundings.on_floor(KEEPER, told(on_floor("B", HERE), on_floor("A", THERE)), 0.0)
+    surroundings.on_floor(REPLICA, told(on_floor("B", HERE), on_floor("A", THERE)), 0.0)
     assert set(surroundings.others(COUNTS_S - 0.1)) == {"B"}
     assert surroundings.others(COUNTS_S) == {}
     surroundings.listen([], 20.0)
@@ -87,7 +87,7 @@ def test_a_word_is_forgotten_and_counts_for_a_while_again_after_a_rest() -> None
 def test_prices_count_silent_ones_and_who_comes_the_other_way() -> None:
     surroundings = Surroundings("A", PLACES, KEYS.floor, Life())
     surroundings.on_floor(
-        KEEPER, told(on_floor("B", HERE, silent=True), on_floor("C", THERE, route=(THERE, HERE))), 0.0
+        REPLICA, told(on_floor("B", HERE, silent=True), on_floor("C", THERE, route=(THERE, HERE))), 0.0
     )
     prices = Prices(surroundings.others(1.0))
     assert prices.place_s[HERE] == SILENT_S

@@ -283,8 +283,8 @@ def test_a_newer_wire_version_is_told_apart(v: int, message: dict[str, Any]) -> 
 @pytest.mark.parametrize(
     "message",
     [
-        {"type": "PlaceBooked", "district": "M1", "epoch": 3, "version": 4},
-        {"type": "BookTold", "district": "M1", "epoch": 3, "lost": False, "kept_epoch": 3, "version": 4},
+        {"type": "TableReplicated", "district": "M1", "epoch": 3, "version": 4},
+        {"type": "TableReported", "district": "M1", "epoch": 3, "lost": False, "kept_epoch": 3, "version": 4},
     ],
     ids=lambda message: message["type"],
 )

@@ -15,7 +15,7 @@ from dray.protocol.runtime.events import (
     NEVER_S,
     Effect,
     Event,
-    Heard,
+    Received,
     Woke,
 )
 from dray.worker.worker import Worker
@@ -47,7 +47,7 @@ class Scripted:
         return [
             event.message.order
             for _, event in self.events
-            if isinstance(event, Heard) and isinstance(event.message, OrderTaken)
+            if isinstance(event, Received) and isinstance(event.message, OrderTaken)
         ]
 
 

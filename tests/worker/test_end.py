@@ -14,11 +14,11 @@ from dray.protocol.runtime.events import (
     NEVER_S,
     Effect,
     Event,
-    Heard,
     Instruct,
     Leave,
     Leaving,
     Publish,
+    Received,
     Record,
     Reported,
     Send,
@@ -177,7 +177,7 @@ def test_an_agent_that_is_killed_before_its_first_turn_never_lives() -> None:
 
 def test_a_worker_stopped_in_the_middle_of_its_inbox_handles_no_more() -> None:
     def answer(event: Event, _: float) -> list[Effect]:
-        if isinstance(event, Heard):
+        if isinstance(event, Received):
             workers[0].stop()
         return []
 
@@ -197,7 +197,7 @@ def test_a_worker_stopped_in_the_middle_of_its_inbox_handles_no_more() -> None:
 
 def test_an_agent_with_a_bug_ends_and_says_so_and_others_go_on() -> None:
     def answer(event: Event, _: float) -> list[Effect]:
-        if isinstance(event, Heard):
+        if isinstance(event, Received):
             raise ProtocolViolation("a state that cannot be")
         return []
 

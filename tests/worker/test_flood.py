@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from dray.body import CycleDone
 from dray.messages import AtvHeartbeat, AtvStatus, Pose
-from dray.protocol.runtime.events import Heard, Reported
+from dray.protocol.runtime.events import Received, Reported
 from dray.worker import inbox as inbox_module
 from dray_sim.clock.loop import run
 
@@ -39,7 +39,7 @@ def small_inbox(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_in_a_crowded_inbox_only_the_newest_heartbeat_of_a_sender_waits() -> None:
     beats = [replace(HEARTBEAT, seq=seq) for seq in (1, 2, 3, 5, 4)]
     worker, agent = flooded(*beats, say(1), say(2))
-    heard = [event.message for _, event in agent.events if isinstance(event, Heard)]
+    heard = [event.message for _, event in agent.events if isinstance(event, Received)]
     assert heard == [beats[0], beats[1], beats[3], say(1), say(2)]
     assert (worker.inbox.dropped_heartbeats, worker.inbox.dropped_messages) == (2, 0)
 

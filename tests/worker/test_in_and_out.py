@@ -12,9 +12,9 @@ from dray.messages.fact import OrderFulfilled
 from dray.protocol.runtime.events import (
     Effect,
     Event,
-    Heard,
     Instruct,
     Publish,
+    Received,
     Record,
     Reported,
     Send,
@@ -50,7 +50,7 @@ def test_messages_reach_the_agent_with_their_sender_and_the_time() -> None:
         stranger.send("A1", say(1))
         await asyncio.sleep(1.0)
         _, (at_s, event) = agent.events
-        assert event == Heard("S", say(1))
+        assert event == Received("S", say(1))
         assert 1.0 < at_s < 1.25
 
     play(story)
@@ -116,7 +116,7 @@ def test_effects_are_carried_out_one_after_another_as_given() -> None:
 
 
 def two_facts_each(event: Event, _: float) -> list[Effect]:
-    return [Record(OrderFulfilled("o1")), Record(OrderFulfilled("o2"))] if isinstance(event, Heard) else []
+    return [Record(OrderFulfilled("o1")), Record(OrderFulfilled("o2"))] if isinstance(event, Received) else []
 
 
 def test_facts_are_numbered_published_and_written_down() -> None:

@@ -12,7 +12,7 @@ from dray.protocol.runtime.events import (
     NEVER_S,
     Effect,
     Event,
-    Heard,
+    Received,
     Woke,
 )
 from dray.worker.worker import Worker
@@ -73,7 +73,7 @@ def test_an_agent_is_told_how_long_its_own_process_was_held_up() -> None:
 
 def test_a_wish_for_a_time_that_is_past_is_nobodys_delay() -> None:
     def answer(event: Event, now_s: float) -> list[Effect]:
-        agent.wake_at_s = 1.0 if isinstance(event, Heard) else NEVER_S
+        agent.wake_at_s = 1.0 if isinstance(event, Received) else NEVER_S
         return []
 
     agent = Scripted("A1", answer)
@@ -92,7 +92,7 @@ def test_a_wish_for_a_time_that_is_past_is_nobodys_delay() -> None:
 def test_an_agent_that_wants_to_sleep_longer_is_not_woken_before() -> None:
     def answer(event: Event, now_s: float) -> list[Effect]:
         agent.wake_at_s = (
-            5.0 if isinstance(event, Heard) else now_s + 100.0 if isinstance(event, Woke) else 1.0
+            5.0 if isinstance(event, Received) else now_s + 100.0 if isinstance(event, Woke) else 1.0
         )
         return []
 
@@ -110,7 +110,7 @@ def test_an_agent_that_wants_to_sleep_longer_is_not_woken_before() -> None:
 
 def test_an_agent_that_wants_to_be_woken_earlier_is() -> None:
     def answer(event: Event, now_s: float) -> list[Effect]:
-        if isinstance(event, Heard):
+        if isinstance(event, Received):
             agent.wake_at_s = 2.0
         elif isinstance(event, Woke):
             agent.wake_at_s = 10.0 if now_s < 10.0 else NEVER_S
@@ -131,7 +131,7 @@ def test_an_agent_that_wants_to_be_woken_earlier_is() -> None:
 def test_changing_its_mind_does_not_pile_up_calls_of_the_clock() -> None:
     def answer(event: Event, now_s: float) -> list[Effect]:
         # Every message makes it hurry for a moment; afterwards it waits for its far goal again.
-        agent.wake_at_s = now_s + 0.001 if isinstance(event, Heard) else 1000.0
+        agent.wake_at_s = now_s + 0.001 if isinstance(event, Received) else 1000.0
         return []
 
     agent = Scripted("A1", answer, wake_at_s=1000.0)
@@ -152,7 +152,7 @@ def test_changing_its_mind_does_not_pile_up_calls_of_the_clock() -> None:
 
 def test_a_wake_up_time_that_is_past_means_at_once() -> None:
     def answer(event: Event, now_s: float) -> list[Effect]:
-        agent.wake_at_s = now_s - 1.0 if isinstance(event, Heard) else NEVER_S
+        agent.wake_at_s = now_s - 1.0 if isinstance(event, Received) else NEVER_S
         return []
 
     agent = Scripted("A1", answer)

@@ -15,7 +15,7 @@ from dray.messages.contract import Brought
 from dray.messages.kinds import GATES, STRATEGISTS
 
 HELD_TOLD = 500
-"""Orders in one `GateTold`: some ten kilobytes."""
+"""Orders in one `GateReported`: some ten kilobytes."""
 
 
 class GoalOf(Part, frozen=True):
@@ -70,7 +70,7 @@ class GateAsked(Message, said_by=STRATEGISTS, frozen=True):
     """Only orders after this one, by name: a long list is told in parts."""
 
 
-class GateTold(Message, said_by=GATES, frozen=True):
+class GateReported(Message, said_by=GATES, frozen=True):
     """The gate answers `GateAsked`."""
 
     after: IdOrNone
@@ -97,7 +97,7 @@ class AdmissionAsked(Message, said_by=STRATEGISTS, frozen=True, omit_defaults=Tr
 
 
 class GoodsCounted(Message, said_by=GATES, frozen=True, omit_defaults=True):
-    """How many pieces of a goal are in. The gate alone says so: as an answer, and after each arrival until `CountHeard` answers that."""
+    """How many pieces of a goal are in. The gate alone says so: as an answer, and after each arrival until `CountAcknowledged` answers that."""
 
     goal: Id
     arrived: Count
@@ -112,7 +112,7 @@ class GoodsCounted(Message, said_by=GATES, frozen=True, omit_defaults=True):
     """People count, later than goods come."""
 
 
-class CountHeard(Message, said_by=STRATEGISTS, frozen=True):
+class CountAcknowledged(Message, said_by=STRATEGISTS, frozen=True):
     """A strategist has heard so many pieces of a goal."""
 
     goal: Id
@@ -120,7 +120,7 @@ class CountHeard(Message, said_by=STRATEGISTS, frozen=True):
 
 
 class OrderClaimed(Message, said_by=STRATEGISTS, frozen=True, omit_defaults=True):
-    """A strategist wants to hold an order, or tells that one which it holds has ended. Repeated until `HolderTold` answers it."""
+    """A strategist wants to hold an order, or tells that one which it holds has ended. Repeated until `HolderReported` answers it."""
 
     order: Id
     epoch: Count
@@ -128,13 +128,13 @@ class OrderClaimed(Message, said_by=STRATEGISTS, frozen=True, omit_defaults=True
     """Releases up to this one have ended: nothing is to be made of them any more, whoever takes the order over."""
 
 
-class HolderTold(Message, said_by=GATES, frozen=True):
-    """Who holds an order: an answer; to a holder that has lost it also unasked, until `HolderHeard` answers that."""
+class HolderReported(Message, said_by=GATES, frozen=True):
+    """Who holds an order: an answer; to a holder that has lost it also unasked, until `HolderAcknowledged` answers that."""
 
     held: OrderHeld
 
 
-class HolderHeard(Message, said_by=STRATEGISTS, frozen=True):
+class HolderAcknowledged(Message, said_by=STRATEGISTS, frozen=True):
     """A strategist has heard that another one holds an order."""
 
     order: Id

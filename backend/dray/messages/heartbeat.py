@@ -1,7 +1,7 @@
 """Heartbeats: the short public status that every agent repeats (paper, 3.2: MHB and RHB).
 
 A heartbeat is a whole state, never a difference: a lost one costs nothing but time. What has its default is left out, and what lies at a
-machine is not in every one of its heartbeats (`dray.messages.told_stock`). (incarnation, seq) orders all heartbeats of one agent.
+machine is not in every one of its heartbeats (`dray.messages.heartbeat_stock`). (incarnation, seq) orders all heartbeats of one agent.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ class FloorBrief(Part, frozen=True, omit_defaults=True):
     waits_for: IdOrNone = ""
     """Who holds that place, or goes first; empty where it waits for nobody, or does not know."""
     waits_at: IdOrNone = ""
-    """That place, as the book has told; empty where it has told none."""
+    """That place, as the table has told; empty where it has told none."""
     rank: Rank = NO_RANK
     asks_where_it_stands: bool = False
     """The place where it stands is not its own: it was put there, and asks for it before it drives anywhere."""
@@ -409,7 +409,7 @@ class StationHeartbeat(Message, said_by=STATIONS | GATES, signed="station", froz
     software: Text = ""
     draining: bool = False
     awaits: Awaited | UnsetType = UNSET
-    """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""
+    """Vehicles without whose word it grants no place of a reservation table that was lost; of more than `AWAITED_MAX` the first."""
     dock_wait: DockWait | UnsetType = UNSET
     """Left out while its dock gets ready for everybody in time."""
     people: PeopleAsBody | UnsetType = UNSET
@@ -433,7 +433,7 @@ class MachineHeartbeat(Message, said_by=MACHINES, signed="machine", frozen=True,
     """In the order in which they are worked at."""
     tasks: tuple[TaskBrief, ...] = ()
     buffers: tuple[BufferLevel, ...] | UnsetType = UNSET
-    """In the order of the plant file. They, goods and documents are left out while as in an earlier heartbeat (`dray.messages.told_stock`)."""
+    """In the order of the plant file. They, goods and documents are left out while as in an earlier heartbeat (`dray.messages.heartbeat_stock`)."""
     goods: tuple[BufferLevel, ...] | UnsetType = UNSET
     """Finished products that wait to be carried away."""
     documents: Annotated[tuple[DocumentBrief, ...], Meta(max_length=DOCUMENTS_TOLD)] | UnsetType = UNSET
@@ -461,6 +461,6 @@ class MachineHeartbeat(Message, said_by=MACHINES, signed="machine", frozen=True,
     people: PeopleAsBody | UnsetType = UNSET
     """Left out where its body is not people."""
     awaits: Awaited | UnsetType = UNSET
-    """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""
+    """Vehicles without whose word it grants no place of a reservation table that was lost; of more than `AWAITED_MAX` the first."""
     dock_wait: DockWait | UnsetType = UNSET
     """Left out while its dock gets ready for everybody in time."""

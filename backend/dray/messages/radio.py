@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from dray.messages.base import Message
 from dray.messages.floor.traffic import (
-    PlaceWished,
+    PlaceRequested,
     YieldAsked,
     YieldRefused,
 )
@@ -35,7 +35,7 @@ DISPENSABLE: tuple[dict[str, Any], ...] = (
 
 
 AVOID_NODES = (16, 4, 0)
-"""Of where nobody may make room, a wish or a request says so many nodes, the nearest first, until it fits into a frame."""
+"""Of where nobody may make room, a place request or a request to make room says so many nodes, the nearest first, until it fits into a frame."""
 
 
 CALL_ASKED, REASON_CHARS = (8, 2), 100
@@ -45,7 +45,7 @@ CALL_ASKED, REASON_CHARS = (8, 2), 100
 def shortened_word(message: Message) -> Iterator[Message]:
     """What is no heartbeat as it goes over the radio: whole, and then ever shorter."""
     yield message
-    if isinstance(message, PlaceWished | YieldAsked | YieldRefused):
+    if isinstance(message, PlaceRequested | YieldAsked | YieldRefused):
         for nodes in AVOID_NODES:
             yield replace(message, avoid=message.avoid[:nodes])
     elif isinstance(message, HelpCall):

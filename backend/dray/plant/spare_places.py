@@ -82,11 +82,11 @@ def spare_nodes(
     every, docked, stops = tuple(roads), tuple(dict.fromkeys(docks)), tuple(stops)
     if needed <= 0 or not docked:
         return SparePlaces((), ())
-    mouths = {mouth for dock in docked for one in every for mouth in _mouths(one, dock)}
+    entries = {entry for dock in docked for one in every for entry in _dock_entries(one, dock)}
     used = _use(every[0], docked)
     order = {node: number for number, node in enumerate(nodes)}
     free = sorted(
-        (node for node in stops if node not in docked and node not in mouths),
+        (node for node in stops if node not in docked and node not in entries),
         key=lambda node: (used.get(node, 0), order[node]),
     )
     floors = [_Floor(one) for one in every]
@@ -117,8 +117,8 @@ def _reserve(
     Each next node shuts off the fewest docks, and is the least used among equals.
     """
     dwells = frozenset(docked).difference(goods)
-    mouths = {mouth for dock in goods for one in every for mouth in _mouths(one, dock)}
-    tried = [node for node in stops if node not in docked and node not in mouths and node not in clear]
+    entries = {entry for dock in goods for one in every for entry in _dock_entries(one, dock)}
+    tried = [node for node in stops if node not in docked and node not in entries and node not in clear]
     tried.sort(key=lambda node: used.get(node, 0))
     del tried[TRIED_PER_PLACE * needed :]
     reserve: list[str] = []
@@ -144,7 +144,7 @@ def _reached(floors: list[_Floor], goods: tuple[str, ...], taken: tuple[str, ...
     return set.intersection(*ways)
 
 
-def _mouths(roads: Roads, dock: str) -> Iterable[str]:
+def _dock_entries(roads: Roads, dock: str) -> Iterable[str]:
     """The nodes before a dock at a spur, where a waiting vehicle keeps others from it."""
     before = {lane.start for lane in roads.entering[dock]}
     after = {lane.end for lane in roads.leaving[dock]}

@@ -12,7 +12,7 @@ from dray.messages import (
     DockExpected,
     DwellPointClaimed,
     Event,
-    FloorTold,
+    FloorReported,
     HelpCall,
     MachineHeartbeat,
     Message,
@@ -137,8 +137,8 @@ _PUBLISHED = (
     Channel(
         "floor",
         _KEYS.floor("{district}"),
-        "Which vehicles hold something in a district, to the vehicles that drive there or close by. A hint: the book says who holds what.",
-        (FloorTold,),
+        "Which vehicles hold something in a district, to the vehicles that drive there or close by. A hint: the table says who holds what.",
+        (FloorReported,),
     ),
     Channel(
         "events",
@@ -162,7 +162,7 @@ _PUBLISHED = (
     Channel(
         "removals",
         _KEYS.removals,
-        "Vehicles that people have carried away, or are putting back, to vehicles and to whoever keeps books of places: a gateway says "
+        "Vehicles that people have carried away, or are putting back, to vehicles and to whoever keeps reservation tables: a gateway says "
         "them again and again while they are silent, and of each vehicle the highest number counts.",
         (Removals,),
     ),
@@ -176,7 +176,7 @@ _BROADCAST_ONLY = frozenset(
         StrategistHeartbeat,
         OperatorHeartbeat,
         HelpCall,
-        FloorTold,
+        FloorReported,
         DwellPointClaimed,
         ObstacleCleared,
         ObstacleSeen,

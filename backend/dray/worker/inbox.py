@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, cast
 
 from dray import messages
-from dray.protocol.runtime.events import Heard
+from dray.protocol.runtime.events import Received
 
 if TYPE_CHECKING:
     import asyncio
@@ -30,10 +30,10 @@ displaces the messages of others."""
 class _Newest:
     """A waiting heartbeat; a newer one of the same sender replaces it."""
 
-    __slots__ = ("heard",)
+    __slots__ = ("received",)
 
-    def __init__(self, heard: Heard) -> None:
-        self.heard = heard
+    def __init__(self, received: Received) -> None:
+        self.received = received
 
 
 class _Crowd:
@@ -46,7 +46,7 @@ class _Crowd:
     __slots__ = ("beats", "count")
 
     def __init__(self, inbox: Iterable[Event | _Newest]) -> None:
-        self.count: Counter[str] = Counter(event.sender for event in inbox if type(event) is Heard)
+        self.count: Counter[str] = Counter(event.sender for event in inbox if type(event) is Received)
         self.beats: dict[str, _Newest] = {}
         """Heartbeats received since the inbox became crowded, by sender."""
 
@@ -78,10 +78,10 @@ class Inbox:
 
     def on_message(self, sender: str, message: messages.Message) -> None:
         """Add a message, drop it, or drop another one for it."""
-        heard = Heard(sender, message)
+        received = Received(sender, message)
         if len(self.waiting) < CROWDED:
-            self.waiting.append(heard)
-        elif (queued := self._queue_up(heard)) is not None:
+            self.waiting.append(received)
+        elif (queued := self._queue_up(received)) is not None:
             self.waiting.append(queued)
         if self._waiter is not None:
             self.wake()
@@ -102,32 +102,32 @@ class Inbox:
         waiting, self.waiting = self.waiting, []
         if self._crowd is not None:
             self._crowd = None
-            waiting = [event.heard if type(event) is _Newest else event for event in waiting]
+            waiting = [event.received if type(event) is _Newest else event for event in waiting]
         return cast("list[Event]", waiting)
 
-    def _queue_up(self, heard: Heard) -> Heard | _Newest | None:
+    def _queue_up(self, received: Received) -> Received | _Newest | None:
         """Place a new message in a crowded inbox; None where it replaces another one or is dropped."""
         crowd = self._crowd
         if crowd is None:
             crowd = self._crowd = _Crowd(self.waiting)
-        if isinstance(heard.message, messages.Heartbeat):
-            return self._queue_heartbeat(heard, crowd)
-        if crowd.count[heard.sender] >= SENDER_ROOM:
+        if isinstance(received.message, messages.Heartbeat):
+            return self._queue_heartbeat(received, crowd)
+        if crowd.count[received.sender] >= SENDER_ROOM:
             self.dropped_messages += 1
             return None
         if len(self.waiting) >= INBOX and not self._push_out(crowd):
             return None
-        crowd.count[heard.sender] += 1
-        return heard
+        crowd.count[received.sender] += 1
+        return received
 
-    def _queue_heartbeat(self, heard: Heard, crowd: _Crowd) -> _Newest | None:
-        waiting = crowd.beats.get(heard.sender)
+    def _queue_heartbeat(self, received: Received, crowd: _Crowd) -> _Newest | None:
+        waiting = crowd.beats.get(received.sender)
         if waiting is None and len(self.waiting) < INBOX:
-            newest = crowd.beats[heard.sender] = _Newest(heard)
+            newest = crowd.beats[received.sender] = _Newest(received)
             return newest
         self.dropped_heartbeats += 1
-        if waiting is not None and _is_newer(heard.message, waiting.heard.message):
-            waiting.heard = heard
+        if waiting is not None and _is_newer(received.message, waiting.received.message):
+            waiting.received = received
         return None
 
     def _push_out(self, crowd: _Crowd) -> bool:
@@ -137,7 +137,7 @@ class Inbox:
             return False
         greediest = max(crowd.count, key=lambda sender: crowd.count[sender])
         for place, event in enumerate(self.waiting):
-            if type(event) is Heard and event.sender == greediest:
+            if type(event) is Received and event.sender == greediest:
                 del self.waiting[place]
                 crowd.count[greediest] -= 1
                 return True

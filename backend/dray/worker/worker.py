@@ -3,7 +3,7 @@ r"""The asyncio shell of one agent: an inbox, a timer, and the execution of effe
 The agent decides, the worker acts. The worker owns what an agent must not touch: the bus, the clock, the body and the
 task. One worker is one asyncio task. It sleeps until an event comes, and then handles all events that have come.
 
-    bus ----Heard----\                           /-- first ---> journal: Commit, Record
+    bus ----Received----\                           /-- first ---> journal: Commit, Record
     clock --Woke------> inbox -> agent.handle() -+--- then --+-> bus:  Publish, Send, Record, Subscribe ...
     body ---Reported-/                                       \-> body: Instruct
 
@@ -26,12 +26,12 @@ from dray.protocol.runtime.events import (
     Commit,
     Effect,
     Event,
-    Heard,
     Ignore,
     Instruct,
     Leave,
     Leaving,
     Publish,
+    Received,
     Record,
     Reported,
     Send,
@@ -198,9 +198,9 @@ class Worker:
     def _handle_inbox(self, session: Session) -> None:
         for waiting in self.inbox.turn():
             event = waiting
-            if type(event) is Heard:
+            if type(event) is Received:
                 if type(event.message) in _SENSED:
-                    event = Heard(event.sender, event.message, self._sense())
+                    event = Received(event.sender, event.message, self._sense())
                 elif type(event.message) is messages.EventsAsked:
                     self._tell_again(event.sender, event.message, session)
                     continue

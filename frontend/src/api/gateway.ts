@@ -2,7 +2,7 @@
 import createClient, { type Middleware } from "openapi-fetch";
 import { NOT_SENT, Problem, problemOf } from "./problem";
 import { tellLoggedOut } from "./session";
-import { told } from "./told";
+import { worded } from "./problem-words";
 import type { paths } from "./types";
 
 /** Longer than the gateway ever needs to write an order down. */
@@ -13,7 +13,7 @@ const refusals: Middleware = {
     if (response.ok) return;
     // Who is known at the way for stops is known from memory: only the gateway itself says who is logged in.
     if (response.status === 401 && options.baseUrl === "") tellLoggedOut();
-    throw await told(problemOf(response.status, await response.json().catch(() => null)));
+    throw await worded(problemOf(response.status, await response.json().catch(() => null)));
   },
   onError({ error }) {
     // Browsers do not tell a connection that was refused from one that was cut: only patience that has ended is told.

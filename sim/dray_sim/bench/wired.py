@@ -1,10 +1,10 @@
 """Benchmark `wired`: right of way between processes on the real bus, while one process after the other is killed.
 
 A whole fleet runs on this computer in real time and under load, with certificates. Every twelve seconds signal 9
-kills a vehicle, a machine that keeps books, both at once, all keepers of one book, or any other process. Only the
+kills a vehicle, a machine that keeps reservation tables, both at once, all replicas of one reservation table, or any other process. Only the
 floor is spared, because it has the bodies. Every fourth victim stays away for a while. Then there are no kills for
-some minutes. Afterwards all sent and received messages are judged (`checks.said_and_heard`), and compared with the
-books in the keepers' journals.
+some minutes. Afterwards all sent and received messages are judged (`checks.traffic_log_check`), and compared with the
+tables in the replicas' journals.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from random import Random
 from dray.adapters.journal.sqlite_journal import read_events, read_memory
 from dray.adapters.telemetry.traffic_log import read_traffic_log
 from dray.cli.runtime.roster import FLOOR
-from dray.memory import BookMemory
+from dray.memory import TableMemory
 from dray.messages.fact import TaskClosed
 from dray.plant import Plant, default_plant
-from dray.protocol.traffic.books.bookkeeping import NOTE
 from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.reservations.reservation_handling import NOTE
 from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.row import Row
-from dray_sim.checks.floor.said_and_heard import (
+from dray_sim.checks.floor.traffic_log_check import (
     GRANTED_TWICE,
     HELD_TWICE,
     NOT_HELD,
     OVERLAP,
     Judgement,
-    SaidAndHeard,
+    TrafficLogCheck,
 )
 
 JOIN_S = 240.0
@@ -101,10 +101,10 @@ async def play(campaign: Campaign, folder: Path) -> list[Row]:
         until_s = time.monotonic()
         journals = fleet.journals
     told = read_traffic_log(lines)
-    judgement = SaidAndHeard(places).judge(line for line in told if line.at_s <= until_s)
-    whole = SaidAndHeard(places)
+    judgement = TrafficLogCheck(places).judge(line for line in told if line.at_s <= until_s)
+    whole = TrafficLogCheck(places)
     whole.judge(told)
-    amiss = whole.disagreement(_books(journals, places))
+    amiss = whole.disagreement(_tables(journals, places))
     return rows(judgement, kills, amiss, _transports(journals, campaign.plant), until_s - begun_s)
 
 
@@ -133,7 +133,7 @@ def _victims(random: Random, plant: Plant, fleet: Fleet, places: Places) -> tupl
         ("a vehicle", [atv]),
         ("a machine", [machine]),
         ("both", [atv, machine]),
-        ("all keepers of a book", list(random.choice(list(places.keepers_of.values())))),
+        ("all replicas of a reservation table", list(random.choice(list(places.replicas_of.values())))),
         ("anybody", [random.choice(others)]),
     )
     return random.choices(kinds, (4, 3, 1, 1, 2))[0]
@@ -151,8 +151,8 @@ def rows(
             "wired: places held twice",
             counts[HELD_TWICE],
             "",
-            judgement.wishes,
-            "wishes",
+            judgement.requests,
+            "requests",
             0.0,
             seen,
             less=True,
@@ -179,7 +179,7 @@ def rows(
         ),
         Row("wired: overlaps", counts[OVERLAP], "", judgement.lanes, "lanes", 0.0, "", less=True),
         Row(
-            "wired: places that a book gives to somebody else",
+            "wired: places that a reservation table gives to somebody else",
             len(amiss),
             "",
             judgement.grants,
@@ -226,15 +226,15 @@ def _transports(journals: Path, plant: Plant) -> int:
     )
 
 
-def _books(journals: Path, places: Places) -> Mapping[str, Mapping[str, str]]:
-    """District -> place -> holder, from the newest copy in the keepers' journals."""
+def _tables(journals: Path, places: Places) -> Mapping[str, Mapping[str, str]]:
+    """District -> place -> holder, from the newest copy in the replicas' journals."""
     return dict(_newest(journals, places))
 
 
 def _newest(journals: Path, places: Places) -> Iterator[tuple[str, dict[str, str]]]:
-    for district, keepers in places.keepers_of.items():
-        notes = [read_memory(journals / f"{keeper}.db").get(NOTE + district) for keeper in keepers]
-        books = [note for note in notes if isinstance(note, BookMemory)]
-        if books:
-            newest = max(books, key=lambda book: (book.kept_epoch, book.version))
-            yield district, {line.place: line.atv for line in newest.bookings}
+    for district, replicas in places.replicas_of.items():
+        notes = [read_memory(journals / f"{replica}.db").get(NOTE + district) for replica in replicas]
+        tables = [note for note in notes if isinstance(note, TableMemory)]
+        if tables:
+            newest = max(tables, key=lambda table: (table.kept_epoch, table.version))
+            yield district, {line.place: line.atv for line in newest.reservations}

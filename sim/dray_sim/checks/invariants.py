@@ -45,7 +45,7 @@ from dray_sim.checks.parts import PartsCountedOnce
 from dray_sim.checks.people.goods_kept import GoodsCalledFor, GoodsKept
 from dray_sim.checks.people.granted import GrantedOnly
 from dray_sim.checks.people.in_service import InServiceOnly
-from dray_sim.checks.stock_told import StockTold
+from dray_sim.checks.reported_stock import ReportedStock
 from dray_sim.checks.working_time import RestsKept
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener
@@ -322,7 +322,7 @@ class Invariants:
             ReplacedInTime(factory),
             GrantedOnly(factory),
             PromisedLiesThere(),
-            StockTold(factory),
+            ReportedStock(factory),
             InServiceOnly(),
             RestsKept(plant),
             GoodsKept(factory),

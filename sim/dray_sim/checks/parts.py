@@ -69,7 +69,7 @@ minute longer. So a piece is counted twice now and then, but a different one eac
 long is an error."""
 
 
-class ToldOnce:
+class ReportedOnce:
     """Only one agent reports each piece.
 
     Args:

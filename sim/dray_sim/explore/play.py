@@ -23,7 +23,7 @@ from dray_sim.checks.floor.obstacles import MindsObstacles
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.liveness import LivenessCheck
-from dray_sim.checks.parts import ToldOnce
+from dray_sim.checks.parts import ReportedOnce
 from dray_sim.checks.people.called import NoCallIsLost, OneTakerEach
 from dray_sim.checks.people.handed_over import HandedOver
 from dray_sim.checks.stale_contracts import StaleContracts
@@ -192,7 +192,7 @@ class _Game:
             liveness,
             HandedOver(attribution),
         )
-        checks.add(ToldOnce(factory, liar))
+        checks.add(ReportedOnce(factory, liar))
         for unsound in filter(None, (liar, self._doubled)):
             attribution.distrust(unsound)
         people: tuple[Operator, ...] = ()

@@ -66,10 +66,10 @@ DOUBLES_FRAC = 0.1
 """Fraction of these insiders that have the vehicle's key, too."""
 
 USURPERS_FRAC = 0.1
-"""Fraction of the insiders that take the name of a keeper of books."""
+"""Fraction of the insiders that take the name of a replica of reservation tables."""
 
 LEADERS_FRAC = 0.1
-"""Fraction of the insiders that take the name of a keeper that leads books."""
+"""Fraction of the insiders that take the name of a replica that leads reservation tables."""
 
 LONGEST_CARRIED_S = 400.0
 """Longest absence of a vehicle that people carry away: one that leaves this long before the quiet phase is back by
@@ -217,7 +217,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         traffic=traffic,
     )
     lies = BEHAVIOURS[run.insider] if run.insider else None
-    if lies is not None and (lies.takes_keeper or lies.leads_falsely):
+    if lies is not None and (lies.takes_replica or lies.leads_falsely):
         return replace(run, schedule=_of_vehicles(run.schedule, plant))
     if lies is not None and lies.has_key and run.habits is None:
         # A vehicle that has found its double stands until a person lets it go.
@@ -226,7 +226,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
 
 
 def _of_vehicles(schedule: tuple[Timed, ...], plant: Plant) -> tuple[Timed, ...]:
-    """Faults that do not touch keepers of books: a thief among two reachable keepers is not defended against."""
+    """Faults that do not touch replicas of reservation tables: a thief among two reachable replicas is not defended against."""
     return tuple(timed for timed in schedule if getattr(timed.fault, "agent", "") in plant.fleet)
 
 
@@ -243,7 +243,7 @@ def _calls(plant: Plant, ranges: Profile, seed: int) -> tuple[Call, ...]:
     if random.random() >= ranges.calls_frac:
         return ()
     calls = draw_calls(
-        plant, random, Random(f"{seed} wishes"), Random(f"{seed} wanted abilities"), FAULTS_UNTIL_S
+        plant, random, Random(f"{seed} requests"), Random(f"{seed} wanted abilities"), FAULTS_UNTIL_S
     )
     return with_things(plant, calls, Random(f"{seed} things"), ranges.things_frac, FAULTS_UNTIL_S)
 
@@ -262,7 +262,7 @@ def _insider(ranges: Profile, random: Random, takes_name: Random, *, traffic: bo
     if traffic and drawn < IMPOSTORS_FRAC:
         return next(name for name, it in BEHAVIOURS.items() if it.takes_name and not it.has_key)
     if traffic and drawn < IMPOSTORS_FRAC + USURPERS_FRAC:
-        return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_keeper)
+        return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_replica)
     if traffic and drawn < IMPOSTORS_FRAC + USURPERS_FRAC + LEADERS_FRAC:
         return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.leads_falsely)
     if traffic and drawn >= 1.0 - DOUBLES_FRAC:

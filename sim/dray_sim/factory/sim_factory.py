@@ -29,7 +29,7 @@ from dray.protocol.runtime.running import Running
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.station.station import Station
 from dray.protocol.strategist.gated import GatedStrategist
-from dray.protocol.traffic.driving.wishes import unsigned
+from dray.protocol.traffic.driving.place_requests import unsigned
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
 from dray.worker.worker import Worker
@@ -50,7 +50,7 @@ from dray_sim.factory.installation import (
     itself,
 )
 from dray_sim.factory.journal import HeldJournal
-from dray_sim.factory.wish_keys import WishKeys
+from dray_sim.factory.request_keys import RequestKeys
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.listeners import Listener
@@ -100,7 +100,7 @@ class SimFactory:
     Attributes:
         authority: grants the commands of simulated people.
         trusts: whose grants vehicles believe.
-        wish_keys: with which vehicles sign their messages to keepers of books.
+        request_keys: with which vehicles sign their messages to replicas of reservation tables.
         bus: the simulated network; join it to take part.
         floor: all bodies and places.
         vehicles, workcells, storages, delivery, source: those of the floor.
@@ -145,8 +145,8 @@ class SimFactory:
             coverage=Coverage.of_plant(plant),
         )
         self._meet = meet(self.bus)
-        self.wish_keys = WishKeys(seed)
-        self.traffic = TrafficMap(plant, self.wish_keys.is_signed) if traffic else None
+        self.request_keys = RequestKeys(seed)
+        self.traffic = TrafficMap(plant, self.request_keys.is_signed) if traffic else None
         self.floor = floor = Floor(plant, clock, seed=seed, stock_frac=stock_frac)
         self.source, self.gate, self.delivery = floor.source, floor.gate, floor.delivery
         self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles
@@ -412,7 +412,7 @@ class SimFactory:
             probation=probation,
             trusts=self.trusts,
             traffic=self.traffic,
-            sign_wish=self.wish_keys.of(spec.id) if self.traffic is not None else unsigned,
+            sign_request=self.request_keys.of(spec.id) if self.traffic is not None else unsigned,
         )
 
     def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: MakeBody) -> None:

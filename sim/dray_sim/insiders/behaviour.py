@@ -51,14 +51,14 @@ class Behaviour:
         pretends: it reports ways and phases as if it worked at each of its tasks.
         hands_over: it reports handovers of loads that it never had.
         claims_all: it claims every charger and parking place, as if it stood there.
-        claims_floor: it says to all keepers of books that it holds every place, and wants every place.
+        claims_floor: it says to all replicas of reservation tables that it holds every place, and wants every place.
         takes_name: it has stolen the certificate of a vehicle of the plant, whose owner lives, and in its name gives
             all its places back.
         has_key: it has stolen the vehicle's key with its certificate (its disk). In the vehicle's name it repeats its
             messages under numbers that the vehicle has not reached yet.
-        takes_keeper: it has stolen the certificate of a keeper of books, whose owner lives, and claims other keepers'
-            books.
-        leads_falsely: it has stolen the certificate of a keeper that leads books, and grants places that are held by
+        takes_replica: it has stolen the certificate of a replica of reservation tables, whose owner lives, and claims other replicas'
+            tables.
+        leads_falsely: it has stolen the certificate of a replica that leads reservation tables, and grants places that are held by
             other vehicles.
         names_others: it reports tasks of other carriers as its own.
         flood_hz: messages per second to all coordinators in turn.
@@ -83,7 +83,7 @@ class Behaviour:
     claims_floor: bool = False
     takes_name: bool = False
     has_key: bool = False
-    takes_keeper: bool = False
+    takes_replica: bool = False
     leads_falsely: bool = False
     names_others: bool = False
     flood_hz: float = 0.0
@@ -97,7 +97,7 @@ class Behaviour:
     @property
     def is_thief(self) -> bool:
         """Whether it speaks in the name of an agent of the plant, for whom it must change nothing."""
-        return self.takes_name or self.takes_keeper or self.leads_falsely
+        return self.takes_name or self.takes_replica or self.leads_falsely
 
 
 _ALL = (
@@ -138,28 +138,28 @@ _ALL = (
     Behaviour("claims-dwell-points", "claims every charger and parking place", claims_all=True),
     Behaviour(
         "claims-the-floor",
-        "says to all keepers of books that it holds every place, and wants every place",
+        "says to all replicas of reservation tables that it holds every place, and wants every place",
         claims_floor=True,
     ),
     Behaviour(
         "speaks-in-anothers-name",
-        "says to all keepers of books, with a stolen certificate, that a vehicle gives back all that it holds",
+        "says to all replicas of reservation tables, with a stolen certificate, that a vehicle gives back all that it holds",
         takes_name=True,
     ),
     Behaviour(
         "doubles-a-vehicle",
-        "says to all keepers of books, with a stolen certificate and its vehicle's key, what the vehicle says, and is ahead of it",
+        "says to all replicas of reservation tables, with a stolen certificate and its vehicle's key, what the vehicle says, and is ahead of it",
         takes_name=True,
         has_key=True,
     ),
     Behaviour(
         "usurps-books",
-        "says to keepers and vehicles, with a keeper's stolen certificate, that it keeps the books of others, and grants every place",
-        takes_keeper=True,
+        "says to replicas and vehicles, with a replica's stolen certificate, that it keeps the reservation tables of others, and grants every place",
+        takes_replica=True,
     ),
     Behaviour(
         "leads-falsely",
-        "grants every place, with the stolen certificate of the keepers that lead the books, under their present epochs",
+        "grants every place, with the stolen certificate of the replicas that lead the tables, under their present epochs",
         leads_falsely=True,
     ),
     Behaviour("names-others-tasks", "names as its own what others carry", names_others=True),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from dray.messages import Message, PlaceWished
+from dray.messages import Message, PlaceRequested
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect, Event, Heard, Leave, Leaving, Send, Started, Woke
-from dray.protocol.traffic.driving.wishes import Sign
+from dray.protocol.runtime.events import Effect, Event, Leave, Leaving, Received, Send, Started, Woke
+from dray.protocol.traffic.driving.place_requests import Sign
 from dray.protocol.traffic.places import Places
 
 LISTENS_S = 120.0
@@ -17,14 +17,14 @@ SPEAKS_EVERY_S = 150.0
 """Long enough that its owner has been helped and drives again."""
 
 AHEAD = 10**6
-"""Wishes by which it is ahead of its owner: more than that will ever say."""
+"""Requests by which it is ahead of its owner: more than that will ever say."""
 
 
 class Double:
     """A thief of a vehicle's disk (see `dray.protocol.runtime.events.Agent`).
 
     Now and then it repeats in each district the owner's last message there, under a number that the owner has not
-    reached. The books do not change by that, but then take the owner's own messages for old ones.
+    reached. The tables do not change by that, but then take the owner's own messages for old ones.
 
     Args:
         atv: the owner, whose name it takes.
@@ -36,9 +36,9 @@ class Double:
     def __init__(self, atv: str, plant: Plant, sign: Sign, incarnation: int = 1) -> None:
         self.id, self.incarnation = atv, incarnation
         self.wake_at_s = float("inf")
-        self._keepers_of = Places(plant).keepers_of
+        self._replicas_of = Places(plant).replicas_of
         self._sign = sign
-        self._newest: dict[str, PlaceWished] = {}
+        self._newest: dict[str, PlaceRequested] = {}
         """District -> the owner's last message there."""
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
@@ -47,7 +47,7 @@ class Double:
             self.wake_at_s = now_s + LISTENS_S
         elif isinstance(event, Leaving):
             return [Leave()]
-        elif isinstance(event, Heard):
+        elif isinstance(event, Received):
             self._overhear(event.sender, event.message)
         elif isinstance(event, Woke):
             self.wake_at_s = now_s + SPEAKS_EVERY_S
@@ -55,7 +55,7 @@ class Double:
         return []
 
     def _overhear(self, sender: str, message: Message) -> None:
-        if sender != self.id or not isinstance(message, PlaceWished):
+        if sender != self.id or not isinstance(message, PlaceRequested):
             return
         known = self._newest.get(message.district)
         if known is None or (message.life, message.seq) > (known.life, known.seq):
@@ -63,7 +63,7 @@ class Double:
 
     def _speak(self) -> list[Effect]:
         said: list[Effect] = []
-        for district, wish in self._newest.items():
-            ahead = self._sign(replace(wish, seq=wish.seq + AHEAD))
-            said += [Send(keeper, ahead) for keeper in self._keepers_of[district]]
+        for district, request in self._newest.items():
+            ahead = self._sign(replace(request, seq=request.seq + AHEAD))
+            said += [Send(replica, ahead) for replica in self._replicas_of[district]]
         return said

@@ -9,24 +9,34 @@ from msgspec import UNSET
 from msgspec.structs import replace
 
 from dray.messages import AtvHeartbeat, Message
-from dray.messages.floor.traffic import FIRST_S, HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages.floor.traffic import FIRST_S, HoldsAsked, PlaceGranted, PlaceRequested
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.ports import Receive, Session
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
-from dray.protocol.runtime.events import Effect, Event, Heard, Leave, Leaving, Send, Started, Subscribe, Woke
-from dray.protocol.traffic.driving.wishes import Sign, unsigned
+from dray.protocol.runtime.events import (
+    Effect,
+    Event,
+    Leave,
+    Leaving,
+    Received,
+    Send,
+    Started,
+    Subscribe,
+    Woke,
+)
+from dray.protocol.traffic.driving.place_requests import Sign, unsigned
 from dray.protocol.traffic.places import Places
 from dray_sim.network.sim_network import SimNetwork
 
 FAR_AHEAD = 10**6
-"""Higher than any number of a wish that its owner says."""
+"""Higher than any number of a request that its owner says."""
 
 LISTENS_S = 120.0
 """Time in which it only listens, until its owner is at work."""
 
 OVERHEARD = 64
-"""Wishes of its owner that it keeps; it says the oldest of them again."""
+"""Requests of its owner that it keeps; it says the oldest of them again."""
 
 NEVER_GIVEN = 2**40
 """Higher than any number of a grant."""
@@ -52,7 +62,7 @@ class Impostor:
 
     It does not have the vehicle's key.
 
-    Once a second it tells all keepers of books that nothing is held. In turn it speaks as the owner's life and as a
+    Once a second it tells all replicas of reservation tables that nothing is held. In turn it speaks as the owner's life and as a
     later one, with a key of its own, without any, and with the owner's key and an overheard signature. It also
     repeats old messages of the owner.
 
@@ -74,7 +84,7 @@ class Impostor:
         self._epochs: dict[str, int] = {}
         self._seen: dict[str, int] = {}
         """District -> the highest number of a grant to the owner, as it was overheard."""
-        self._overheard: deque[PlaceWished] = deque(maxlen=OVERHEARD)
+        self._overheard: deque[PlaceRequested] = deque(maxlen=OVERHEARD)
         """Messages of the owner."""
         self._out: list[Effect] = []
 
@@ -88,7 +98,7 @@ class Impostor:
         elif isinstance(event, Woke):
             self.wake_at_s = now_s + WORKING_INTERVAL_S
             self._give_back_all()
-        elif isinstance(event, Heard):
+        elif isinstance(event, Received):
             self._overhear(event.sender, event.message)
         effects, self._out = self._out, []
         return effects
@@ -98,7 +108,7 @@ class Impostor:
             self._life = max(self._life, message.incarnation)
             if message.floor is not UNSET:
                 self._removal = max(self._removal, message.floor.removal)
-        elif isinstance(message, PlaceWished):
+        elif isinstance(message, PlaceRequested):
             if sender == self.id and message.seq < FAR_AHEAD:
                 self._overheard.append(message)
         elif isinstance(message, HoldsAsked):
@@ -110,11 +120,11 @@ class Impostor:
 
     def _give_back_all(self) -> None:
         for old in tuple(self._overheard)[:1]:
-            self._out += [Send(keeper, old) for keeper in self._places.keepers_of[old.district]]
+            self._out += [Send(replica, old) for replica in self._places.replicas_of[old.district]]
         later, sign, guesses = next(self._ways)
-        for district, keepers in self._places.keepers_of.items():
+        for district, replicas in self._places.replicas_of.items():
             self._seq += 1
-            wish = PlaceWished(
+            request = PlaceRequested(
                 district=district,
                 life=self._life + later,
                 seq=self._seq,
@@ -127,10 +137,10 @@ class Impostor:
                 docked=False,
                 removal=self._removal,
             )
-            self._out += [Send(keeper, sign(wish)) for keeper in keepers]
+            self._out += [Send(replica, sign(request)) for replica in replicas]
 
-    def _forge(self, wish: PlaceWished) -> PlaceWished:
+    def _forge(self, request: PlaceRequested) -> PlaceRequested:
         """Add the owner's key, and its signature of another message."""
         if not self._overheard:
-            return wish
-        return replace(wish, key=self._overheard[-1].key, signature=self._overheard[-1].signature)
+            return request
+        return replace(request, key=self._overheard[-1].key, signature=self._overheard[-1].signature)

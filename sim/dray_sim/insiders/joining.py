@@ -38,7 +38,7 @@ def owner_in(plant: Plant) -> str:
 
 
 def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) -> Worker:
-    """Let an insider join. A thief takes the name of the first vehicle, or of the last keeper of the first book; one that leads, of the first.
+    """Let an insider join. A thief takes the name of the first vehicle, or of the last replica of the first table; one that leads, of the first.
 
     Args:
         factory: one that runs.
@@ -51,7 +51,7 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
     plant = factory.plant
     if behaviour.takes_name:
         owner = owner_in(plant)
-        keys = factory.wish_keys
+        keys = factory.request_keys
         thief: Double | Impostor
         if behaviour.has_key:
             thief = Double(owner, plant, keys.of(owner))
@@ -65,11 +65,11 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
             body=None,
             journal=HeldJournal(incarnation=1),
         )
-    if behaviour.takes_keeper or behaviour.leads_falsely:
-        keepers = next(iter(Places(plant).keepers_of.values()))
+    if behaviour.takes_replica or behaviour.leads_falsely:
+        replicas = next(iter(Places(plant).replicas_of.values()))
         leads = behaviour.leads_falsely
         return Worker(
-            Usurper(keepers[0 if leads else -1], plant, leads=leads),
+            Usurper(replicas[0 if leads else -1], plant, leads=leads),
             bus=bus or StolenPlace(factory.bus),
             clock=factory.clock,
             keys=factory.keys,

@@ -35,7 +35,7 @@ from dray.messages import (
     TransportCost,
     Withdrawn,
 )
-from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX, HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX, HoldsAsked, PlaceGranted, PlaceRequested
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
@@ -43,10 +43,10 @@ from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
 from dray.protocol.runtime.events import (
     Effect,
     Event,
-    Heard,
     Leave,
     Leaving,
     Publish,
+    Received,
     Send,
     Started,
     Subscribe,
@@ -106,9 +106,9 @@ class Liar:
         """Overheard tasks of others, with their owners."""
         self._turns = cycle(plant.machines)
         self._places = Places(plant)
-        self._wishes = 0
+        self._requests = 0
         self._epochs: dict[str, int] = {}
-        """District -> of its book, as it was told."""
+        """District -> of its table, as it was told."""
         self._removal = 0
         self._out: list[Effect] = []
 
@@ -120,7 +120,7 @@ class Liar:
             self._out.append(Leave())
         elif isinstance(event, Woke):
             self._beat(now_s)
-        elif isinstance(event, Heard) and now_s >= self._silent_until_s:
+        elif isinstance(event, Received) and now_s >= self._silent_until_s:
             self._on_message(event.sender, event.message, now_s)
         effects, self._out = self._out, []
         return effects
@@ -296,13 +296,13 @@ class Liar:
             self._out.append(Publish(self._keys.dwell_point(dwell_point), claim))
 
     def _claim_floor(self) -> None:
-        self._wishes += 1
-        for district, keepers in self._places.keepers_of.items():
+        self._requests += 1
+        for district, replicas in self._places.replicas_of.items():
             inside = sorted(self._places.places_in(district))
-            wish = PlaceWished(
+            request = PlaceRequested(
                 district=district,
                 life=self.incarnation,
-                seq=self._wishes,
+                seq=self._requests,
                 epoch=self._epochs.get(district, 0),
                 rank=(0, FIRST_S, self.id),
                 holds=tuple(inside[:HOLDS_MAX]),
@@ -312,7 +312,7 @@ class Liar:
                 docked=True,
                 removal=self._removal,
             )
-            self._out += [Send(keeper, wish) for keeper in keepers]
+            self._out += [Send(replica, request) for replica in replicas]
 
     def _flood(self, now_s: float) -> None:
         machine = next(self._turns)

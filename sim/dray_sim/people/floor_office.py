@@ -1,6 +1,6 @@
 """Reports on the bus which vehicles people have carried away, and where they put them back; in service a gateway does so.
 
-A report is repeated until the vehicle is heard. The keeper of its book confirms that a returning vehicle's place is
+A report is repeated until the vehicle is heard. The leader of its table confirms that a returning vehicle's place is
 kept; nobody puts the vehicle down before.
 """
 

@@ -70,9 +70,9 @@ def with_fleet(plant: Plant, count: int) -> Plant:
     fleet = list(file.fleet[:count])
     taken = {spec.node for spec in fleet}
     docks = {plant.node_of(place) for place in plant.places}
-    mouths = {lane.start for dock in docks for lane in plant.roads.entering[dock]}
+    entries = {lane.start for dock in docks for lane in plant.roads.entering[dock]}
     stands = [plant.node_of(place) for place in plant.dwell_points]
-    roads = sorted((node for node in plant.stops if node not in docks), key=mouths.__contains__)
+    roads = sorted((node for node in plant.stops if node not in docks), key=entries.__contains__)
     free = [node for node in (*stands, *roads) if node not in taken]
     for number, node in zip(range(len(fleet), count), free, strict=False):
         kind = file.fleet[number % len(file.fleet)].type

@@ -234,7 +234,7 @@ def play_seed(
         waited=len(watch.waits),
         longest_s=longest.beyond_s,
         longest=_told(run.plant, longest),
-        settled_s=played.told or 0.0,
+        settled_s=played.result or 0.0,
         utilisation_frac={str(name): part for name, part in report.utilisation_frac.items()},
         refusals=report.refusals,
         messages_per_task=report.messages_per_task,

@@ -57,7 +57,7 @@ SPURS_M = (1.3, 1.6, 1.9, 2.6)
 """Distances from a road to a dock."""
 
 BESIDE_M = 1.5
-"""Distance from a dock to everything except its mouth."""
+"""Distance from a dock to everything except its entry."""
 
 MARGIN_M = 5.0
 """Distance from the outer roads to the wall."""
@@ -238,21 +238,21 @@ class _Draft:
             length_m = self._length_m(lane)
             (x_m, y_m), (to_x_m, to_y_m) = self._spots[lane.start], self._spots[lane.end]
             ahead_x, ahead_y = (to_x_m - x_m) / length_m, (to_y_m - y_m) / length_m
-            mouth = (round(x_m + along_m * ahead_x, 2), round(y_m + along_m * ahead_y, 2))
+            entry = (round(x_m + along_m * ahead_x, 2), round(y_m + along_m * ahead_y, 2))
             side = random.choice((-1.0, 1.0))
             if random.random() < IN_LANE:
                 self._on[ends].append((along_m, f"l-{name}"))
-                self._spots[f"l-{name}"] = mouth
-                return f"l-{name}", _box(mouth, -ahead_y * side, ahead_x * side)
+                self._spots[f"l-{name}"] = entry
+                return f"l-{name}", _box(entry, -ahead_y * side, ahead_x * side)
             spur_m = random.choice(SPURS_M)
             for out_x, out_y in ((-ahead_y * side, ahead_x * side), (ahead_y * side, -ahead_x * side)):
-                dock = (round(mouth[0] + spur_m * out_x, 2), round(mouth[1] + spur_m * out_y, 2))
+                dock = (round(entry[0] + spur_m * out_x, 2), round(entry[1] + spur_m * out_y, 2))
                 if min(dock) > 1.0 and all(
                     hypot(dock[0] - x, dock[1] - y) >= BESIDE_M for x, y in self._docked
                 ):
                     self._docked.append(dock)
                     self._on[ends].append((along_m, f"l-{name}"))
-                    self._spots |= {f"l-{name}": mouth, f"d-{name}": dock}
+                    self._spots |= {f"l-{name}": entry, f"d-{name}": dock}
                     self._spurs.append(Lane(f"l-{name}", f"d-{name}", 0.6, both_ways=True))
                     return f"d-{name}", _box(dock, out_x, out_y)
         raise _NoRoom

@@ -16,11 +16,11 @@ from dray.adapters.remote_body.exchange import Exchange, Part
 from dray.adapters.remote_body.questions import REFUSED
 from dray.adapters.remote_body.wire import (
     NO_LIFE,
+    BodyReport,
     BodySpec,
     Do,
     Moved,
     Taken,
-    Told,
     added_key,
     body_key,
     encode,
@@ -233,7 +233,7 @@ class _Served:
     def tell(self) -> None:
         """Report its state and all unheard reports, if an agent has taken it over."""
         if self._life:
-            told = Told(self._life, self._exchange.write(), to_part(self._body.sense()))
+            told = BodyReport(self._life, self._exchange.write(), to_part(self._body.sense()))
             self._session.put(f"{self._key}/told", encode(told))
 
     def let_go(self) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from dray.messages import (
     Event,
-    FloorTold,
+    FloorReported,
     Heartbeat,
     MachineStatus,
     Message,
@@ -91,7 +91,7 @@ class Observer:
         self.messages += 1
         if type(message) is Event:
             self._note(message.fact, sender, at_s)
-        elif not isinstance(message, Heartbeat | StationHeartbeat | FloorTold):
+        elif not isinstance(message, Heartbeat | StationHeartbeat | FloorReported):
             self.negotiation += 1
 
     def close(self, now_s: float) -> None:

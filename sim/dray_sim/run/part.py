@@ -40,6 +40,6 @@ class Part(Generic[T]):
 
     def checks(self, played: Played[T]) -> tuple[Check, ...]:
         """The checks of its run; none where a broken invariant has cut it short."""
-        if played.told is None and played.invariants != HELD:
+        if played.result is None and played.invariants != HELD:
             return ()
-        return self.judge(cast(T, played.told))
+        return self.judge(cast(T, played.result))

@@ -28,7 +28,7 @@ from dray.messages import (
 )
 from dray.messages.contract import DockHeld, Refusal
 from dray.messages.fact import BidRefused, TaskOpened
-from dray.messages.told_stock import with_stock
+from dray.messages.heartbeat_stock import with_stock
 from dray.overload import Overload
 from dray.plant import Plant
 

@@ -125,7 +125,7 @@ class Played(Generic[T]):
         steps: those that have happened, in their order.
     """
 
-    told: T | None
+    result: T | None
     report: Report
     counts: dict[str, int]
     steps: Mapping[ScenarioStep, Happened]
@@ -336,11 +336,11 @@ async def _play(
         invariants=_verdict(stage.checks, life),
         trace=stage.trace.hexdigest(),
     )
-    told = acting.result() if acting.done() else None
+    result = acting.result() if acting.done() else None
     for task in (life, broken, acting):
         task.cancel()
     await asyncio.gather(life, broken, acting, return_exceptions=True)
-    return Played(told, report, stage.trace.counts_by_name(), stage.steps.happened)
+    return Played(result, report, stage.trace.counts_by_name(), stage.steps.happened)
 
 
 async def _act(stage: Stage, script: Callable[[Stage], Awaitable[T]] | None) -> T | None:

@@ -53,7 +53,7 @@ CONDITIONS: tuple[tuple[str, Callable[[Stage], Awaitable[Tally]]], ...] = (
 def cost(seed: int, shift: Shift = SHIFT, plant: Plant | None = None) -> Findings:
     """Play the same shift under every condition."""
     runs = tuple(play(shift, plant or default_plant(), seed, script) for _, script in CONDITIONS)
-    best, *shares = [played.told.on_time_frac if played.told else 0.0 for played in runs]
+    best, *shares = [played.result.on_time_frac if played.result else 0.0 for played in runs]
     costs = [best - share for share in shares]
     return Findings(
         runs=runs,

@@ -76,7 +76,7 @@ def insider(
     plant = plant or default_plant()
     without = play(shift, plant, seed, partial(work, behaviour=None))
     runs = [play(shift, plant, seed, partial(work, behaviour=behaviour)) for behaviour in behaviours]
-    base = without.told or Deliveries(0, 0)
+    base = without.result or Deliveries(0, 0)
     costs = {
         behaviour.name: _cost_frac(played, base) for behaviour, played in zip(behaviours, runs, strict=True)
     }
@@ -108,15 +108,15 @@ def insider(
 
 
 def _cost_frac(played: Played[Deliveries], base: Deliveries) -> float:
-    return played.told.cost_frac(base) if played.told is not None else 1.0
+    return played.result.cost_frac(base) if played.result is not None else 1.0
 
 
 def _row(name: str, played: Played[Deliveries], base: Deliveries) -> tuple[str, ...]:
-    report, told = played.report, played.told
+    report, result = played.report, played.result
     return (
         name,
-        f"{told.orders}" if told else played.invariants,
-        f"{told.pieces}" if told else "-",
+        f"{result.orders}" if result else played.invariants,
+        f"{result.pieces}" if result else "-",
         f"{_cost_frac(played, base):.1%}",
         f"{report.transport_p50_s:.0f} s",
         f"{report.transport_p95_s:.0f} s",

@@ -39,7 +39,7 @@ def sweep(
         played for latency_s, played in zip(latencies_s, runs, strict=True) if latency_s <= endured_s
     )
     starved = [played.report.starvation_frac for played in endured]
-    suspicions = [played.told.suspicions if played.told else -1 for played in endured]
+    suspicions = [played.result.suspicions if played.result else -1 for played in endured]
     return Findings(
         runs=runs,
         checks=(

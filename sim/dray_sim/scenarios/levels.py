@@ -55,7 +55,7 @@ class Account:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Result:
     """Observations of the script."""
 
     took_s: float
@@ -89,7 +89,7 @@ def accounts(stage: Stage, first: Counter[str]) -> tuple[Account, ...]:
     )
 
 
-async def produce(stage: Stage, orders: int) -> Told:
+async def produce(stage: Stage, orders: int) -> Result:
     """Order, kill, and wait for the end."""
     first, products = stage.factory.floor.lying(), stage.plant.ordered
     killing = asyncio.create_task(_kill(stage, orders * EVERY_S))
@@ -102,7 +102,7 @@ async def produce(stage: Stage, orders: int) -> Told:
         await asyncio.sleep(EVERY_S)
     kills = await killing
     took_s = await stage.settle(END_WITHIN_S)
-    return Told(took_s, kills, accounts(stage, first), dict(due))
+    return Result(took_s, kills, accounts(stage, first), dict(due))
 
 
 async def _kill(stage: Stage, until_s: float) -> int:
@@ -122,31 +122,31 @@ def levels(seed: int, orders: int = ORDERS) -> Findings:
     """Play it."""
     shift = Shift(name="levels", duration_s=orders * EVERY_S)
     played = play(shift, shipped_plant("levels"), seed, lambda stage: produce(stage, orders))
-    if played.told is None:
+    if played.result is None:
         return Findings(runs=(played,), checks=())
-    told, report = played.told, played.report
-    explained = all(account.difference == 0 for account in told.accounts)
-    exact = all(account.delivered == told.due.get(account.item, 0) for account in told.accounts)
+    result, report = played.result, played.report
+    explained = all(account.difference == 0 for account in result.accounts)
+    exact = all(account.delivered == result.due.get(account.item, 0) for account in result.accounts)
     return Findings(
         runs=(played,),
         checks=(
             Check(
                 "Every order is delivered",
                 report.orders_delivered == report.orders_placed == orders,
-                f"{report.orders_delivered} of {report.orders_placed}, with {told.kills} agents killed",
+                f"{report.orders_delivered} of {report.orders_placed}, with {result.kills} agents killed",
             ),
             Check("What was ordered arrives, and no piece more", exact, "of each product" if exact else "no"),
             Check(
                 "The balance of materials, parts and products closes to the piece",
                 explained,
-                f"{len(told.accounts)} items",
+                f"{len(result.accounts)} items",
             ),
         ),
         tables=(
             Table(
                 "Where all pieces are: came + made = used + delivered + there",
                 ("item", "came", "made", "used", "delivered", "there", "difference", "bad, made again"),
-                tuple(account.row() for account in told.accounts),
+                tuple(account.row() for account in result.accounts),
             ),
         ),
     )

@@ -46,7 +46,7 @@ def sweep(
         played for loss_frac, played in zip(losses_frac, runs, strict=True) if loss_frac <= ENDURED_FRAC
     )
     starved = [played.report.starvation_frac for played in endured]
-    changed = [played.told.carriers_changed if played.told else -1 for played in endured]
+    changed = [played.result.carriers_changed if played.result else -1 for played in endured]
     allowed = [TAKEOVERS_PER_TRANSPORT * played.report.transports for played in endured]
     return Findings(
         runs=runs,

@@ -35,7 +35,7 @@ EVERY_S, LASTS_S = 150.0, (60.0, 300.0)
 SETTLE_S = 1800.0
 
 
-class Told(StrEnum):
+class Reporting(StrEnum):
     """The vehicles' knowledge of obstacles."""
 
     NONE = "there are none"
@@ -72,21 +72,21 @@ def _without_place(_spec: VehicleSpec, vehicle: SimVehicle, _life: int) -> Body:
     return _WithoutPlace(vehicle)
 
 
-async def obstruct(stage: Stage, told: Told) -> tuple[float, int, int]:
+async def obstruct(stage: Stage, reporting: Reporting) -> tuple[float, int, int]:
     """Let things lie on lanes that vehicles are about to drive.
 
     Returns:
         Mean time from announcement to delivery (s), transports delivered, and obstacles that lay on a lane.
     """
     checks = MindsObstacles(stage.factory)
-    if told is Told.PLACE:
+    if reporting is Reporting.PLACE:
         stage.checks.add(checks)
     gaps, lanes, things = stage.random("gaps"), stage.random("lanes"), stage.random("things")
     laid = 0
     while stage.now_s() < stage.shift.duration_s:
         await asyncio.sleep(gaps.expovariate(1.0 / EVERY_S))
         lasts_s, choice, thing = gaps.uniform(*LASTS_S), lanes.random(), things.choice(tuple(Thing))
-        if told is Told.NONE:
+        if reporting is Reporting.NONE:
             continue
         ahead = sorted({ends for beat in stage.witness.atvs.values() for ends in pairwise(beat.way)})
         docks = {stage.factory.plant.node_of(place) for place in stage.factory.plant.places}
@@ -123,26 +123,32 @@ def _take_away(faults: Faults, fault: str) -> None:
 def obstacles(seed: int, seeds: int = SEEDS, shift: Shift = SHIFT, plant: Plant | None = None) -> Findings:
     """Play the same shift three times with every seed: without obstacles, met as problems, and told and gone round."""
     ground = plant or default_plant()
-    runs: dict[Told, list[Played[tuple[float, int, int]]]] = {told: [] for told in Told}
+    runs: dict[Reporting, list[Played[tuple[float, int, int]]]] = {reporting: [] for reporting in Reporting}
     for number in range(seed, seed + seeds):
-        for told, played in runs.items():
-            held = replace(shift, embody=_without_place) if told is Told.PROBLEM else shift
-            played.append(play(held, ground, number, partial(obstruct, told=told)))
-    found = {told: [each.told or (0.0, 0, 0) for each in played] for told, played in runs.items()}
-    mean_s = {told: sum(took_s for took_s, _, _ in each) / len(each) for told, each in found.items()}
-    lost_s = {told: mean_s[told] - mean_s[Told.NONE] for told in Told}
+        for reporting, played in runs.items():
+            held = replace(shift, embody=_without_place) if reporting is Reporting.PROBLEM else shift
+            played.append(play(held, ground, number, partial(obstruct, reporting=reporting)))
+    found = {reporting: [each.result or (0.0, 0, 0) for each in played] for reporting, played in runs.items()}
+    mean_s = {
+        reporting: sum(took_s for took_s, _, _ in each) / len(each) for reporting, each in found.items()
+    }
+    lost_s = {reporting: mean_s[reporting] - mean_s[Reporting.NONE] for reporting in Reporting}
     return Findings(
         runs=tuple(each for played in runs.values() for each in played),
         checks=(
             Check(
                 "Told and gone round, obstacles cost less time than met as problems",
-                lost_s[Told.PLACE] < lost_s[Told.PROBLEM],
-                f"{lost_s[Told.PLACE]:.0f} s instead of {lost_s[Told.PROBLEM]:.0f} s for each transport",
+                lost_s[Reporting.PLACE] < lost_s[Reporting.PROBLEM],
+                f"{lost_s[Reporting.PLACE]:.0f} s instead of {lost_s[Reporting.PROBLEM]:.0f} s for each transport",
             ),
             Check(
                 "Something lay in the way in every run",
-                all(laid for told in (Told.PROBLEM, Told.PLACE) for _, _, laid in found[told]),
-                f"{sum(laid for _, _, laid in found[Told.PLACE])} obstacles in {seeds} runs",
+                all(
+                    laid
+                    for reporting in (Reporting.PROBLEM, Reporting.PLACE)
+                    for _, _, laid in found[reporting]
+                ),
+                f"{sum(laid for _, _, laid in found[Reporting.PLACE])} obstacles in {seeds} runs",
             ),
         ),
         tables=(
@@ -151,13 +157,13 @@ def obstacles(seed: int, seeds: int = SEEDS, shift: Shift = SHIFT, plant: Plant 
                 ("obstacles are", "obstacles", "transports", "mean", "lost by them"),
                 tuple(
                     (
-                        told.value,
+                        reporting.value,
                         str(sum(laid for _, _, laid in each)),
                         str(sum(count for _, count, _ in each)),
-                        f"{mean_s[told]:.0f} s",
-                        f"{lost_s[told]:.0f} s",
+                        f"{mean_s[reporting]:.0f} s",
+                        f"{lost_s[reporting]:.0f} s",
                     )
-                    for told, each in found.items()
+                    for reporting, each in found.items()
                 ),
             ),
         ),

@@ -135,11 +135,11 @@ def peak(seed: int, shift: Shift = SHIFT, span_s: float = SPAN_S) -> Findings:
     plant, joining = short_fleet()
     joined = play(shift, plant, seed, lambda stage: season(stage, joining, span_s))
     alone = play(shift, plant, seed, lambda stage: season(stage, (), span_s))
-    told, twin = joined.told, alone.told
-    if told is None or twin is None:
+    result, twin = joined.result, alone.result
+    if result is None or twin is None:
         return Findings(runs=(joined, alone), checks=())
-    with_them, without = told.after, twin.after
-    slowest_s = max(told.first_s.values(), default=0.0)
+    with_them, without = result.after, twin.after
+    slowest_s = max(result.first_s.values(), default=0.0)
     return Findings(
         runs=(joined, alone),
         checks=(
@@ -156,18 +156,18 @@ def peak(seed: int, shift: Shift = SHIFT, span_s: float = SPAN_S) -> Findings:
             ),
             Check(
                 f"Every joining vehicle bids by itself within {SOON_S / 60:.0f} minutes",
-                len(told.first_s) == len(joining) and slowest_s <= SOON_S,
-                f"{len(told.first_s)} of {len(joining)}, the slowest after {slowest_s:.0f} s",
+                len(result.first_s) == len(joining) and slowest_s <= SOON_S,
+                f"{len(result.first_s)} of {len(joining)}, the slowest after {slowest_s:.0f} s",
             ),
             Check(
                 "No transport of those who were there before is disturbed",
-                not told.disturbed,
-                ", ".join(told.disturbed) or "all ended by their handover",
+                not result.disturbed,
+                ", ".join(result.disturbed) or "all ended by their handover",
             ),
             Check(
                 "Nobody is restarted for it",
-                not told.lives,
-                ", ".join(told.lives) or "every agent is in its first life",
+                not result.lives,
+                ", ".join(result.lives) or "every agent is in its first life",
             ),
         ),
         tables=(
@@ -175,7 +175,7 @@ def peak(seed: int, shift: Shift = SHIFT, span_s: float = SPAN_S) -> Findings:
                 f"{span_s / 60:.0f} minutes of the same demand each; the first ones came before anybody joined",
                 ("", "vehicles", "transports", "pieces", "p50", "p95"),
                 (
-                    told.before.row("before", len(FIRST_FLEET)),
+                    result.before.row("before", len(FIRST_FLEET)),
                     with_them.row("later, with the joining vehicles", len(FIRST_FLEET) + len(joining)),
                     without.row("the same time, without", len(FIRST_FLEET)),
                 ),

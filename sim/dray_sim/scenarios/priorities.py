@@ -39,7 +39,7 @@ first."""
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Result:
     """Observations of the script.
 
     Attributes:
@@ -69,7 +69,7 @@ def demand(plant: Plant, seed: int, load: float, until_s: float) -> list[Order]:
     return placed
 
 
-async def day(stage: Stage, wanted: Sequence[Order]) -> Told:
+async def day(stage: Stage, wanted: Sequence[Order]) -> Result:
     """Place them all at their times, and wait until they are delivered."""
     passing = Passing()
     stage.listeners.add(passing)
@@ -78,7 +78,7 @@ async def day(stage: Stage, wanted: Sequence[Order]) -> Told:
         stage.place(order)
     await stage.settle(SETTLE_S)
     done = stage.observer.fulfilled_s
-    return Told(
+    return Result(
         took_s={order.id: done[order.id] - order.at_s for order in wanted if order.id in done},
         late=frozenset(order.id for order in wanted if done.get(order.id, order.due_s + 1) > order.due_s),
         open=tuple(order.id for order in stage.undelivered()),
@@ -92,13 +92,13 @@ def compared(seed: int, shift: Shift = SHIFT, load: float = LOAD, plant: Plant |
     wanted = demand(plant, seed, load, shift.duration_s)
     alike = [replace(order, priority=Priority.NORMAL) for order in wanted]
     hurried, plain = _played(shift, plant, seed, wanted), _played(shift, plant, seed, alike)
-    if hurried.told is None or plain.told is None:
+    if hurried.result is None or plain.result is None:
         return Findings(runs=(hurried, plain), checks=())
     of = {each: [order.id for order in wanted if order.priority is each] for each in reversed(Priority)}
     everything = [order.id for order in wanted]
-    sooner, before = (_p95(told, of[Priority.URGENT]) for told in (hurried.told, plain.told))
-    dearer, cheaper = (_mean(told, of[Priority.NORMAL]) for told in (hurried.told, plain.told))
-    passing = hurried.told.passing
+    sooner, before = (_p95(result, of[Priority.URGENT]) for result in (hurried.result, plain.result))
+    dearer, cheaper = (_mean(result, of[Priority.NORMAL]) for result in (hurried.result, plain.result))
+    passing = hurried.result.passing
     return Findings(
         runs=(hurried, plain),
         checks=(
@@ -114,8 +114,8 @@ def compared(seed: int, shift: Shift = SHIFT, load: float = LOAD, plant: Plant |
             ),
             Check(
                 "Everything is delivered, what is low too",
-                not hurried.told.open,
-                f"{len(hurried.told.took_s)} of {len(wanted)}",
+                not hurried.result.open,
+                f"{len(hurried.result.took_s)} of {len(wanted)}",
             ),
             Check(
                 f"From its wanted time on nothing is passed for longer than {PASSED_MAX_S / 60:.0f} minutes by what came later",
@@ -139,28 +139,28 @@ def compared(seed: int, shift: Shift = SHIFT, load: float = LOAD, plant: Plant |
     )
 
 
-def _played(shift: Shift, plant: Plant, seed: int, wanted: Sequence[Order]) -> Played[Told]:
+def _played(shift: Shift, plant: Plant, seed: int, wanted: Sequence[Order]) -> Played[Result]:
     return play(shift, plant, seed, lambda stage: day(stage, wanted))
 
 
-def _row(name: str, of: Sequence[str], hurried: Played[Told], plain: Played[Told]) -> tuple[str, ...]:
+def _row(name: str, of: Sequence[str], hurried: Played[Result], plain: Played[Result]) -> tuple[str, ...]:
     cells = [name, str(len(of))]
-    both = [told for told in (hurried.told, plain.told) if told is not None]
+    both = [result for result in (hurried.result, plain.result) if result is not None]
     for frac in (0.5, 0.95, 1.0):
-        cells += [_minutes(percentile(_took(told, of), frac)) for told in both]
-    return (*cells, *(str(len(told.late.intersection(of))) for told in both))
+        cells += [_minutes(percentile(_took(result, of), frac)) for result in both]
+    return (*cells, *(str(len(result.late.intersection(of))) for result in both))
 
 
-def _took(told: Told, of: Sequence[str]) -> list[float]:
-    return [told.took_s[order] for order in of if order in told.took_s]
+def _took(result: Result, of: Sequence[str]) -> list[float]:
+    return [result.took_s[order] for order in of if order in result.took_s]
 
 
-def _p95(told: Told, of: Sequence[str]) -> float:
-    return percentile(_took(told, of), 0.95)
+def _p95(result: Result, of: Sequence[str]) -> float:
+    return percentile(_took(result, of), 0.95)
 
 
-def _mean(told: Told, of: Sequence[str]) -> float:
-    took_s = _took(told, of)
+def _mean(result: Result, of: Sequence[str]) -> float:
+    took_s = _took(result, of)
     return sum(took_s) / max(1, len(took_s))
 
 

@@ -165,7 +165,7 @@ def problems(seed: int, seeds: int = SEEDS, shift: Shift = SHIFT, plant: Plant |
     for number in range(seed, seed + seeds):
         for told, played in runs.items():
             played.append(play(shift, ground, number, partial(strike, told=told)))
-    words, judged = (_by_kind(played.told or () for played in runs[told]) for told in (False, True))
+    words, judged = (_by_kind(played.result or () for played in runs[told]) for told in (False, True))
     dead_s = tuple(_mean(found[ProblemKind.DRIVE]) for found in (words, judged))
     all_s = tuple(_mean([each for kind in found.values() for each in kind]) for found in (words, judged))
     return Findings(

@@ -76,7 +76,7 @@ def grow(
         play(shift, generate_plant(seed, round(count * MACHINES_PER_VEHICLE), count), seed, work)
         for count in vehicles
     )
-    loads = {count: played.told for count, played in zip(vehicles, runs, strict=True) if played.told}
+    loads = {count: played.result for count, played in zip(vehicles, runs, strict=True) if played.result}
     base, most = loads.get(reference), loads.get(vehicles[-1])
     growth = (most.vehicle / base.vehicle, most.machine / base.machine) if base and most else (0.0, 0.0)
     late_s = [played.report.late_p95_s for played in runs]
@@ -117,7 +117,7 @@ def grow(
 
 
 def _row(count: int, played: Played[Load]) -> tuple[str, ...]:
-    report, load = played.report, played.told
+    report, load = played.report, played.result
     spent = report.utilisation_frac
     events = (load.vehicle, load.machine, load.strategist) if load else ()
     return (

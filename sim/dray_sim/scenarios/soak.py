@@ -96,9 +96,9 @@ def soak(seed: int, days: int = DAYS, full_after_days: int = FULL_AFTER_DAYS) ->
     """Play a month."""
     shift = Shift(name="soak", duration_s=days * DAY_S, load=LOAD)
     played = play(shift, generate_plant(seed, MACHINES, VEHICLES), seed, lambda stage: month(stage, days))
-    if played.told is None:
+    if played.result is None:
         return Findings(runs=(played,), checks=())
-    told, weeks = played.told.days, played.told.weeks
+    told, weeks = played.result.days, played.result.weeks
     full, last = told[full_after_days - 1], told[-1]
     growth_frac = last.blocks / full.blocks - 1.0
     first_s, last_s = weeks[0].p50_s, weeks[-1].p50_s

@@ -63,7 +63,7 @@ class Begun:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Result:
     """Observations of the script."""
 
     kills: int
@@ -78,7 +78,7 @@ class Told:
     """Whether the arrived pieces of each product equal the ordered ones."""
 
 
-async def order_and_kill(stage: Stage, hours: float) -> Told:
+async def order_and_kill(stage: Stage, hours: float) -> Result:
     """Order, kill one strategist after the other, and wait for the end."""
     begun, ordered = Begun(), Counter[str]()
     stage.listeners.add(begun)
@@ -100,7 +100,7 @@ async def order_and_kill(stage: Stage, hours: float) -> Told:
     for order in stage.orders:
         was_away = any(since_s <= order.at_s < until_s for since_s, until_s in away_s)
         waits[was_away].append(begun.begun_s.get(order.id, float("inf")) - order.at_s)
-    return Told(
+    return Result(
         kills=len(away_s),
         away=tuple(sorted(waits[True])),
         there=tuple(sorted(waits[False])),
@@ -122,21 +122,21 @@ async def _kill(stage: Stage, until_s: float, away_s: list[tuple[float, float]])
         stage.factory.restart(victim)
 
 
-def _played(seed: int, hours: float, strategists: int) -> Played[Told]:
+def _played(seed: int, hours: float, strategists: int) -> Played[Result]:
     shift = Shift(name="strategists", duration_s=hours * 3600.0, strategists=strategists)
     return play(shift, shipped_plant("default"), seed, lambda stage: order_and_kill(stage, hours))
 
 
-def _row(name: str, told: Told) -> tuple[str, ...]:
+def _row(name: str, result: Result) -> tuple[str, ...]:
     return (
         name,
-        str(told.kills),
-        str(len(told.away)),
-        f"{told.away[len(told.away) // 2]:.1f} s",
-        f"{told.away[-1]:.1f} s",
-        f"{told.there[-1]:.1f} s",
-        str(told.taken_over),
-        str(told.lost),
+        str(result.kills),
+        str(len(result.away)),
+        f"{result.away[len(result.away) // 2]:.1f} s",
+        f"{result.away[-1]:.1f} s",
+        f"{result.there[-1]:.1f} s",
+        str(result.taken_over),
+        str(result.lost),
     )
 
 
@@ -144,22 +144,22 @@ def strategists(seed: int, hours: float = HOURS, alone_hours: float = ALONE_HOUR
     """Play it, and one strategist alone beside it."""
     count = max(2, STRATEGIST_COUNT.get())
     alone, two = _played(seed, alone_hours, 1), _played(seed, hours, count)
-    if alone.told is None or two.told is None:
+    if alone.result is None or two.result is None:
         return Findings(runs=(alone, two), checks=())
-    told, report = two.told, two.report
-    longest_s = max(*told.away, *told.there)
+    result, report = two.result, two.report
+    longest_s = max(*result.away, *result.there)
     return Findings(
         runs=(alone, two),
         checks=(
             Check(
                 "No order is lost",
                 report.orders_delivered == report.orders_placed > 0,
-                f"{report.orders_delivered} of {report.orders_placed}, with {told.kills} strategists killed",
+                f"{report.orders_delivered} of {report.orders_placed}, with {result.kills} strategists killed",
             ),
             Check(
                 "None is made twice: of each product arrives what was ordered, and no piece more",
-                told.is_exact,
-                "of each product" if told.is_exact else "no",
+                result.is_exact,
+                "of each product" if result.is_exact else "no",
             ),
             Check(
                 f"Every order is begun within {BEGUN_WITHIN_S:.0f} s, whoever is killed",
@@ -168,8 +168,8 @@ def strategists(seed: int, hours: float = HOURS, alone_hours: float = ALONE_HOUR
             ),
             Check(
                 "Orders are taken over, and machines go on with their goals",
-                told.taken_over > 0 and told.lost == 0,
-                f"{told.taken_over} times, {told.lost} goals given to another machine",
+                result.taken_over > 0 and result.lost == 0,
+                f"{result.taken_over} times, {result.lost} goals given to another machine",
             ),
         ),
         tables=(
@@ -186,8 +186,8 @@ def strategists(seed: int, hours: float = HOURS, alone_hours: float = ALONE_HOUR
                     "goals given to others",
                 ),
                 (
-                    _row(f"one, {alone_hours:.0f} h", alone.told),
-                    _row(f"{'two' if count == 2 else count}, {hours:.0f} h", told),
+                    _row(f"one, {alone_hours:.0f} h", alone.result),
+                    _row(f"{'two' if count == 2 else count}, {hours:.0f} h", result),
                 ),
             ),
         ),

@@ -91,7 +91,7 @@ def compared(seed: int, shift: Shift = SHIFT, plant: Plant | None = None) -> Fin
 
 
 def _row(way: str, played: Played[Cost]) -> tuple[str, ...]:
-    report, cost = played.report, played.told
+    report, cost = played.report, played.result
     return (
         way,
         "-" if cost is None else f"{cost.floor_m2:.0f} m2",

@@ -196,15 +196,15 @@ def takeover(seed: int, runs: int = RUNS, cut_runs: int = CUT_RUNS) -> Findings:
         play(SHIFT, plant, seed * 100_000 + number, lambda stage: cut(stage, radio=False))
         for number in range(cut_runs)
     ]
-    deaths = [played.told for played in killed if played.told is not None]
+    deaths = [played.result for played in killed if played.result is not None]
     replaced = [(death.after_s, death) for death in deaths if death.after_s is not None]
     after_s = [each_s for each_s, _ in replaced]
     p99_s = percentile(after_s, 0.99)
     late = [f"{death.victim} after {each_s:.2f} s" for each_s, death in replaced if each_s > death.bound_s]
     new_s = [each_s for each_s, death in replaced if death.watched_s < NEW_S]
     old_s = [each_s for each_s, death in replaced if death.watched_s >= NEW_S]
-    cuts = [played.told for played in meshed if played.told is not None]
-    deaf = [played.told for played in unmeshed if played.told is not None]
+    cuts = [played.result for played in meshed if played.result is not None]
+    deaf = [played.result for played in unmeshed if played.result is not None]
     with_mesh, out_of_reach = sum(each.in_reach for each in cuts), sum(each.out_of_reach for each in cuts)
     without = sum(each.in_reach + each.out_of_reach for each in deaf)
     doubled = sum(death.doubled for death in deaths)

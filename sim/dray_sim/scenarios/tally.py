@@ -63,16 +63,16 @@ def tally(stage: Stage, settled_s: float) -> Tally:
 
 def row(played: Played[Tally]) -> tuple[str, ...]:
     """The figures of a run, one for each of `HEAD`."""
-    report, told = played.report, played.told
+    report, result = played.report, played.result
     return (
         f"{report.orders_delivered} of {report.orders_placed}",
-        f"{told.on_time_frac:.1%}" if told else "-",
+        f"{result.on_time_frac:.1%}" if result else "-",
         f"{report.transport_p50_s:.0f} s",
         f"{report.transport_p95_s:.0f} s",
         f"{report.bids_per_task:.1f}",
         f"{report.rounds_per_task:.2f}",
-        f"{told.suspicions}" if told else "-",
-        f"{told.carriers_changed}" if told else "-",
+        f"{result.suspicions}" if result else "-",
+        f"{result.carriers_changed}" if result else "-",
         f"{report.starvation_frac:.2%}",
     )
 

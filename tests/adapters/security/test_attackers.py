@@ -129,7 +129,7 @@ def test_nobody_says_that_another_agent_lives_on_elsewhere(
         Agent(bus, "M1", life=5)
         await row.settle()
         assert told == []
-        assert await thief.roll_call() == await bus.roll_call() == {"M1"}
+        assert await thief.agents_present() == await bus.agents_present() == {"M1"}
         # The old way matches nobody's subscription any more.
         assert set(bus.refused) <= {UNSIGNED}
         assert tokens
@@ -153,13 +153,13 @@ def test_a_token_is_signed_for_one_life(folder: Path) -> None:
         assert tokens
 
 
-def test_nobody_is_there_whom_the_roll_call_has_by_a_forged_token(folder: Path) -> None:
+def test_nobody_is_there_whom_the_bus_has_by_a_forged_token(folder: Path) -> None:
     @among(folder, THIEF, "M1")
     async def test(row: Row) -> None:
         thief, bus = row.buses
         tokens = declared(thief, f"p/alive/ATV1/1/{seal_of(thief, THIEF, 1)}")
         await row.settle()
-        assert await bus.roll_call() == frozenset()
+        assert await bus.agents_present() == frozenset()
         assert set(bus.refused) == {UNSIGNED}
         assert tokens
 

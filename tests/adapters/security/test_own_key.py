@@ -11,10 +11,10 @@ from msgspec.structs import replace
 from dray.adapters.security.own_key import own_key
 from dray.adapters.security.signing import VehicleKey, is_signed
 from dray.errors import UnavailableError
-from dray.messages import PlaceWished
+from dray.messages import PlaceRequested
 from dray.messages.radio import AVOID_NODES, shortened_word
 
-WISH = PlaceWished(
+REQUEST = PlaceRequested(
     district="M4",
     life=1,
     seq=1,
@@ -45,8 +45,8 @@ def test_a_key_that_is_not_whole_is_said_and_not_replaced(tmp_path: Path, left: 
     assert file.read_bytes() == left
 
 
-def test_a_wish_is_signed_whole_and_in_one_name() -> None:
-    signed = VehicleKey("ATV1", b"o" * 32).sign(WISH)
+def test_a_request_is_signed_whole_and_in_one_name() -> None:
+    signed = VehicleKey("ATV1", b"o" * 32).sign(REQUEST)
     assert is_signed("ATV1", signed)
     assert not is_signed("ATV2", signed)
     changes: list[dict[str, object]] = [
@@ -63,19 +63,19 @@ def test_a_wish_is_signed_whole_and_in_one_name() -> None:
         {"chain": ("ATV3",)},
         {"removal": 1},
         {"signature": b""},
-        {"key": VehicleKey("ATV1", b"s" * 32).sign(WISH).key},
+        {"key": VehicleKey("ATV1", b"s" * 32).sign(REQUEST).key},
         {"key": b"no key"},
     ]
     assert not any(is_signed("ATV1", replace(signed, **change)) for change in changes)
 
 
-def test_a_wish_that_is_cut_for_the_radio_is_still_signed() -> None:
-    wish = replace(WISH, avoid=tuple(f"r{number}" for number in range(64)))
-    signed = VehicleKey("ATV1", b"o" * 32).sign(wish)
+def test_a_request_that_is_cut_for_the_radio_is_still_signed() -> None:
+    request = replace(REQUEST, avoid=tuple(f"r{number}" for number in range(64)))
+    signed = VehicleKey("ATV1", b"o" * 32).sign(request)
     cut = list(shortened_word(signed))
-    assert [len(each.avoid) for each in cut if isinstance(each, PlaceWished)] == [64, *AVOID_NODES]
-    assert all(isinstance(each, PlaceWished) and is_signed("ATV1", each) for each in cut)
+    assert [len(each.avoid) for each in cut if isinstance(each, PlaceRequested)] == [64, *AVOID_NODES]
+    assert all(isinstance(each, PlaceRequested) and is_signed("ATV1", each) for each in cut)
 
 
-def test_a_wish_without_a_key_is_nobodys_in_particular() -> None:
-    assert is_signed("ATV1", WISH)
+def test_a_request_without_a_key_is_nobodys_in_particular() -> None:
+    assert is_signed("ATV1", REQUEST)

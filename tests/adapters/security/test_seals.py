@@ -274,9 +274,9 @@ def test_who_has_no_certificate_of_this_plant_gets_no_link(folder: Path, strange
         guest = ZenohBus(Links(peers=(address,), identity=Identity.in_folder(folder, "ATV1")), "p")
         try:
             async with asyncio.timeout(PATIENCE_S):
-                while await guest.roll_call() != {"M1"}:
+                while await guest.agents_present() != {"M1"}:
                     pass
-            assert await forger.roll_call() == frozenset()
+            assert await forger.agents_present() == frozenset()
             assert house.inner.info.routers_zid() == [guest.inner.zid()]
         finally:
             for bus in (house, guest, forger):

@@ -76,7 +76,7 @@ def test_an_agent_with_many_tokens_has_one_of_them_examined_by_each_process(
             await row.settle()
             assert of(examined, "ATV9") <= len(KINDS)
             # It is there all the same, and can be written to.
-            assert await machine.roll_call() == {"M1", "ATV9"}
+            assert await machine.agents_present() == {"M1", "ATV9"}
             assert machine.seals is not None
             assert machine.seals.register.known("ATV9") is not None
             assert of(examined, "ATV9") <= 2 * len(KINDS)

@@ -251,7 +251,7 @@ def test_who_is_there_is_known_on_every_computer() -> None:
     async def test(row: Row) -> None:
         agents = [Agent(bus, f"A{number}") for number, bus in enumerate(row.buses)]
         await row.settle()
-        assert [await bus.roll_call() for bus in row.buses] == [{"A0", "A1", "A2"}] * 3
+        assert [await bus.agents_present() for bus in row.buses] == [{"A0", "A1", "A2"}] * 3
         agents[0].session.leave()
         row.buses[2].close()
         gone = await until_present(row.buses[1], {"A1"})
@@ -263,7 +263,7 @@ def test_who_is_there_is_known_on_every_computer() -> None:
 async def until_present(bus: ZenohBus, expected: set[str]) -> frozenset[str]:
     """Who is there, as soon as it is as expected."""
     async with asyncio.timeout(PATIENCE_S):
-        while (present := await bus.roll_call()) != expected:
+        while (present := await bus.agents_present()) != expected:
             pass
     return present
 
@@ -295,7 +295,7 @@ def test_neighbours_that_close_at_once_disturb_nobody_who_stays() -> None:
         agents[1].session.send("A0", OrderTaken(order="2"))
         async with asyncio.timeout(PATIENCE_S):
             while not (agents[0].heard and agents[1].heard):
-                await row.buses[0].roll_call()
+                await row.buses[0].agents_present()
         assert (agents[0].heard, agents[1].heard) == (["2"], ["1"])
 
     on(5, test)

@@ -9,7 +9,7 @@ from itertools import count
 import pytest
 from zenoh_stage import LATEST_S, PLANT, Overheard, Stage, on_zenoh
 
-from dray.messages import Closure, ClosureKind, Message, OrderItem, Phase, PlaceGranted, PlaceWished
+from dray.messages import Closure, ClosureKind, Message, OrderItem, Phase, PlaceGranted, PlaceRequested
 from dray.messages.fact import (
     AnyFact,
     AtvStatusChanged,
@@ -45,8 +45,8 @@ def sets_off(_agent: str, fact: AnyFact) -> bool:
     return isinstance(fact, PhaseEntered) and fact.phase is Phase.APPROACHING
 
 
-async def keepers_and_the_vehicle_are_killed_on_the_way(stage: Stage) -> int:
-    """How many keepers of books, after an order was delivered."""
+async def replicas_and_the_vehicle_are_killed_on_the_way(stage: Stage) -> int:
+    """How many replicas of reservation tables, after an order was delivered."""
     factory = stage.factory
     assert factory.traffic is not None
     await stage.customers.order(ORDER)
@@ -56,21 +56,21 @@ async def keepers_and_the_vehicle_are_killed_on_the_way(stage: Stage) -> int:
     assert agent.right_of_way is not None
     places = factory.traffic.places
     districts = {places.district_of[place] for place in agent.right_of_way.way.held}
-    first = {places.keepers_of[district][0] for district in districts}
+    first = {places.replicas_of[district][0] for district in districts}
     factory.restart(atv)
-    for keeper in first:
-        factory.crash(keeper)
+    for replica in first:
+        factory.crash(replica)
     await stage.until(lambda _, fact: isinstance(fact, PhaseEntered) and fact.phase is Phase.CARRYING)
-    for keeper in first:
-        factory.restart(keeper)
+    for replica in first:
+        factory.restart(replica)
     await stage.until(lambda _, fact: isinstance(fact, OrderFulfilled))
     assert agent is not factory.workers[atv].agent
     return len(first)
 
 
 @pytest.mark.slow
-def test_no_place_is_held_twice_when_a_vehicle_and_the_keepers_of_its_places_are_killed_on_zenoh() -> None:
-    assert on_zenoh(keepers_and_the_vehicle_are_killed_on_the_way, traffic=True, checks=watched) in (1, 2)
+def test_no_place_is_held_twice_when_a_vehicle_and_the_replicas_of_its_places_are_killed_on_zenoh() -> None:
+    assert on_zenoh(replicas_and_the_vehicle_are_killed_on_the_way, traffic=True, checks=watched) in (1, 2)
 
 
 STRANGER = "ATV9"
@@ -78,7 +78,7 @@ STRANGER = "ATV9"
 
 
 async def a_stranger_claims_every_place(stage: Stage) -> int:
-    """How many places it was granted while an order was delivered, though it says to all keepers that it holds and wants all."""
+    """How many places it was granted while an order was delivered, though it says to all replicas that it holds and wants all."""
     traffic = stage.factory.traffic
     assert traffic is not None
     granted: set[str] = set()
@@ -91,9 +91,9 @@ async def a_stranger_claims_every_place(stage: Stage) -> int:
 
     async def claim() -> None:
         for seq in count(1):
-            for district, keepers in traffic.places.keepers_of.items():
+            for district, replicas in traffic.places.replicas_of.items():
                 all_places = sorted(traffic.places.places_in(district))[:HOLDS_MAX]
-                wish = PlaceWished(
+                request = PlaceRequested(
                     district=district,
                     life=1,
                     seq=seq,
@@ -105,8 +105,8 @@ async def a_stranger_claims_every_place(stage: Stage) -> int:
                     stands=True,
                     docked=True,
                 )
-                for keeper in keepers:
-                    session.send(keeper, wish)
+                for replica in replicas:
+                    session.send(replica, request)
             await asyncio.sleep(5.0)
 
     claims = asyncio.create_task(claim())
@@ -132,7 +132,7 @@ TOLD_WITHIN_S = 600.0
 
 
 class StolenCertificate:
-    """A place on the bus under the name of a vehicle that is there and stays: it hears all letters to it and to the keepers of books."""
+    """A place on the bus under the name of a vehicle that is there and stays: it hears all letters to it and to the replicas of reservation tables."""
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
@@ -142,8 +142,8 @@ class StolenCertificate:
         assert isinstance(session, Overheard)
         assert self._stage.factory.traffic is not None
         session.take_name(agent)
-        keepers = self._stage.factory.traffic.places.keepers_of.values()
-        for reader in {agent, *(keeper for each in keepers for keeper in each)}:
+        replicas = self._stage.factory.traffic.places.replicas_of.values()
+        for reader in {agent, *(replica for each in replicas for replica in each)}:
             session.subscribe(self._stage.factory.keys.addressed(reader))
         return session
 

@@ -30,14 +30,14 @@ from dray.adapters.zenoh.tokens import NO_LIFE
 from dray.cli.fleet.folder import CERTIFICATES, JOURNALS
 from dray.cli.fleet.process_registry import read_registry
 from dray.codec import encode
-from dray.messages import AtvHeartbeat, AtvStatus, Message, PlaceGranted, PlaceWished, Pose
+from dray.messages import AtvHeartbeat, AtvStatus, Message, PlaceGranted, PlaceRequested, Pose
 from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX
 from dray.plant import load_plant
-from dray.protocol.traffic.driving.wishes import unsigned
+from dray.protocol.traffic.driving.place_requests import unsigned
 from dray.protocol.traffic.places import Places
 
 FAR_AHEAD = 10**6
-"""Higher than any number of a wish that a vehicle says."""
+"""Higher than any number of a request that a vehicle says."""
 
 LEAST_S = 1.0
 """Of the plant's clock, between two times that an attacker speaks: as often as a vehicle."""
@@ -137,8 +137,8 @@ class Attacker:
 
 
 class Claims(Attacker):
-    """Says to each keeper of books that it holds every place, and wants every place. Told `be there`, it says where it is, too, and every other
-    time that it holds nothing: a book that was made from a roll call hears nobody who holds more than can be.
+    """Says to each replica that it holds every place, and wants every place. Told `be there`, it says where it is, too, and every other
+    time that it holds nothing: a reservation table that was made from a recovery poll hears nobody who holds more than can be.
     """
 
     def __init__(self, folder: Path, name: str) -> None:
@@ -160,9 +160,9 @@ class Claims(Attacker):
             )
             self.session.publish(self.bus.keys.atv_heartbeat(self.name), self._heartbeat(now_s, ""))
         is_modest = "be there" in self.orders and self.said % 2
-        for district, keepers in self.places.keepers_of.items():
+        for district, replicas in self.places.replicas_of.items():
             inside = sorted(self.places.places_in(district), key=self._distance_m)[:HOLDS_MAX]
-            wish = PlaceWished(
+            request = PlaceRequested(
                 district=district,
                 life=1,
                 seq=self.said + 1,
@@ -175,8 +175,8 @@ class Claims(Attacker):
                 docked=True,
                 removal=self._removal,
             )
-            for keeper in keepers:
-                self.session.send(keeper, wish)
+            for replica in replicas:
+                self.session.send(replica, request)
 
     def _distance_m(self, place: str) -> float:
         """From where it says to be: the nearest are wanted first."""
@@ -200,8 +200,8 @@ class Claims(Attacker):
 
 
 class Doubles(Attacker):
-    """Says to all keepers of books, in the name of a vehicle that lives, that it gives back all that it holds: as its present life and as a later
-    one, with a key of its own and with none. Told `use the key`, it says under the vehicle's own key what changes no book.
+    """Says to all replicas of reservation tables, in the name of a vehicle that lives, that it gives back all that it holds: as its present life and as a later
+    one, with a key of its own and with none. Told `use the key`, it says under the vehicle's own key what changes no reservation table.
     """
 
     def __init__(self, folder: Path, name: str) -> None:
@@ -225,8 +225,8 @@ class Doubles(Attacker):
             later, sign = 0, VehicleKey(self.name, own_key(self.folder / JOURNALS / f"{self.name}.key")).sign
             # Of what was granted nothing is given back by this.
             seen = 0
-        for district, keepers in self.places.keepers_of.items():
-            wish = PlaceWished(
+        for district, replicas in self.places.replicas_of.items():
+            request = PlaceRequested(
                 district=district,
                 life=self._life + later,
                 seq=FAR_AHEAD + self.said,
@@ -239,8 +239,8 @@ class Doubles(Attacker):
                 docked=False,
                 removal=self._removal,
             )
-            for keeper in keepers:
-                self.session.send(keeper, sign(wish))
+            for replica in replicas:
+                self.session.send(replica, sign(request))
 
 
 KINDS = {"claims": Claims, "doubles": Doubles}

@@ -198,7 +198,7 @@ class Witness:
 
     async def all_there(self, agents: Collection[str]) -> None:
         """Wait until all of these are on the bus."""
-        while set(agents) - await self.bus.roll_call():
+        while set(agents) - await self.bus.agents_present():
             pass
 
     async def told(self, kind: type[Fact]) -> Event:

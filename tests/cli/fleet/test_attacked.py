@@ -22,8 +22,8 @@ from dray.messages import AtvHeartbeat, AtvStatus, Event, Message
 from dray.messages.fact import NameMisused, OrderFulfilled
 from dray.messages.kinds import Kind
 from dray.messages.speakers import names_of
-from dray.protocol.traffic.books.reach import RUN_MAX
 from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.reservations.reach import RUN_MAX
 from dray.protocol.vehicle.people.problem_handling import DOUBLED
 
 STRANGER = "ATV9"
@@ -167,7 +167,7 @@ async def attacked(fleet: Fleet) -> None:
                 while (said := people.post(carried, json={"off_the_floor": True})).status_code == HEARD:
                     await witness.until_more()
                 assert said.is_success, said.text
-            for inside in map(places.places_in, places.keepers_of):
+            for inside in map(places.places_in, places.replicas_of):
                 assert len(claims.granted & inside) <= RUN_MAX
             await deliver()
 

@@ -108,7 +108,7 @@ async def test_it_must_be_said_in_so_many_words(house: House) -> None:
     await say(house, "carried-away", 422)
 
 
-async def test_what_is_free_and_kept_is_shown_as_keepers_tell_it(house: House) -> None:
+async def test_what_is_free_and_kept_is_shown_as_replicas_tell_it(house: House) -> None:
     heard(house)
     number = (await say(house, "carried-away", **OFF))["number"]
     house.bus.say(fact(PlacesFreed(atv="ATV1", number=number, by="x", places=("c3", "b3"))))
@@ -157,7 +157,7 @@ def fact(told: PlacesFreed | PlaceKept, number: int = 1) -> Event:
     return Event(agent="M4", incarnation=1, number=number, at_s=0.0, fact=told)
 
 
-async def test_whoever_a_book_names_can_be_carried_away_and_shut_out_though_nobody_has_heard_it(
+async def test_whoever_a_table_names_can_be_carried_away_and_shut_out_though_nobody_has_heard_it(
     house: House,
 ) -> None:
     for what, body in (("atvs/GHOST/carried-away", OFF), ("agents/GHOST/shut-out", {"reason": "no body"})):

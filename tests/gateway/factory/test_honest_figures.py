@@ -141,20 +141,20 @@ def test_what_coordinators_do_not_believe_is_an_alert_until_it_is_old() -> None:
     assert not {"handover_disputed", "word_disbelieved"} & watch.alerts().keys()
 
 
-def test_a_vehicle_in_whose_name_another_wishes_for_places_is_an_alert() -> None:
+def test_a_vehicle_in_whose_name_another_requests_places_is_an_alert() -> None:
     watch = Watch()
     for event in events("M1", NameMisused("ATV2"), first=1, at_s=0.0):
         watch.projection.fold(event)
     atv, words = watch.alerts()["word_disbelieved"]
-    assert (atv, words) == ("ATV2", "wishes for places that are not signed with this vehicle's key")
+    assert (atv, words) == ("ATV2", "requests places without this vehicle's signature")
 
 
-def test_a_keeper_whose_book_is_not_copied_is_an_alert() -> None:
+def test_a_replica_whose_table_is_not_copied_is_an_alert() -> None:
     watch = Watch()
     for event in events("M1", BookRefused("M2"), first=1, at_s=0.0):
         watch.projection.fold(event)
-    keeper, words = watch.alerts()["word_disbelieved"]
-    assert keeper == "M2"
+    replica, words = watch.alerts()["word_disbelieved"]
+    assert replica == "M2"
     assert "takes places from vehicles without their word, or has a higher number" in words
 
 

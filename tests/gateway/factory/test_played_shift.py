@@ -47,8 +47,8 @@ def test_the_transports_an_hour_of_a_played_shift_are_those_of_the_figures_of_th
 
     shift = Shift(name=SHIFT.name, duration_s=LENGTH_S, load=SHIFT.load)
     played = play(shift, plant, SEED, look)
-    assert played.told is not None
-    steps = list(points([added(*each) for each in pairwise(played.told)], STEP_S))
+    assert played.result is not None
+    steps = list(points([added(*each) for each in pairwise(played.result)], STEP_S))
     editor = figures_of(msgspec.to_builtins(played.report))
 
     # As the panel sums it up ("over all steps").

@@ -67,12 +67,12 @@ def test_vehicles_that_turn_round_side_by_side_need_room_for_it() -> None:
 
 
 def test_a_vehicle_turns_towards_a_place_only_when_nobody_stands_there() -> None:
-    """So who stands in a dock needs half a length to its mouth, where another one turns; not the half of a diagonal."""
-    mouth = (Node("x1", 3, 38), Node("x2", 5, 38), Node("x3", 7, 38))
+    """So who stands in a dock needs half a length to its entry, where another one turns; not the half of a diagonal."""
+    entry = (Node("x1", 3, 38), Node("x2", 5, 38), Node("x3", 7, 38))
     road = (Lane("x1", "x2", both_ways=True), Lane("x2", "x3", both_ways=True))
     spur = (*road, Lane("x2", "x4", both_ways=True))
-    assert "near" not in floor((*mouth, Node("x4", 5, 39.1)), spur)
-    assert "x2 and x4 (1.08 m, 1.09 m needed)" in floor((*mouth, Node("x4", 5, 39.08)), spur)["near"]
+    assert "near" not in floor((*entry, Node("x4", 5, 39.1)), spur)
+    assert "x2 and x4 (1.08 m, 1.09 m needed)" in floor((*entry, Node("x4", 5, 39.08)), spur)["near"]
 
 
 def test_a_vehicle_that_begins_across_its_lanes_needs_room_as_it_stands() -> None:

@@ -17,11 +17,11 @@ from dray.protocol.runtime.events import (
     Commit,
     Effect,
     Event,
-    Heard,
     Instruct,
     Leave,
     Leaving,
     Publish,
+    Received,
     Reported,
     Send,
     Started,
@@ -89,7 +89,7 @@ class Actor:
     def on_message(self, sender: str, message: Message, now_s: float) -> None:
         """A message arrives."""
         self._move(now_s)
-        self._handle(Heard(sender, message))
+        self._handle(Received(sender, message))
 
     def report(self, reports: Iterable[Report], now_s: float) -> None:
         """The body says something."""
@@ -147,7 +147,7 @@ class Actor:
             self._queue.extend(map(Reported, self.body.instruct(effect.instruction, self.now_s)))
         elif isinstance(effect, Send) and (answer := plentiful.answer(effect.to, effect.message)):
             # Storages are always there, and have everything.
-            self._queue.append(Heard(effect.to, answer))
+            self._queue.append(Received(effect.to, answer))
         elif isinstance(effect, Leave):
             self.agent = None
 

@@ -33,7 +33,7 @@ def test_nothing_is_counted_on_for_ever_or_beyond_the_bounds(
         if what == "meet":
             assert FORGOTTEN_S <= obstacles.meet(start, end, by, now_s) <= FORGOTTEN_AT_MOST_S
         elif what == "hear":
-            obstacles.on_told(start, end, by, for_s, now_s)
+            obstacles.on_reported(start, end, by, for_s, now_s)
         elif what == "clear":
             obstacles.clear(start, end)
             assert not obstacles.is_on(end, start)

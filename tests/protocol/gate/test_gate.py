@@ -12,12 +12,12 @@ from dray.memory import Memory
 from dray.messages import (
     AdmissionAsked,
     Brought,
-    CountHeard,
+    CountAcknowledged,
     GateAsked,
-    GateTold,
+    GateReported,
     GoodsCounted,
-    HolderHeard,
-    HolderTold,
+    HolderAcknowledged,
+    HolderReported,
     Message,
     OrderClaimed,
     StationHeartbeat,
@@ -93,7 +93,7 @@ def test_an_arrival_is_told_until_it_was_heard_and_then_no_more() -> None:
     [told] = sent(rig.enter("G1", 2), GoodsCounted, to=ONE)
     assert told.brought == (Brought("ATV1", 2),)
     assert counted(rig.run(rig.now_s + 2.5 * ASK_AGAIN_S)) == [("G1", 2, 5)] * 2
-    rig.say(CountHeard("G1", 2))
+    rig.say(CountAcknowledged("G1", 2))
     assert counted(rig.run(rig.now_s + 5 * ASK_AGAIN_S)) == []
     [told] = sent(rig.enter("G1", 3, "ATV2"), GoodsCounted, to=ONE)
     assert told.brought == (Brought("ATV1", 2), Brought("ATV2", 3))
@@ -121,11 +121,11 @@ def test_what_came_while_it_was_away_is_counted_once_when_it_is_back() -> None:
     rig = GateRig()
     rig.say(asked("G1", 5))
     rig.enter("G1", 2)
-    rig.say(CountHeard("G1", 2))
+    rig.say(CountAcknowledged("G1", 2))
     rig.enter("G1", 1, told=False)
     rig = rig.next_life()
     assert counted(rig.all)[-1] == ("G1", 3, 5)
-    rig.say(CountHeard("G1", 3))
+    rig.say(CountAcknowledged("G1", 3))
     rig = rig.next_life()
     assert counted(rig.run(5 * ASK_AGAIN_S)) == []
 
@@ -152,25 +152,27 @@ def test_what_the_gate_may_not_have_heard_is_said_to_it_again_by_the_next_life_a
 
 def test_an_order_is_held_by_who_asks_first_over_the_gates_lives() -> None:
     rig = GateRig()
-    assert sent(rig.say(OrderClaimed("O1", 1)), HolderTold) == [HolderTold(OrderHeld("O1", ONE, 1))]
+    assert sent(rig.say(OrderClaimed("O1", 1)), HolderReported) == [HolderReported(OrderHeld("O1", ONE, 1))]
     rig = rig.next_life()
-    assert sent(rig.say(OrderClaimed("O1", 1), OTHER), HolderTold) == [HolderTold(OrderHeld("O1", ONE, 1))]
-    told = sent(rig.say(GateAsked()), GateTold)
+    assert sent(rig.say(OrderClaimed("O1", 1), OTHER), HolderReported) == [
+        HolderReported(OrderHeld("O1", ONE, 1))
+    ]
+    told = sent(rig.say(GateAsked()), GateReported)
     assert [each.held for each in told] == [(HeldOrder("O1", 1),)]
-    assert [each.held for each in sent(rig.say(GateAsked(), OTHER), GateTold)] == [()]
+    assert [each.held for each in sent(rig.say(GateAsked(), OTHER), GateReported)] == [()]
 
 
 def test_who_has_lost_an_order_is_told_until_it_has_heard() -> None:
     rig = GateRig()
     rig.say(OrderClaimed("O1", 1))
     effects = rig.say(OrderClaimed("O1", 2), OTHER)
-    lost = HolderTold(OrderHeld("O1", OTHER, 2))
-    assert sent(effects, HolderTold, to=ONE) == sent(effects, HolderTold, to=OTHER) == [lost]
-    assert sent(rig.run(rig.now_s + 1.5 * ASK_AGAIN_S), HolderTold, to=ONE) == [lost]
+    lost = HolderReported(OrderHeld("O1", OTHER, 2))
+    assert sent(effects, HolderReported, to=ONE) == sent(effects, HolderReported, to=OTHER) == [lost]
+    assert sent(rig.run(rig.now_s + 1.5 * ASK_AGAIN_S), HolderReported, to=ONE) == [lost]
     rig = rig.next_life()
-    assert sent(rig.all, HolderTold, to=ONE) == [lost]
-    rig.say(HolderHeard("O1", 2))
-    assert sent(rig.run(5 * ASK_AGAIN_S), HolderTold) == []
+    assert sent(rig.all, HolderReported, to=ONE) == [lost]
+    rig.say(HolderAcknowledged("O1", 2))
+    assert sent(rig.run(5 * ASK_AGAIN_S), HolderReported) == []
 
 
 def test_who_takes_an_order_over_hears_what_has_arrived_and_what_is_open() -> None:
@@ -180,9 +182,9 @@ def test_who_takes_an_order_over_hears_what_has_arrived_and_what_is_open() -> No
     rig.say(asked("G2", 4, held=1, of=OF))
     rig.enter("G1", 5)
     rig.enter("G2", 3)
-    [told] = sent(rig.say(OrderClaimed("O1", 2), OTHER), HolderTold, to=OTHER)
+    [told] = sent(rig.say(OrderClaimed("O1", 2), OTHER), HolderReported, to=OTHER)
     open_, done = GoalHeld("G2", OF, 4, 3), GoalHeld("G1", OF, 5, 5)
-    assert told == HolderTold(OrderHeld("O1", OTHER, 2, (0, 8), (open_,), done=(done,)))
+    assert told == HolderReported(OrderHeld("O1", OTHER, 2, (0, 8), (open_,), done=(done,)))
     # What arrives from now on is for the new one.
     assert counted(rig.enter("G2", 1), OTHER) == [("G2", 4, 4)]
     assert counted(rig.run(rig.now_s + 2 * ASK_AGAIN_S), ONE) == []
@@ -193,10 +195,10 @@ def test_a_goal_is_let_in_on_the_word_of_who_holds_its_order_alone() -> None:
     rig.say(OrderClaimed("O1", 1))
     rig.say(asked("G1", 5, held=1, of=OF))
     rig.say(OrderClaimed("O1", 2), OTHER)
-    lost = [HolderTold(OrderHeld("O1", OTHER, 2))]
+    lost = [HolderReported(OrderHeld("O1", OTHER, 2))]
     for word in (asked("G1", 0, 2, held=1), asked("G2", 5, 3, held=1, of=OF)):
         effects = rig.say(word)
-        assert sent(effects, HolderTold, to=ONE) == lost
+        assert sent(effects, HolderReported, to=ONE) == lost
         assert instructed(effects, Admit) == []
 
 
@@ -216,9 +218,9 @@ def test_that_an_order_has_ended_is_told_to_whoever_takes_it() -> None:
     rig = GateRig()
     rig.say(OrderClaimed("O1", 1))
     rig.say(OrderClaimed("O1", 1, over=EVERY_RELEASE))
-    [told] = sent(rig.next_life().say(OrderClaimed("O1", 2), OTHER), HolderTold, to=OTHER)
+    [told] = sent(rig.next_life().say(OrderClaimed("O1", 2), OTHER), HolderReported, to=OTHER)
     assert told.held.over == EVERY_RELEASE
-    assert [each.held for each in sent(rig.say(GateAsked()), GateTold)] == [()]
+    assert [each.held for each in sent(rig.say(GateAsked()), GateReported)] == [()]
 
 
 def test_a_strategist_that_remembers_nothing_is_answered_when_the_gate_is_shut_for_it() -> None:
@@ -227,10 +229,10 @@ def test_a_strategist_that_remembers_nothing_is_answered_when_the_gate_is_shut_f
     rig.say(asked("G2", 2, 2))
     rig.enter("G2", 2)
     effects = rig.on_message(ONE, GateAsked(forgotten=True))
-    assert sent(effects, GateTold) == []
+    assert sent(effects, GateReported) == []
     assert instructed(effects, Admit) == [Admit("G1", 0)]
     rig.obey(effects)
-    assert len(sent(rig.say(GateAsked(forgotten=True)), GateTold)) == 1
+    assert len(sent(rig.say(GateAsked(forgotten=True)), GateReported)) == 1
     # A word of the life that is forgotten, which comes late, opens nothing.
     assert instructed(rig.say(asked("G1", 5, 1)), Admit) == []
 
@@ -240,7 +242,7 @@ def test_a_full_memory_forgets_what_is_in_and_heard_before_what_is_open() -> Non
     rig.say(asked("G1", 5))
     rig.say(asked("G2", 1, 2))
     rig.enter("G2", 1)
-    rig.say(CountHeard("G2", 1))
+    rig.say(CountAcknowledged("G2", 1))
     rig.say(asked("G3", 5, 3))
     assert counted(rig.enter("G1", 1)) == [("G1", 1, 5)]
     assert counted(rig.enter("G2", 1)) == []

@@ -50,16 +50,16 @@ from dray.messages import (
     Role,
     UnconfirmedLoad,
 )
-from dray.messages.told_stock import with_stock
+from dray.messages.heartbeat_stock import with_stock
 from dray.plant import Plant
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import (
     Agent,
     Effect,
     Event,
-    Heard,
     Leave,
     Leaving,
+    Received,
     Reported,
     Send,
     Started,
@@ -107,7 +107,7 @@ class Rig:
         return self.handle(Started(self.sense(), self.memory))
 
     def on_message(self, sender: str, message: Message) -> list[Effect]:
-        return self.handle(Heard(sender, message))
+        return self.handle(Received(sender, message))
 
     def report(self, report: Report) -> list[Effect]:
         return self.handle(Reported(report))
@@ -245,7 +245,7 @@ class MachineRig(Rig):
     counts = True
     """Whether its body counts what vehicles bring and take."""
 
-    def stock_told(self) -> tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...]]:
+    def reported_stock(self) -> tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...]]:
         """Materials and finished products, as its heartbeats have told them so far."""
         told: MachineHeartbeat | None = None
         for heartbeat in self.heartbeats(MachineHeartbeat):

@@ -53,7 +53,7 @@ def beats(
 def lies_there(rig: MachineRig) -> tuple[int, int | None]:
     """Shafts, and how many of them are spare, by its heartbeat."""
     rig.run(rig.now_s + 11.0)
-    [level] = [each for each in rig.stock_told()[1] if each.item == "shaft"]
+    [level] = [each for each in rig.reported_stock()[1] if each.item == "shaft"]
     return level.level, level.spare
 
 

@@ -191,7 +191,7 @@ def test_a_vehicle_that_was_carried_away_has_left() -> None:
 def with_books_elsewhere() -> TrafficMap:
     """Right of way, and only M4 keeps books."""
     traffic = TrafficMap(PLANT, is_signed)
-    traffic.places = Places(PLANT, keepers=("M4",))
+    traffic.places = Places(PLANT, replicas=("M4",))
     return traffic
 
 

@@ -28,7 +28,7 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import MachineStatusChanged
-from dray.messages.told_stock import STOCK_EVERY_S, with_stock
+from dray.messages.heartbeat_stock import STOCK_EVERY_S, with_stock
 from dray.protocol.runtime.events import Reported, Woke
 
 # --- status and heartbeats --------------------------------------------------------------------------
@@ -142,12 +142,12 @@ def test_the_heartbeat_tells_of_buffers_and_goods() -> None:
     rig.cycles(3)
     rig.run(2.0)
     last = rig.heartbeats(MachineHeartbeat)[-1]
-    assert [(level.item, level.level, level.capacity) for level in rig.stock_told()[0]] == [
+    assert [(level.item, level.level, level.capacity) for level in rig.reported_stock()[0]] == [
         ("housing", 68, 72),
         ("impeller", 86, 90),
         ("seal-kit", 116, 120),
     ]
-    assert [(level.item, level.level, level.capacity) for level in rig.stock_told()[1]] == [
+    assert [(level.item, level.level, level.capacity) for level in rig.reported_stock()[1]] == [
         ("pump-p3", 3, 60)
     ]
     assert last.product == "pump-p3"

@@ -274,12 +274,12 @@ def test_a_handover_of_somebody_elses_delivered_task_is_superseded() -> None:
 def test_what_is_handed_over_is_on_order_no_longer() -> None:
     rig = supplied_by("ATV2")
     rig.run(rig.now_s + 1.0)
-    assert rig.stock_told()[0][0].on_order == 24
+    assert rig.reported_stock()[0][0].on_order == 24
     rig.stocked("housing", 24, "ATV2")
     rig.on_message("ATV2", handover())
     rig.run(rig.now_s)
     last = rig.heartbeats(MachineHeartbeat)[-1]
-    assert rig.stock_told()[0][0].on_order == 0
+    assert rig.reported_stock()[0][0].on_order == 0
     assert last.tasks == ()
 
 

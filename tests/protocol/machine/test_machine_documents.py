@@ -21,8 +21,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import MachineStatusChanged
+from dray.messages.heartbeat_stock import with_stock
 from dray.messages.product import DOCUMENTS_TOLD
-from dray.messages.told_stock import with_stock
 from dray.protocol.machine.documents import AGAIN_S
 from dray.protocol.runtime.events import Ignore, Record
 

@@ -270,7 +270,7 @@ def test_a_report_that_is_heard_after_the_state_that_it_explains_is_not_counted_
     assert len(sent(effects, DockOpened, to="ATV3")) == 1
     assert facts(effects, TaskClosed) == []
     rig.run(rig.now_s + 5.0)
-    assert rig.stock_told()[1][0].level == 24
+    assert rig.reported_stock()[1][0].level == 24
 
 
 def test_a_piece_that_is_sensed_before_it_is_reported_is_counted_once() -> None:
@@ -281,7 +281,7 @@ def test_a_piece_that_is_sensed_before_it_is_reported_is_counted_once() -> None:
     rig.report(CycleDone(product="pump-p3", seq=rig.seq))
     rig.run(rig.now_s + 5.0)
     beat = rig.heartbeats(MachineHeartbeat)[-1]
-    assert (rig.stock_told()[1][0].level, beat.goals[0].made) == (1, 1)
+    assert (rig.reported_stock()[1][0].level, beat.goals[0].made) == (1, 1)
 
 
 def test_what_was_reported_before_the_start_is_in_the_first_count() -> None:
@@ -293,7 +293,7 @@ def test_what_was_reported_before_the_start_is_in_the_first_count() -> None:
     rig.take_goal("G1", production(quantity=2))
     rig.run(rig.now_s + 5.0)
     beat = rig.heartbeats(MachineHeartbeat)[-1]
-    assert (rig.stock_told()[1][0].level, beat.goals[0].made) == (1, 1)
+    assert (rig.reported_stock()[1][0].level, beat.goals[0].made) == (1, 1)
 
 
 def test_a_state_from_before_the_cycle_gives_no_material_back() -> None:
@@ -309,7 +309,7 @@ def test_a_state_from_before_the_cycle_gives_no_material_back() -> None:
     rig.take_goal("G1", production(quantity=2))
     rig.stock |= FULL
     rig.run(rig.now_s + 5.0)
-    levels = {each.item: each.level for each in rig.stock_told()[0]}
+    levels = {each.item: each.level for each in rig.reported_stock()[0]}
     assert levels == {item: level - 1 for item, level in FULL.items()}
 
 

@@ -69,7 +69,7 @@ def test_made_parts_are_set_aside_for_whoever_asks_and_fetched_once() -> None:
     rig.stocked("shaft", -6, "CART1")
     assert asked(rig, 1, "PRESS2-1") == [StockShort]
     rig.run(rig.now_s + 11.0)
-    [level] = [each for each in rig.stock_told()[1] if each.item == "shaft"]
+    [level] = [each for each in rig.reported_stock()[1] if each.item == "shaft"]
     assert (level.level, level.spare) == (0, 0)
 
 
@@ -77,7 +77,7 @@ def test_a_part_that_is_made_here_is_told_of_once() -> None:
     rig = MachineRig("LATHE1", {"bar": 60, "shaft": 5}, plant=PLANT)
     rig.start()
     rig.run(rig.now_s + 1.0)
-    buffers, goods = rig.stock_told()
+    buffers, goods = rig.reported_stock()
     assert [each.item for each in buffers] == ["bar"]
     assert [(each.item, each.level) for each in goods] == [("shaft", 5)]
 

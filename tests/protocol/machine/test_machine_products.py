@@ -72,7 +72,7 @@ def test_goods_leave_in_the_containers_of_the_goal() -> None:
     assert outgoing(rig.all) == [("G1", 4)]
     assert [work.ability for work in transports(rig.all) if work.goal] == ["pallet"]
     rig.run(10.0)
-    assert "shaft-pump" in {level.item for level in rig.stock_told()[1]}
+    assert "shaft-pump" in {level.item for level in rig.reported_stock()[1]}
 
 
 def test_a_goal_in_work_keeps_its_revision() -> None:
@@ -97,9 +97,9 @@ def test_the_next_life_knows_the_goal_and_what_lies_there() -> None:
     again.memory, again.now_s = {WHOLE: replace(kept, goals=())}, rig.now_s
     again.start()
     again.run(again.now_s + 10.0)
-    assert [(level.item, level.spare) for level in again.stock_told()[1] if level.item == "shaft-pump"] == [
-        ("shaft-pump", 1)
-    ]
+    assert [
+        (level.item, level.spare) for level in again.reported_stock()[1] if level.item == "shaft-pump"
+    ] == [("shaft-pump", 1)]
 
 
 @pytest.mark.parametrize(

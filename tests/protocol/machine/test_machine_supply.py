@@ -40,7 +40,7 @@ def test_an_order_names_storages_destination_ability_and_a_deadline_that_can_be_
 def test_material_is_ordered_at_the_reorder_point_and_not_before() -> None:
     rig = m7(FULL | {"housing": 24}, goal=1000)
     rig.run(1.0)
-    point = rig.stock_told()[0][0].reorder_point
+    point = rig.reported_stock()[0][0].reorder_point
     assert 1 < point < 20
     while rig.stock["housing"] > point + 1:
         assert incoming(rig.cycle()) == []

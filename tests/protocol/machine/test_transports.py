@@ -206,7 +206,7 @@ def test_a_coordinator_tells_the_next_ones_how_long_its_carriers_have_waited() -
     rig.now_s += 20.0
     phase(rig, carrier, Phase.HANDING_OVER)
     handling_s = Credulous().handling_max_s
-    known = rig.transports.told_waits(work, rig.now_s)
+    known = rig.transports.announced_waits(work, rig.now_s)
     waits = {wait.place: wait.wait_s for wait in known}
     assert waits["S3"] == pytest.approx(50.0 - handling_s)
     assert waits[work.destination] == pytest.approx(20.0 - handling_s)
@@ -218,7 +218,7 @@ def test_who_stands_at_its_dock_now_counts_too() -> None:
     assert isinstance(work, Transport)
     rig.task.contract.held_s = rig.now_s
     rig.now_s += 33.0
-    waits = {wait.place: wait.wait_s for wait in rig.transports.told_waits(work, rig.now_s)}
+    waits = {wait.place: wait.wait_s for wait in rig.transports.announced_waits(work, rig.now_s)}
     assert waits["M8"] == pytest.approx(33.0)
 
 

@@ -112,7 +112,7 @@ def test_goods_that_people_count_are_what_goals_have() -> None:
     rig.stock[product] = 3
     rig.report(StockChanged(product, 3, rig.seq, counted=True))
     rig.run(rig.now_s + 10.0)
-    [goods] = rig.stock_told()[1]
+    [goods] = rig.reported_stock()[1]
     assert goods.level == 3
     assert rig.heartbeats(MachineHeartbeat)[-1].goals[0].made == 3
 

@@ -14,12 +14,12 @@ from dray.messages import (
     AdmissionAsked,
     Brought,
     Confirmed,
-    CountHeard,
+    CountAcknowledged,
     GateAsked,
-    GateTold,
+    GateReported,
     GoodsCounted,
-    HolderHeard,
-    HolderTold,
+    HolderAcknowledged,
+    HolderReported,
     OrderCancelled,
     OrderClaimed,
     OrderTaken,
@@ -48,7 +48,7 @@ class GatedRig(Rig):
         self.handle(Started(None, self.memory, lost))
 
     def told(self, *held: HeldOrder, after: str = "", more: bool = False, since: int = 1) -> list[Effect]:
-        return self.on_message(GATE, GateTold(after, held, more, since))
+        return self.on_message(GATE, GateReported(after, held, more, since))
 
     def answered(
         self, goal: str, arrived: int = 0, *brought: Brought, number: int | None = None
@@ -81,7 +81,7 @@ def holding() -> GatedRig:
     rig.told()
     rig.on_message("gateway", order(pump=24))
     rig.run(rig.now_s + 3 * TURN_S)
-    rig.on_message(GATE, HolderTold(OrderHeld("O1", "strategist", 1)))
+    rig.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1)))
     return rig
 
 
@@ -100,14 +100,14 @@ def test_an_order_that_was_released_before_it_began_is_taken_over_from_whoever_h
     rig.on_message("gateway", order(pump=24))
     rig.told()
     rig.run(rig.now_s + 3 * TURN_S)
-    rig.on_message(GATE, HolderTold(OrderHeld("O1", OTHER, 1)))
+    rig.on_message(GATE, HolderReported(OrderHeld("O1", OTHER, 1)))
     claims = sent(rig.run(rig.now_s + PEER_SILENCE_S + 3 * TURN_S), OrderClaimed, to=GATE)
     assert [(each.order, each.epoch) for each in claims][:1] == [("O1", 2)]
 
 
 def test_nobody_but_the_gate_lets_it_begin() -> None:
     rig = GatedRig()
-    rig.on_message("M7", GateTold("", (), more=False, since=1))
+    rig.on_message("M7", GateReported("", (), more=False, since=1))
     assert sent(rig.on_message("gateway", order(pump=24)), OrderTaken) == []
 
 
@@ -140,7 +140,7 @@ def test_what_has_arrived_is_told_once_however_often_the_gate_says_it_and_answer
     rig.answered(goal)
     effects = rig.answered(goal, 5, Brought("ATV1", 5)) + rig.answered(goal, 5, Brought("ATV1", 5))
     assert [each.quantity for each in facts(effects, GoodsDelivered)] == [5]
-    assert sent(effects, CountHeard, to=GATE) == [CountHeard(goal, 5)] * 2
+    assert sent(effects, CountAcknowledged, to=GATE) == [CountAcknowledged(goal, 5)] * 2
     effects = rig.answered(goal, 24, Brought("ATV1", 5), Brought("ATV2", 19))
     assert [each.delivered for each in facts(effects, GoodsDelivered)] == [24]
     assert len(facts(effects, OrderFulfilled)) == 1
@@ -192,9 +192,9 @@ def test_an_order_is_claimed_until_the_gate_answers_and_an_old_answer_gives_noth
     rig = holding()
     assert set(sent(rig.all, OrderClaimed, to=GATE)) == {OrderClaimed("O1", 1)}
     assert sent(rig.run(rig.now_s + 10.0), OrderClaimed) == []
-    effects = rig.on_message(GATE, HolderTold(OrderHeld("O1", OTHER, 2)))
-    assert sent(effects, HolderHeard, to=GATE) == [HolderHeard("O1", 2)]
-    rig.on_message(GATE, HolderTold(OrderHeld("O1", "strategist", 1)))
+    effects = rig.on_message(GATE, HolderReported(OrderHeld("O1", OTHER, 2)))
+    assert sent(effects, HolderAcknowledged, to=GATE) == [HolderAcknowledged("O1", 2)]
+    rig.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1)))
     assert sent(rig.on_message("gateway", order(pump=24)), OrderTaken) == []
 
 
@@ -205,5 +205,5 @@ def test_that_an_order_has_ended_is_said_until_the_gate_has_heard_it_also_by_the
     assert sent(rig.run(rig.now_s + 1.5 * ASK_AGAIN_S), OrderClaimed, to=GATE) == [ended]
     again = rig.next_life(shared=True)
     assert ended in sent(again.told(HeldOrder("O1", 1)), OrderClaimed, to=GATE)
-    again.on_message(GATE, HolderTold(OrderHeld("O1", "strategist", 1, over=EVERY_RELEASE)))
+    again.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1, over=EVERY_RELEASE)))
     assert ended not in sent(again.run(again.now_s + 10.0), OrderClaimed)

@@ -33,11 +33,11 @@ from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import (
     Agent,
     Event,
-    Heard,
     Instruct,
     Leave,
     Leaving,
     Publish,
+    Received,
     Record,
     Reported,
     Send,
@@ -167,7 +167,7 @@ class Stage:
         """Let somebody who is not on the stage say something; it is heard at once."""
         number = next(self._numbers)
         self._voices[number] = sender
-        heapq.heappush(self._heap, (at_s, number, to, Heard(sender, message)))
+        heapq.heappush(self._heap, (at_s, number, to, Received(sender, message)))
 
     def ask_to_leave(self, agent: str, *, at_s: float) -> None:
         """Let an agent shut down gracefully."""
@@ -189,7 +189,7 @@ class Stage:
                 continue
             if type(event) is Leaving:
                 self.lines.append(f"{self.now_s:8.3f}  {agent:>5} is asked to leave")
-            if number in self._voices and isinstance(event, Heard):
+            if number in self._voices and isinstance(event, Received):
                 self._write(self._voices.pop(number), agent, event.message)
             if type(event) is Woke:
                 if self._wake_s.get(agent) != self.now_s:
@@ -207,7 +207,7 @@ class Stage:
                 listeners = self._listeners.get(effect.key, {})
                 self._write(agent, "*", effect.message)
                 for listener in listeners:
-                    self._later(self.now_s + LATENCY_S, listener, Heard(agent, effect.message))
+                    self._later(self.now_s + LATENCY_S, listener, Received(agent, effect.message))
             elif isinstance(effect, Send):
                 self._send(agent, effect)
             elif isinstance(effect, Subscribe):
@@ -233,7 +233,7 @@ class Stage:
         if said is not None:
             self.say(effect.to, agent, said, at_s=self.now_s + 2 * LATENCY_S)
         if effect.to in self._agents:
-            self._later(self.now_s + LATENCY_S, effect.to, Heard(agent, effect.message))
+            self._later(self.now_s + LATENCY_S, effect.to, Received(agent, effect.message))
 
     def _let_go(self, agent: str) -> None:
         self.lines.append(f"{self.now_s:8.3f}  {agent:>5} leaves")

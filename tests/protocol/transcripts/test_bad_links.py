@@ -27,7 +27,7 @@ from dray.messages import (
 from dray.messages.fact import ContractEnded, ContractTaken, TaskClosed
 from dray.plant import load_plant
 from dray.protocol.machine.machine import Machine
-from dray.protocol.runtime.events import Event, Heard
+from dray.protocol.runtime.events import Event, Received
 from dray.protocol.vehicle.atv import Atv
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -62,7 +62,7 @@ class BadStage(Stage):
         super().__init__(load_plant("single-track"))
 
     def _later(self, at_s: float, agent: str, event: Event) -> None:
-        if isinstance(event, Heard) and not isinstance(event.message, LEFT_ALONE):
+        if isinstance(event, Received) and not isinstance(event.message, LEFT_ALONE):
             again_s = self._faults.get(self.heard)
             self.heard += 1
             if again_s is not None:

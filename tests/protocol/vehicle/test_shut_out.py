@@ -31,8 +31,8 @@ from dray.protocol.vehicle.job.transport_job import ASKS_AGAIN_S
 from dray.protocol.vehicle.work_search import COLLECT_S
 
 DOCK = PLANT.node_of("S3")
-[MOUTH] = {lane.start for lane in PLANT.roads.entering[DOCK]}
-SHUT = ShutOut("ATV7", ((MOUTH, DOCK),), SHUT_OUT_S)
+[ENTRY] = {lane.start for lane in PLANT.roads.entering[DOCK]}
+SHUT = ShutOut("ATV7", ((ENTRY, DOCK),), SHUT_OUT_S)
 
 
 def shut_out(rig: VehicleRig, shut: ShutOut = SHUT) -> list[Effect]:
@@ -62,7 +62,7 @@ def bids(effects: list[Effect]) -> list[Bid]:
 
 def obstructed(rig: VehicleRig) -> bool:
     assert isinstance(rig.agent, Atv)
-    return (MOUTH, DOCK) in rig.agent.floor.obstructed
+    return (ENTRY, DOCK) in rig.agent.floor.obstructed
 
 
 def removals(node: str = "") -> Removals:
@@ -73,7 +73,7 @@ def removals(node: str = "") -> Removals:
 def test_it_tells_all_and_gives_back_what_others_can_fetch_elsewhere() -> None:
     rig = contracted()
     effects = shut_out(rig)
-    assert told(effects) == [(MOUTH, DOCK, True)]
+    assert told(effects) == [(ENTRY, DOCK, True)]
     [resigned] = sent(effects, Resigned, to="M8")
     assert (resigned.reason, resigned.detail, resigned.short) == (Reason.WAY_BLOCKED, "ATV7", "S3")
     assert rig.heartbeats(AtvHeartbeat)[-1].status is not AtvStatus.ERROR, "it has to make room for others"
@@ -156,7 +156,7 @@ def test_nobody_gives_back_what_it_alone_may_carry_before_others_may(
 
 def test_a_contract_for_what_was_only_to_be_had_there_waits_longer() -> None:
     rig = parked()
-    rig.on_message("ATV5", ObstacleSeen(atv="ATV5", start=MOUTH, end=DOCK, there=True, forget_in_s=500.0))
+    rig.on_message("ATV5", ObstacleSeen(atv="ATV5", start=ENTRY, end=DOCK, there=True, forget_in_s=500.0))
     assert sent(rig.on_message("M8", award()), Accepted)
     assert not sent(shut_out(rig), Resigned)
     assert sent(shut_out(rig, ShutOut("ATV7", SHUT.lanes, ASKS_AGAIN_S)), Resigned)
@@ -169,7 +169,7 @@ def test_bids_leave_a_source_out_behind_an_obstacle_while_there_is_another_one(
     rig = parked()
     asked = announcement(work=transport(sources=sources))
     [before] = bids(rig.on_message("M8", asked))
-    rig.on_message("ATV5", ObstacleSeen(atv="ATV5", start=MOUTH, end=DOCK, there=True, forget_in_s=500.0))
+    rig.on_message("ATV5", ObstacleSeen(atv="ATV5", start=ENTRY, end=DOCK, there=True, forget_in_s=500.0))
     [after] = bids(rig.on_message("M8", msgspec.structs.replace(asked, round=2)))
     assert (before.source, after.source) == ("S3", "S1")
     [only] = bids(
@@ -184,18 +184,18 @@ def test_it_is_forgotten_when_the_vehicle_is_heard_and_can_move() -> None:
     assert not told(beat(rig, status=AtvStatus.ERROR))
     assert obstructed(rig)
     effects = beat(rig, status=AtvStatus.IDLE)
-    assert told(effects) == [(MOUTH, DOCK, False)]
+    assert told(effects) == [(ENTRY, DOCK, False)]
     assert not obstructed(rig)
     assert not told(shut_out(rig)), "it was heard a moment ago"
     rig.now_s += SHUT_OUT_S
-    assert told(shut_out(rig)) == [(MOUTH, DOCK, True)]
+    assert told(shut_out(rig)) == [(ENTRY, DOCK, True)]
 
 
 def test_it_is_forgotten_when_people_have_carried_the_vehicle_away() -> None:
     rig = contracted()
     assert KEYS.removals in listening(shut_out(rig))
-    assert not told(rig.on_message("gateway", removals(node=MOUTH)))
-    assert told(rig.on_message("gateway", removals())) == [(MOUTH, DOCK, False)]
+    assert not told(rig.on_message("gateway", removals(node=ENTRY)))
+    assert told(rig.on_message("gateway", removals())) == [(ENTRY, DOCK, False)]
 
 
 def test_what_nobody_has_taken_back_is_forgotten_after_a_time() -> None:

@@ -18,11 +18,11 @@ from dray.protocol.traffic.places import Places
 from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.wired import JOIN_S, Campaign, play
-from dray_sim.checks.floor.said_and_heard import SaidAndHeard
+from dray_sim.checks.floor.traffic_log_check import TrafficLogCheck
 from dray_sim.plants.generator import generate_plant
 
 PLANT = generate_plant(1, machines=3, vehicles=2)
-"""Every machine keeps every book."""
+"""Every machine keeps every reservation table."""
 
 PATIENCE_S = 180.0
 
@@ -58,7 +58,7 @@ class Manager:
 @pytest.mark.campaign
 def test_what_is_closed_at_the_gateway_is_entered_by_no_vehicle_in_a_process(tmp_path: Path) -> None:
     log, places = tmp_path / "traffic", Places(PLANT)
-    kept_open = places.docks | set(places.mouths.values())
+    kept_open = places.docks | set(places.dock_entries.values())
 
     def entered() -> list[tuple[float, str]]:
         """When, and the node at the end of the lane."""
@@ -84,4 +84,4 @@ def test_what_is_closed_at_the_gateway_is_entered_by_no_vehicle_in_a_process(tmp
 
     closed, known_s = asyncio.run(story())
     assert [at_s - known_s for at_s, node in entered() if node == closed and at_s > known_s] == []
-    assert SaidAndHeard(places).judge(read_traffic_log(log)).broken == []
+    assert TrafficLogCheck(places).judge(read_traffic_log(log)).broken == []

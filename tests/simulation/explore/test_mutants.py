@@ -30,7 +30,7 @@ from dray.messages import (
     VehicleCommand,
     Work,
 )
-from dray.messages.floor.traffic import PlaceBooking, PlaceWished
+from dray.messages.floor.traffic import PlaceRequested, PlaceReservation
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.coordinator import Coordinator
 from dray.protocol.contract_net.task import CarrierContract, OpenTask
@@ -41,15 +41,15 @@ from dray.protocol.runtime.events import Publish
 from dray.protocol.strategist.order_book import OrderInWork
 from dray.protocol.strategist.order_revocations import OrderRevocations
 from dray.protocol.takeover import left_aboard
-from dray.protocol.traffic.books import bookkeeping
-from dray.protocol.traffic.books.book import Book
-from dray.protocol.traffic.books.copies import Copies
-from dray.protocol.traffic.books.district import District
-from dray.protocol.traffic.books.reach import Reach
-from dray.protocol.traffic.driving import wishes, yielding
-from dray.protocol.traffic.driving.wishes import Wishes
+from dray.protocol.traffic.driving import place_requests, yielding
+from dray.protocol.traffic.driving.place_requests import PlaceRequests
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
+from dray.protocol.traffic.reservations import reservation_handling
+from dray.protocol.traffic.reservations.copies import Copies
+from dray.protocol.traffic.reservations.district import District
+from dray.protocol.traffic.reservations.reach import Reach
+from dray.protocol.traffic.reservations.reservation_table import ReservationTable
 from dray.protocol.transports import transports
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock
@@ -63,7 +63,7 @@ from dray.protocol.vehicle.status_report import StatusReport
 from dray_sim.bodies.obstacles import Obstacles as FloorObstacles
 from dray_sim.clock import computer
 from dray_sim.explore.run import draw
-from dray_sim.factory.wish_keys import WishKeys
+from dray_sim.factory.request_keys import RequestKeys
 
 Mutant = Callable[[pytest.MonkeyPatch], None]
 
@@ -228,13 +228,13 @@ def with_clocks_that_jump(patch: pytest.MonkeyPatch) -> None:
 
 
 def that_believes_that_vehicles_are_away_which_are_heard(patch: pytest.MonkeyPatch) -> None:
-    """Whoever keeps a book frees a vehicle's places at the word, whether or not the vehicle is heard."""
+    """Whoever keeps a reservation table frees a vehicle's places at the word, whether or not the vehicle is heard."""
     patch.setattr(RemovalAuthorisation, "objection", lambda *_: "")
-    patch.setattr(bookkeeping, "WISHED_S", 0.0)
+    patch.setattr(reservation_handling, "REQUESTED_S", 0.0)
 
 
 def that_believes_stale_removals(patch: pytest.MonkeyPatch) -> None:
-    """Whoever keeps a book believes a word that was given before the vehicle came back, when it is silent once more."""
+    """Whoever keeps a reservation table believes a word that was given before the vehicle came back, when it is silent once more."""
     objection, remove = RemovalAuthorisation.objection, District.remove
 
     def forget_when(self: RemovalAuthorisation, removal: Removal, since_s: float, now_s: float) -> str:
@@ -245,7 +245,7 @@ def that_believes_stale_removals(patch: pytest.MonkeyPatch) -> None:
         return objection(self, patched, since_s, now_s)
 
     def take_for_new(self: District, removal: Removal, place: str, now_s: float) -> None:
-        number = self.book.removal_of(removal.atv) + bool(self.book.of(removal.atv))
+        number = self.table.removal_of(removal.atv) + bool(self.table.of(removal.atv))
         remove(self, replace(removal, number=max(number, removal.number)), place, now_s)
 
     patch.setattr(RemovalAuthorisation, "objection", forget_when)
@@ -264,69 +264,69 @@ def that_works_out_of_service(patch: pytest.MonkeyPatch) -> None:
 
 
 def that_grants_without_the_book(patch: pytest.MonkeyPatch) -> None:
-    """Whoever keeps a book grants every place that is asked for, whoever holds it."""
+    """Whoever keeps a reservation table grants every place that is asked for, whoever holds it."""
 
-    def write(self: Book, line: PlaceBooking) -> None:
+    def write(self: ReservationTable, line: PlaceReservation) -> None:
         before = self._lines.get(line.place)
         if before is not None:
             del self._by_atv[before.atv][line.place]
         self._lines[line.place] = line
         self._by_atv.setdefault(line.atv, {})[line.place] = line
 
-    patch.setattr(Book, "holder", lambda _self, _place: "")
-    patch.setattr(Book, "_write", write)
+    patch.setattr(ReservationTable, "holder", lambda _self, _place: "")
+    patch.setattr(ReservationTable, "_write", write)
 
 
 def that_believes_releases_too_early(patch: pytest.MonkeyPatch) -> None:
     """A place is struck out on a word that was said before its grant was seen."""
 
-    def strike(self: Book, wish: PlaceWished, atv: str) -> bool:
-        gone = [line.place for line in self.of(atv) if line.place not in wish.holds]
+    def strike(self: ReservationTable, request: PlaceRequested, atv: str) -> bool:
+        gone = [line.place for line in self.of(atv) if line.place not in request.holds]
         self._rub_out(atv, gone)
         return bool(gone)
 
-    patch.setattr(Book, "strike", strike)
+    patch.setattr(ReservationTable, "strike", strike)
 
 
 def that_gives_whatever_is_asked_for(patch: pytest.MonkeyPatch) -> None:
-    """A book gives a vehicle all that it says it wants, wherever that is."""
+    """A reservation table gives a vehicle all that it says it wants, wherever that is."""
     patch.setattr(Reach, "covers", lambda *_: True)
 
 
 def that_believes_whoever_has_a_name(patch: pytest.MonkeyPatch) -> None:
-    """A book takes wishes for a vehicle's own that bear its name, whatever key they are signed with."""
-    patch.setattr(PlaceWished, "mark", b"")
-    patch.setattr(WishKeys, "is_signed", lambda *_: True)
+    """A reservation table takes requests for a vehicle's own that bear its name, whatever key they are signed with."""
+    patch.setattr(PlaceRequested, "mark", b"")
+    patch.setattr(RequestKeys, "is_signed", lambda *_: True)
 
 
 def that_does_not_examine_signatures(patch: pytest.MonkeyPatch) -> None:
-    """Whoever keeps a book looks at the key that a wish names, and not at its signature."""
-    patch.setattr(WishKeys, "is_signed", lambda *_: True)
+    """Whoever keeps a reservation table looks at the key that a request names, and not at its signature."""
+    patch.setattr(RequestKeys, "is_signed", lambda *_: True)
 
 
 def that_follows_whoever_says_a_later_epoch(patch: pytest.MonkeyPatch) -> None:
-    """Whoever keeps a copy follows one keeper that says a later epoch, and does not ask whether the present one lives."""
+    """Whoever keeps a copy follows one replica that says a later epoch, and does not ask whether the present one lives."""
     patch.setattr(Copies, "_follows", lambda *_args, **_words: True)
-    patch.setattr(Wishes, "_is_agreed", lambda *_: True)
+    patch.setattr(PlaceRequests, "_is_agreed", lambda *_: True)
 
 
-def that_believes_one_keeper_alone(patch: pytest.MonkeyPatch) -> None:
-    """A vehicle takes the grant of one keeper under an epoch that nobody else has told."""
-    patch.setattr(Wishes, "_is_agreed", lambda *_: True)
+def that_believes_one_replica_alone(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle takes the grant of one replica under an epoch that nobody else has told."""
+    patch.setattr(PlaceRequests, "_is_agreed", lambda *_: True)
 
 
 def that_does_not_mind_its_double(patch: pytest.MonkeyPatch) -> None:
     """A vehicle that is answered what it has not said goes on as before."""
-    patch.setattr(Wishes, "is_anothers", lambda *_: False)
+    patch.setattr(PlaceRequests, "is_anothers", lambda *_: False)
 
 
-def that_believes_the_keeper_that_leads_alone(patch: pytest.MonkeyPatch) -> None:
+def that_believes_the_replica_that_leads_alone(patch: pytest.MonkeyPatch) -> None:
     """A vehicle takes what it is granted, whatever the witness has."""
-    patch.setattr(wishes, "WITNESS_ASKED", -1)
+    patch.setattr(place_requests, "WITNESS_ASKED", -1)
 
 
 def that_takes_groups_in_halves(patch: pytest.MonkeyPatch) -> None:
-    """A vehicle takes a mouth without its dock, and waits there."""
+    """A vehicle takes an entry without its dock, and waits there."""
     patch.setattr(Places, "group_end", lambda _self, _nodes, first: first)
 
 
@@ -445,20 +445,20 @@ TRAFFIC_MUTANTS = [
         *("carried", 184, "invariant 1[34]"),
         id="stale-removal",
     ),
-    pytest.param(that_grants_without_the_book, "one-level", 0, "invariant 1[34]", id="no-book"),
+    pytest.param(that_grants_without_the_book, "one-level", 0, "invariant 1[34]", id="no-table"),
     pytest.param(that_believes_releases_too_early, "one-level", 69, "invariant 1[34]", id="released-early"),
     pytest.param(that_gives_whatever_is_asked_for, "liars", 70, "invariant 29", id="no-reach"),
     pytest.param(that_believes_whoever_has_a_name, "liars", 0, "invariant 1[34]", id="no-key"),
-    pytest.param(that_does_not_examine_signatures, "liars", 0, "invariant 1[34]", id="no-wish-signature"),
+    pytest.param(that_does_not_examine_signatures, "liars", 0, "invariant 1[34]", id="no-request-signature"),
     pytest.param(
         that_follows_whoever_says_a_later_epoch, "liars", 10, "invariant (1[34]|29)", id="follows-usurpers"
     ),
     pytest.param(
-        that_believes_one_keeper_alone, "liars", 10, "invariant (1|6|13|14) ", id="one-keeper-alone"
+        that_believes_one_replica_alone, "liars", 10, "invariant (1|6|13|14) ", id="one-replica-alone"
     ),
     pytest.param(that_does_not_mind_its_double, "liars", 8, "invariant 1 ", id="no-double"),
     pytest.param(
-        that_believes_the_keeper_that_leads_alone, "liars", 5, "invariant (1|6|13|14) ", id="no-witness"
+        that_believes_the_replica_that_leads_alone, "liars", 5, "invariant (1|6|13|14) ", id="no-witness"
     ),
     pytest.param(that_takes_groups_in_halves, "batteries", 4, "invariant [16]", id="half-groups"),
     pytest.param(that_keeps_inherited_ranks_for_ever, "faultless", 1, "invariant [16] ", id="no-lapse"),
@@ -475,7 +475,7 @@ def test_the_search_finds_a_mutant(
 
 @pytest.mark.parametrize(
     ("mutant", "profile", "first", "finding"),
-    searches(TRAFFIC_MUTANTS, "no-book", "no-reach", "no-key", "no-double", "follows-usurpers"),
+    searches(TRAFFIC_MUTANTS, "no-table", "no-reach", "no-key", "no-double", "follows-usurpers"),
 )
 def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, find: Find

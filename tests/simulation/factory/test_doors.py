@@ -57,8 +57,8 @@ def test_vehicles_pass_doors_all_day_and_nothing_of_it_is_an_obstacle(traffic: b
     with with_right_of_way(traffic):
         played = play(SHIFT, PLANT, 1, partial(look, failing=()))
     assert played.report.invariants == HELD
-    assert played.told is not None
-    opened, told = played.told
+    assert played.result is not None
+    opened, told = played.result
     assert opened
     assert not told
 
@@ -69,8 +69,8 @@ def test_doors_that_fail_are_told_gone_round_and_known_to_be_right_again(traffic
     with with_right_of_way(traffic):
         played = play(SHIFT, PLANT, 1, partial(look, failing=failing))
     assert played.report.invariants == HELD
-    assert played.told is not None
-    opened, told = played.told
+    assert played.result is not None
+    opened, told = played.result
     lanes = {lane for lane, door in PLANT.door_on.items() if door.id in failing}
     there = {lane_of(seen.start, seen.end) for seen in told if seen.there}
     assert there
@@ -99,12 +99,12 @@ def test_who_has_no_task_any_more_leaves_a_failed_door_and_who_is_shut_in_says_s
         with with_right_of_way(True):
             played = play(shift, plant, seed, shut_in_docks)
         assert played.report.invariants == HELD
-        assert played.told is not None
+        assert played.result is not None
         away: dict[tuple[str, str], list[float]] = {}
-        shut_in = [beat for _, beat in played.told if beat.node in docks]
+        shut_in = [beat for _, beat in played.result if beat.node in docks]
         for beat in shut_in:
             assert beat.problem == f"the door Door 1 does not open, and no lane leads back from {beat.node}"
-        for at_s, beat in played.told:
+        for at_s, beat in played.result:
             if beat.node not in docks:
                 away.setdefault((beat.atv, beat.node), []).append(at_s)
         # Something else lies on every way from there: it leaves when that is forgotten.

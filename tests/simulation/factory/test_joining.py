@@ -64,7 +64,7 @@ def test_a_joining_machine_is_given_a_goal_fed_and_emptied() -> None:
 
     played = play(SHIFT, PLANT, 1, script)
     assert played.invariants == HELD
-    heartbeat = played.told
+    heartbeat = played.result
     assert heartbeat is not None
     assert heartbeat.joining is not None
     assert heartbeat.joining.node == JOINING.node

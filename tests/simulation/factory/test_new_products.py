@@ -45,7 +45,7 @@ def test_a_new_product_is_made_from_the_goal_alone(killed: str) -> None:
 
     played = play(Shift("new-products", 1e5, codec=True, keep=KEPT), PLANT, 1, script)
     assert played.invariants == HELD
-    assert played.told == set(MADE_AT)
+    assert played.result == set(MADE_AT)
 
 
 CAM = Document("CAM program", "https://plm.example/one.nc", "text/plain", "ab" * 32)
@@ -74,4 +74,4 @@ def test_a_spoiled_document_holds_up_its_product_alone_until_it_is_put_right() -
 
     played = play(Shift("spoiled-document", 1e5, codec=True, keep=KEPT), PLANT, 1, script)
     assert played.invariants == HELD
-    assert played.told == ({"GOOD"}, {"GOOD", "BAD"})
+    assert played.result == ({"GOOD"}, {"GOOD", "BAD"})

@@ -93,7 +93,7 @@ def played(plant: Plant, meddle: Meddle | None = None, orders: int = ORDERS) -> 
 
 def all_is_well(run: Played[int]) -> None:
     assert run.invariants == HELD
-    assert run.told == 0
+    assert run.result == 0
 
 
 def test_storages_order_and_vehicles_bring() -> None:

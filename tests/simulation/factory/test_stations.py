@@ -107,9 +107,9 @@ def test_a_scarce_material_holds_up_who_needs_it_and_nobody_else(seed: int) -> N
 
     played = play(Shift(name="short", duration_s=HOUR_S, stock_frac=(0.0, 0.1)), PLANT, seed, script)
     assert played.invariants == HELD
-    assert played.told is not None
-    assert "pump-p3" not in played.told
-    assert set(played.told) == {"gear-unit-g1"}, "there are not as many bearings"
+    assert played.result is not None
+    assert "pump-p3" not in played.result
+    assert set(played.result) == {"gear-unit-g1"}, "there are not as many bearings"
     slowest_s = max(kind.load_s for kind in PLANT.vehicle_types.values())
     assert listener.longest_s < slowest_s + 20.0, "nobody waits at the storage"
     assert f"{SCARCE} (storage S1 has none)" in listener.waits
@@ -139,8 +139,8 @@ def test_a_station_that_is_away_for_a_while_costs_no_order(loses_journal: bool) 
         Shift(name="away", duration_s=2 * HOUR_S, stock_frac=(0.0, 0.1)), default_plant(), 4, script
     )
     assert played.invariants == HELD
-    assert played.told is not None
-    assert played.told < HOUR_S
+    assert played.result is not None
+    assert played.result < HOUR_S
     assert any("answer" in told for told in listener.waits) or listener.given_back == []
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from dray.codec import encode
 from dray.messages import AtvHeartbeat, MachineHeartbeat
-from dray.messages.told_stock import with_stock
+from dray.messages.heartbeat_stock import with_stock
 from dray.plant import default_plant
 from dray_sim.run.stage import Shift, Stage, play
 

@@ -46,10 +46,10 @@ from dray.messages import (
 from dray.messages.cost import TransportCost
 from dray.messages.floor.traffic import (
     HoldsAsked,
-    PlaceBooking,
     PlaceConfirmed,
     PlaceGranted,
-    PlaceWished,
+    PlaceRequested,
+    PlaceReservation,
     YieldAsked,
     YieldRefused,
 )
@@ -80,7 +80,7 @@ SAID = [
     ),
     CommandAnswered("C1", done=True),
     Declined("T", 1, Role.PRIMARY, Refusal.NOT_FIT),
-    PlaceWished(
+    PlaceRequested(
         district="M",
         life=1,
         seq=1,
@@ -92,9 +92,9 @@ SAID = [
         stands=True,
         docked=False,
     ),
-    PlaceGranted(district="M", epoch=1, life=1, upto=1, grants=(PlaceBooking("n2", 4),)),
-    PlaceConfirmed(district="M", epoch=1, grants=(PlaceBooking("n2", 4, "V0", b"mark"),)),
-    HoldsAsked(district="M", epoch=2, roll_call=True),
+    PlaceGranted(district="M", epoch=1, life=1, upto=1, grants=(PlaceReservation("n2", 4),)),
+    PlaceConfirmed(district="M", epoch=1, grants=(PlaceReservation("n2", 4, "V0", b"mark"),)),
+    HoldsAsked(district="M", epoch=2, recovery_poll=True),
     YieldAsked(district="M", waiting="V1", rank=(0, 12.5, "V1"), avoid=("n1", "n2"), chain=()),
     YieldRefused(avoid=("n1",), holds=("n1",)),
 ]

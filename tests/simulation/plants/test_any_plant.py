@@ -59,7 +59,7 @@ def test_it_is_played_with_people_and_faults(plant: Plant) -> None:
         return True
 
     played = play(PEOPLED, plant, 1, fail_and_recover)
-    assert (played.invariants, played.told) == (HELD, True)
+    assert (played.invariants, played.result) == (HELD, True)
 
 
 @pytest.mark.slow
@@ -88,4 +88,4 @@ def test_an_insider_finds_a_name_in_a_plant_that_has_its_own_ninth_vehicle(behav
 
     played = play(PEOPLED, Plant(msgspec.structs.replace(file, fleet=fleet)), 1, join)
     assert played.invariants == HELD
-    assert played.told not in (None, "ATV9")
+    assert played.result not in (None, "ATV9")

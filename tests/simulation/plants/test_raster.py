@@ -80,7 +80,7 @@ def test_who_waits_in_the_reserve_takes_no_work_that_others_can_do() -> None:
         played = play(Shift(name="reserve", duration_s=1200.0, load=0.1), plant, 1, look)
     assert played.invariants == HELD
     assert played.report.transports > 5
-    assert played.told is not None
-    waited, called = played.told
+    assert played.result is not None
+    waited, called = played.result
     assert waited
     assert called == []

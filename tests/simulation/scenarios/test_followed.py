@@ -42,8 +42,8 @@ def play() -> Played[int]:
 def test_what_is_told_again_is_no_second_delivery() -> None:
     played = play()
     assert played.invariants == HELD
-    assert played.told is not None
-    assert played.told > 1_000
+    assert played.result is not None
+    assert played.result > 1_000
 
 
 def test_counted_as_news_it_would_break_the_first_invariant_that_counts(

@@ -34,16 +34,16 @@ WORST = (
 def orders_without() -> int:
     """How many orders are delivered with nobody that lies."""
     played = play(SHORT, default_plant(), 1, partial(work, behaviour=None))
-    assert played.told is not None
-    return played.told.orders
+    assert played.result is not None
+    return played.result.orders
 
 
 @pytest.mark.parametrize("name", in_campaigns(WORST, "bids-the-least"))
 def test_a_liar_stops_nothing(name: str) -> None:
     played = play(SHORT, default_plant(), 1, partial(work, behaviour=BEHAVIOURS[name]))
     assert played.invariants == HELD
-    assert played.told is not None
-    assert played.told.orders >= orders_without()
+    assert played.result is not None
+    assert played.result.orders >= orders_without()
 
 
 async def lossy(stage: Stage) -> set[str]:
@@ -56,4 +56,4 @@ async def lossy(stage: Stage) -> set[str]:
 @pytest.mark.campaign
 def test_honest_vehicles_on_bad_links_are_never_restricted() -> None:
     played = play(replace(SHORT, keep=(ContractorRated,)), default_plant(), 1, lossy)
-    assert played.told == set()
+    assert played.result == set()

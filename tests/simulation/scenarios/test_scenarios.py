@@ -195,8 +195,8 @@ def test_people_carry_away_what_cannot_drive_where_it_is_in_the_way(
     with with_right_of_way(traffic):
         played = play(shift, default_plant(), SOMEBODY_IN_THE_WAY_SEED, carried)
     assert played.invariants == HELD
-    assert played.told is not None
-    put_back, still_away = played.told
+    assert played.result is not None
+    put_back, still_away = played.result
     assert (put_back > 0) is traffic
     assert not still_away
 
@@ -303,7 +303,7 @@ def test_a_script_that_a_broken_invariant_cuts_short_shows_nothing() -> None:
         return "came to its end"
 
     played = play(Shift("theft", 600.0), laboratory(), 1, steal)
-    assert played.told is None
+    assert played.result is None
     assert "invariant 2" in played.invariants
     report = scenario_of(Findings(runs=(played,), checks=())).run(1)
     assert not report.held

@@ -1,4 +1,4 @@
-"""A vehicle drives nowhere before the book has told that the place where it stands is its own."""
+"""A vehicle drives nowhere before the table has told that the place where it stands is its own."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from dray.body import Drive, ReleaseWay
 from dray.messages.floor.traffic import (
     Blocked,
     HoldsAsked,
-    PlaceBooking,
     PlaceConfirmed,
     PlaceGranted,
-    PlaceWished,
+    PlaceRequested,
+    PlaceReservation,
 )
 from dray.messages.keys import Keys
 from dray.plant import load_plant
@@ -23,7 +23,7 @@ PLANT = load_plant("single-track")
 TRAFFIC = TrafficMap(PLANT)
 HERE, NEXT = "b3", "m4-lane"
 DISTRICT = TRAFFIC.places.district_of[HERE]
-KEEPER, COPY = TRAFFIC.places.keepers_of[DISTRICT][:2]
+REPLICA, COPY = TRAFFIC.places.replicas_of[DISTRICT][:2]
 
 
 class Vehicle:
@@ -52,10 +52,10 @@ class Vehicle:
         self.number = 0
 
     @property
-    def said(self) -> PlaceWished:
-        """Its newest wish in the district."""
-        wishes = [effect.message for effect in self.life.effects if isinstance(effect, Send)]
-        return [w for w in wishes if isinstance(w, PlaceWished) and w.district == DISTRICT][-1]
+    def said(self) -> PlaceRequested:
+        """Its newest request in the district."""
+        requests = [effect.message for effect in self.life.effects if isinstance(effect, Send)]
+        return [w for w in requests if isinstance(w, PlaceRequested) and w.district == DISTRICT][-1]
 
     @property
     def drives(self) -> bool:
@@ -71,7 +71,7 @@ class Vehicle:
             epoch=0,
             life=1,
             upto=self.said.seq if upto is None else upto,
-            grants=tuple(PlaceBooking(place=place, number=self.number) for place in places),
+            grants=tuple(PlaceReservation(place=place, number=self.number) for place in places),
             blocked=Blocked.WAIT if by else Blocked.NO,
             by=by,
             at=HERE if by else "",
@@ -79,7 +79,7 @@ class Vehicle:
         )
         confirmed = PlaceConfirmed(district=DISTRICT, epoch=0, grants=granted.grants)
         self.row.on_confirmed(COPY, confirmed, 1.0)
-        self.row.on_granted(KEEPER, granted, 1.0)
+        self.row.on_granted(REPLICA, granted, 1.0)
 
     def placed(self) -> Vehicle:
         self.grant(HERE)
@@ -158,15 +158,15 @@ def test_an_answer_to_what_was_said_before_it_was_moved_makes_nothing_its_own() 
 def test_what_it_held_elsewhere_in_an_earlier_life_is_given_back_while_it_still_asks_for_where_it_stands() -> (
     None
 ):
-    """A book that is told of it later is told never: what it holds there has not changed."""
+    """A reservation table that is told of it later is told never: what it holds there has not changed."""
     vehicle = Vehicle()
-    other = next(district for district in TRAFFIC.places.keepers_of if district != DISTRICT)
+    other = next(district for district in TRAFFIC.places.replicas_of if district != DISTRICT)
     place = next(place for place in TRAFFIC.places.all if TRAFFIC.places.district_of[place] == other)
-    keeper, copy = TRAFFIC.places.keepers_of[other][:2]
-    lines = (PlaceBooking(place=place, number=27),)
+    replica, copy = TRAFFIC.places.replicas_of[other][:2]
+    lines = (PlaceReservation(place=place, number=27),)
     vehicle.row.on_confirmed(copy, PlaceConfirmed(district=other, epoch=0, grants=lines), 0.5)
     vehicle.row.on_granted(
-        keeper,
+        replica,
         PlaceGranted(
             district=other,
             epoch=0,
@@ -177,8 +177,8 @@ def test_what_it_held_elsewhere_in_an_earlier_life_is_given_back_while_it_still_
         ),
         1.0,
     )
-    [*_, said] = [e.message for e in vehicle.out if isinstance(e, Send) and e.to == keeper]
-    assert isinstance(said, PlaceWished)
+    [*_, said] = [e.message for e in vehicle.out if isinstance(e, Send) and e.to == replica]
+    assert isinstance(said, PlaceRequested)
     assert (said.district, said.holds, said.seen) == (other, (), 27)
     assert vehicle.said.seen == 0, "what it asks for there is its own perhaps"
 
@@ -204,7 +204,7 @@ def test_who_is_answered_what_it_has_not_said_asks_anew_for_where_it_is_and_says
 def test_an_answer_to_an_earlier_life_is_nobodys_word_under_this_name() -> None:
     vehicle = Vehicle().placed()
     later = PlaceGranted(district=DISTRICT, epoch=0, life=2, upto=10**6, grants=())
-    vehicle.row.on_granted(KEEPER, later, 1.0)
+    vehicle.row.on_granted(REPLICA, later, 1.0)
     stranger = PlaceGranted(district=DISTRICT, epoch=0, life=1, upto=10**6, grants=())
     vehicle.row.on_granted("M12", stranger, 1.0)
     assert not vehicle.row.is_doubled

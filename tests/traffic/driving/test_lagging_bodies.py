@@ -25,7 +25,7 @@ from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.checks.floor.overlaps import Overlaps
-from dray_sim.checks.floor.said_and_heard import NOT_HELD, Judgement, SaidAndHeard
+from dray_sim.checks.floor.traffic_log_check import NOT_HELD, Judgement, TrafficLogCheck
 from dray_sim.clock.loop import JUMP, VirtualClock, clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
@@ -197,7 +197,7 @@ def judged(seed: int, span_s: float, killer: Killer = kill_by_chance) -> Judgeme
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-        return SaidAndHeard(PLACES).judge(lines)
+        return TrafficLogCheck(PLACES).judge(lines)
 
     return run(main(), JUMP)
 

@@ -7,8 +7,8 @@ from itertools import count
 import pytest
 
 from dray.body import Drive, Hold
-from dray.messages import HoldsAsked, PlaceConfirmed, PlaceGranted, PlaceWished
-from dray.messages.floor.traffic import PlaceBooking
+from dray.messages import HoldsAsked, PlaceConfirmed, PlaceGranted, PlaceRequested
+from dray.messages.floor.traffic import PlaceReservation
 from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Instruct, Send
@@ -56,30 +56,30 @@ class NewLife:
             if isinstance(effect, Instruct) and isinstance(effect.instruction, Drive)
         ]
 
-    def wish(self, district: str) -> PlaceWished:
+    def request(self, district: str) -> PlaceRequested:
         """The newest one."""
         return [
             effect.message
             for effect in self.life.effects
             if isinstance(effect, Send)
-            and isinstance(effect.message, PlaceWished)
+            and isinstance(effect.message, PlaceRequested)
             and effect.message.district == district
         ][-1]
 
     def regrant(self, *places: str) -> None:
-        """The books grant anew what the first life held; all of it in the districts of these places."""
+        """The tables grant anew what the first life held; all of it in the districts of these places."""
         for district in {TRAFFIC.places.district_of[place] for place in places}:
             lines = tuple(
-                PlaceBooking(place=place, number=7)
+                PlaceReservation(place=place, number=7)
                 for place in places
                 if TRAFFIC.places.district_of[place] == district
             )
-            keeper, copy = TRAFFIC.places.keepers_of[district][:2]
-            seq = self.wish(district).seq
+            replica, copy = TRAFFIC.places.replicas_of[district][:2]
+            seq = self.request(district).seq
             granted = PlaceGranted(district=district, epoch=0, life=LIFE, upto=seq, grants=lines)
             confirmed = PlaceConfirmed(district=district, epoch=0, grants=lines)
             self.row.on_confirmed(copy, confirmed, 0.1)
-            self.row.on_granted(keeper, granted, 0.1)
+            self.row.on_granted(replica, granted, 0.1)
             self.row.on_holds_asked(copy, HoldsAsked(district=district, epoch=0), 0.1)
 
 
@@ -88,12 +88,12 @@ def test_a_new_life_holds_what_the_body_may_still_drive_into_until_the_body_obey
     district = TRAFFIC.places.district_of["c3"]
     life.regrant("b3", "m4-lane", "c3")
     assert set(life.row.way.held) == {"b3", "m4-lane", "c3"}
-    assert "c3" in life.wish(district).holds or life.wish(district).seen < 7
+    assert "c3" in life.request(district).holds or life.request(district).seen < 7
     (drive,) = life.drives
     life.row.on_reached(drive.order, 0, 1.0)
     assert "c3" not in life.row.way.held
-    assert "c3" not in life.wish(district).holds
-    assert life.wish(district).seen == 7
+    assert "c3" not in life.request(district).holds
+    assert life.request(district).seen == 7
 
 
 def test_a_report_of_an_earlier_life_shows_no_obedience() -> None:
@@ -131,17 +131,17 @@ def test_a_way_that_the_body_refuses_keeps_all_that_was_held() -> None:
 
 
 @pytest.mark.parametrize("epoch", [4, 3 * 2**20 + 1])
-def test_a_roll_call_is_answered_under_its_epoch_when_it_is_known_where_the_body_goes(epoch: int) -> None:
+def test_a_recovery_poll_is_answered_under_its_epoch_when_it_is_known_where_the_body_goes(epoch: int) -> None:
     life = NewLife("b3", "m4-lane", drives_beyond=True)
     district = TRAFFIC.places.district_of["c3"]
-    keeper = TRAFFIC.places.keepers_of[district][1]
-    asked = HoldsAsked(district=district, epoch=epoch, roll_call=True)
+    replica = TRAFFIC.places.replicas_of[district][1]
+    asked = HoldsAsked(district=district, epoch=epoch, recovery_poll=True)
     before = len(life.out)
-    life.row.on_holds_asked(keeper, asked, 0.2)
+    life.row.on_holds_asked(replica, asked, 0.2)
     assert life.out[before:] == []
     life.row.on_reached(life.drives[0].order, 0, 1.0)
-    life.row.on_holds_asked(keeper, asked, 1.2)
-    assert life.wish(district).epoch == epoch
+    life.row.on_holds_asked(replica, asked, 1.2)
+    assert life.request(district).epoch == epoch
 
 
 @pytest.mark.parametrize("held", [False, True])

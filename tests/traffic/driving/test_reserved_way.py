@@ -83,7 +83,7 @@ def test_who_stands_at_a_dock_keeps_nobody_off_the_crossing_before_it() -> None:
     assert way.groups(1.0) == [(crossing, behind)]
 
 
-def test_a_wish_names_places_of_one_district_only() -> None:
+def test_a_request_names_places_of_one_district_only() -> None:
     way = way_from("b3", "m4-lane", "c3", "m5-lane")
     groups = way.groups(100.0)
     districts = {PLACES.district_of[place] for group in groups for place in group}

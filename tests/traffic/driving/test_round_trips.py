@@ -6,37 +6,37 @@ from itertools import count
 
 import pytest
 
-from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceRequested
 from dray.plant.restrictions import OPEN
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
+from dray.protocol.traffic.driving.place_requests import REQUEST_AGAIN, PlaceRequests, State
 from dray.protocol.traffic.driving.wheels import SOON_S, Wheels
-from dray.protocol.traffic.driving.wishes import WISH_AGAIN, State, Wishes
 
 STATE = State((0, 0.0, "ATV1"), stands=False, docked=False, avoid=(), chain=())
 
 STEP_S = 0.1
 
 
-def after(round_s: float, wishes_made: int) -> tuple[Wishes, list[PlaceWished]]:
+def after(round_s: float, requests_made: int) -> tuple[PlaceRequests, list[PlaceRequested]]:
     """A vehicle that has asked for so many places, one after the other; what it asks is answered after `round_s` by whoever it asks first.
 
     Returns:
         Its correspondence, and all that it has said to others since it asked for the last place.
     """
     life = Life()
-    wishes = Wishes(1, {"D": ("M1", "M2", "M3")}, life)
-    now_s, strayed = 0.0, list[PlaceWished]()
-    for keeper in ("M2", "M3"):
-        wishes.on_holds_asked(keeper, HoldsAsked(district="D", epoch=0))
-    for number in range(wishes_made):
+    requests = PlaceRequests(1, {"D": ("M1", "M2", "M3")}, life)
+    now_s, strayed = 0.0, list[PlaceRequested]()
+    for replica in ("M2", "M3"):
+        requests.on_holds_asked(replica, HoldsAsked(district="D", epoch=0))
+    for number in range(requests_made):
         groups = ((f"p{number}",),)
-        wishes.say("D", (), groups, STATE, now_s)
+        requests.say("D", (), groups, STATE, now_s)
         answers, strayed, answered = [], [], False
         while not answered or answers:
             for sent in life.effects:
                 assert isinstance(sent, Send)
-                assert isinstance(sent.message, PlaceWished)
+                assert isinstance(sent.message, PlaceRequested)
                 if sent.to == "M1":
                     answers.append((now_s + round_s, sent.message.seq))
                 else:
@@ -45,19 +45,19 @@ def after(round_s: float, wishes_made: int) -> tuple[Wishes, list[PlaceWished]]:
             now_s += STEP_S
             for at_s, seq in [each for each in answers if each[0] <= now_s]:
                 answers.remove((at_s, seq))
-                wishes.on_granted(
+                requests.on_granted(
                     "M1", PlaceGranted(district="D", epoch=0, life=1, upto=seq, grants=()), now_s
                 )
                 answered = True
-            if (WISH_AGAIN, "D") in life.timers.due(now_s):
-                wishes.repeat("D", (), groups, STATE, now_s)
-    return wishes, strayed
+            if (REQUEST_AGAIN, "D") in life.timers.due(now_s):
+                requests.repeat("D", (), groups, STATE, now_s)
+    return requests, strayed
 
 
 @pytest.mark.parametrize("round_s", [0.1, 1.0, 4.0, 8.0, 16.0])
 def test_how_long_an_answer_takes_is_learned_and_nobody_else_is_asked_then(round_s: float) -> None:
-    wishes, strayed = after(round_s, 25)
-    assert wishes.round_s == pytest.approx(round_s, rel=0.25, abs=0.3)
+    requests, strayed = after(round_s, 25)
+    assert requests.round_s == pytest.approx(round_s, rel=0.25, abs=0.3)
     assert not strayed
 
 

@@ -7,10 +7,10 @@ import pytest
 from dray.messages.floor.traffic import (
     Blocked,
     HoldsAsked,
-    PlaceBooking,
     PlaceConfirmed,
     PlaceGranted,
-    PlaceWished,
+    PlaceRequested,
+    PlaceReservation,
     YieldAsked,
     YieldRefused,
 )
@@ -64,32 +64,34 @@ class Waiting:
         self.row.go(GOAL, WITH_TASK, BEGUN_S)
         self.answer(blocked, BEGUN_S)
 
-    def wish(self) -> PlaceWished:
+    def request(self) -> PlaceRequested:
         """Its newest one."""
         return [
-            e.message for e in self.life.effects if isinstance(e, Send) and isinstance(e.message, PlaceWished)
+            e.message
+            for e in self.life.effects
+            if isinstance(e, Send) and isinstance(e.message, PlaceRequested)
         ][-1]
 
     def answer(self, blocked: Blocked, now_s: float, *places: str) -> None:
-        """The book answers the newest wish."""
-        wish = self.wish()
+        """The table answers the newest request."""
+        request = self.request()
         self.number += 1
-        at = wish.groups[0][0] if blocked is not Blocked.NO else ""
+        at = request.groups[0][0] if blocked is not Blocked.NO else ""
         granted = PlaceGranted(
-            district=wish.district,
+            district=request.district,
             epoch=0,
             life=1,
-            upto=wish.seq,
-            grants=tuple(PlaceBooking(place=place, number=self.number) for place in places or (HERE,)),
+            upto=request.seq,
+            grants=tuple(PlaceReservation(place=place, number=self.number) for place in places or (HERE,)),
             blocked=blocked,
             by="B" if at else "",
             at=at,
         )
-        keeper, copy = TRAFFIC.places.keepers_of[wish.district][:2]
-        confirmed = PlaceConfirmed(district=wish.district, epoch=0, grants=granted.grants)
+        replica, copy = TRAFFIC.places.replicas_of[request.district][:2]
+        confirmed = PlaceConfirmed(district=request.district, epoch=0, grants=granted.grants)
         self.row.on_confirmed(copy, confirmed, now_s)
-        self.row.on_granted(keeper, granted, now_s)
-        self.row.on_holds_asked(copy, HoldsAsked(district=wish.district, epoch=0), now_s)
+        self.row.on_granted(replica, granted, now_s)
+        self.row.on_holds_asked(copy, HoldsAsked(district=request.district, epoch=0), now_s)
 
     def wait(self, until_s: float) -> None:
         """Let its alarms come."""
@@ -106,10 +108,10 @@ def test_who_is_held_up_for_long_becomes_more_urgent_but_not_than_work_at_a_dock
 ) -> None:
     vehicle = Waiting(blocked)
     vehicle.wait(BEGUN_S + AGES_EVERY_S - 1.0)
-    assert vehicle.wish().rank == (WITH_TASK, BEGUN_S, "A")
+    assert vehicle.request().rank == (WITH_TASK, BEGUN_S, "A")
     vehicle.wait(BEGUN_S + 2.0 * AGES_EVERY_S - 1.0)
     assert vehicle.row.own_rank == (WITH_TASK, BEGUN_S - ages * AGES_BY_S, "A")
-    assert vehicle.wish().rank == vehicle.row.own_rank
+    assert vehicle.request().rank == vehicle.row.own_rank
     vehicle.row.go(GOAL, WITH_TASK, BEGUN_S + 100.0)
     assert vehicle.row.own_rank[1] == BEGUN_S + 100.0, "another leg begins anew"
 
@@ -127,7 +129,7 @@ def test_who_made_room_in_vain_for_one_that_has_nowhere_to_go_goes_elsewhere_nex
 
 def test_who_waits_long_for_a_silent_vehicle_is_shut_out_by_it_wherever_lanes_lead_to_its_place() -> None:
     vehicle = Waiting(Blocked.SILENT)
-    at = vehicle.wish().groups[0][0]
+    at = vehicle.request().groups[0][0]
     vehicle.wait(BEGUN_S + SHUT_OUT_S)
     assert vehicle.row.shut_out(BEGUN_S + SHUT_OUT_S - 1.0) is None
     shut = vehicle.row.shut_out(BEGUN_S + SHUT_OUT_S)
@@ -153,6 +155,6 @@ def test_who_rests_makes_room_for_one_that_begins_to_look_for_a_place_to_rest() 
     asked = YieldAsked(
         district=district, waiting="B", rank=(IDLE, BEGUN_S + 1000.0, "B"), avoid=(HERE, GOAL), chain=()
     )
-    vehicle.row.on_yield_asked(TRAFFIC.places.keepers_of[district][0], asked, BEGUN_S + 1001.0)
+    vehicle.row.on_yield_asked(TRAFFIC.places.replicas_of[district][0], asked, BEGUN_S + 1001.0)
     assert vehicle.row.errand is Errand.REFUGE
     assert vehicle.row.way.goal not in (HERE, GOAL)

@@ -174,7 +174,7 @@ class SqliteJournal:
                     "DELETE FROM event WHERE place <= (SELECT max(place) FROM event) - ?",
                     (self._events_kept,),
                 )
-                self._note_told()
+                self._note_reported()
             for name, note in changes.items():
                 self._write_note(name, note)
         self.writes += 1
@@ -217,7 +217,7 @@ class SqliteJournal:
             (name, line, _checksum(name.encode() + line)),
         )
 
-    def _note_told(self) -> None:
+    def _note_reported(self) -> None:
         """The first events of a life report an earlier loss: no later life needs to."""
         if self._lost:
             self._lost = ""

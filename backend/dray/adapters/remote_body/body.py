@@ -12,7 +12,16 @@ from dray.adapters.crossing import Crossing
 from dray.adapters.remote_body.exchange import Part
 from dray.adapters.remote_body.exchanged import ExchangedBody
 from dray.adapters.remote_body.questions import ask, ask_until_answered
-from dray.adapters.remote_body.wire import NO_LIFE, Do, Taken, Told, body_key, encode, from_part, to_part
+from dray.adapters.remote_body.wire import (
+    NO_LIFE,
+    BodyReport,
+    Do,
+    Taken,
+    body_key,
+    encode,
+    from_part,
+    to_part,
+)
 from dray.body import Instruction
 from dray.errors import UnavailableError
 
@@ -77,6 +86,6 @@ class RemoteBody(ExchangedBody):
         self._crossing.offer(self._take, sample.payload.to_bytes())
 
     def _take(self, data: bytes) -> None:
-        told = msgspec.msgpack.decode(data, type=Told)
+        told = msgspec.msgpack.decode(data, type=BodyReport)
         if told.life == self._life:
             self._told(from_part(told.state), map(from_part, self._exchange.read(told.letter)))

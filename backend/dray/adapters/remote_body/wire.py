@@ -36,7 +36,7 @@ class Taken(msgspec.Struct, array_like=True, frozen=True):
     known: bool
 
 
-class Told(msgspec.Struct, array_like=True, frozen=True):
+class BodyReport(msgspec.Struct, array_like=True, frozen=True):
     """A body's message to its present life: reports, and the state after them."""
 
     life: int

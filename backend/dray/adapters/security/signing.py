@@ -1,6 +1,6 @@
 """Signing: grants, closures and removals are signed with Ed25519 (RFC 8032); receivers trust configured public keys.
 
-A vehicle also signs its place requests, with a key of its own that nobody certifies. It shows the keeper of a book that the
+A vehicle also signs its place requests, with a key of its own that nobody certifies. It shows the leader of a reservation table that the
 requests come from the vehicle that holds the places.
 """
 
@@ -19,14 +19,14 @@ from dray.messages import (
     Closures,
     Grant,
     MachineCommand,
-    PlaceWished,
+    PlaceRequested,
     Removal,
     VehicleCommand,
     closed_words,
     removed_words,
     signed_words,
 )
-from dray.messages.floor.traffic import wished_words
+from dray.messages.floor.traffic import request_words
 
 UNSIGNED = b""
 
@@ -137,21 +137,21 @@ class VehicleKey:
         self._key = Ed25519PrivateKey.from_private_bytes(private)
         self._public = self._key.public_key().public_bytes_raw()
 
-    def sign(self, wish: PlaceWished) -> PlaceWished:
+    def sign(self, request: PlaceRequested) -> PlaceRequested:
         """The same request with this key and its signature."""
-        signature = self._key.sign(wished_words(self._atv, wish))
-        return replace(wish, key=self._public, signature=signature)
+        signature = self._key.sign(request_words(self._atv, request))
+        return replace(request, key=self._public, signature=signature)
 
 
-def is_signed(atv: str, wish: PlaceWished) -> bool:
+def is_signed(atv: str, request: PlaceRequested) -> bool:
     """Whether a vehicle's request is signed by the key that it contains, or contains none."""
-    if not wish.key:
+    if not request.key:
         return True
     try:
-        key = Ed25519PublicKey.from_public_bytes(wish.key)
+        key = Ed25519PublicKey.from_public_bytes(request.key)
     except ValueError:
         return False
-    return _signed_by(key, wished_words(atv, wish), wish.signature)
+    return _signed_by(key, request_words(atv, request), request.signature)
 
 
 class TrustedKeys:

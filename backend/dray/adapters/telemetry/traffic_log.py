@@ -2,7 +2,7 @@
 
 A line is written before a message is sent, or before a received one is handled. It survives any end of the process. Times are
 those of the computer's monotonic clock, which its processes share, so lines of several files can be ordered.
-`dray_sim.checks.floor.said_and_heard` analyses them.
+`dray_sim.checks.floor.traffic_log_check` analyses them.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from dray.messages import (
     Message,
     PlaceConfirmed,
     PlaceGranted,
-    PlaceWished,
+    PlaceRequested,
     YieldAsked,
     YieldRefused,
 )
 from dray.ports import Bus, Receive, Session
 
-LOGGED = (PlaceWished, PlaceGranted, PlaceConfirmed, HoldsAsked, YieldAsked, YieldRefused)
+LOGGED = (PlaceRequested, PlaceGranted, PlaceConfirmed, HoldsAsked, YieldAsked, YieldRefused)
 
 FILE_MAX_BYTES = 512 * 2**20
-"""Maximum size of one agent's file: a day of a machine that keeps the book of a busy district. Then writing stops."""
+"""Maximum size of one agent's file: a day of a machine that keeps the table of a busy district. Then writing stops."""
 
 SAID, HEARD = "said", "heard"
 

@@ -53,7 +53,7 @@ MAX_OWNERS = 10_000
 """Maximum keys for which a session remembers the pattern that receives them: ten times those of a plant of three hundred
 agents."""
 
-ROLL_CALL_S = 2.0
+PRESENCE_S = 2.0
 """Longest wait for neighbours' answers; on healthy links they come in milliseconds."""
 
 UNREADABLE = "no message of ours"
@@ -309,10 +309,10 @@ class ZenohBus:
         """The same bus for agents on the running loop, which may be another thread's."""
         yield Beside(self)
 
-    async def roll_call(self) -> frozenset[str]:
+    async def agents_present(self) -> frozenset[str]:
         """The agents present now, in any process, as far as the links reach."""
         present: set[str] = set()
-        all_told = asyncio.Event()
+        all_answered = asyncio.Event()
 
         def note(reply: zenoh.Reply) -> None:
             key = "" if reply.ok is None else str(reply.ok.key_expr)
@@ -321,11 +321,11 @@ class ZenohBus:
                 present.add(token.agent)
 
         def end() -> None:
-            self.arrivals.order(all_told.set)
+            self.arrivals.order(all_answered.set)
 
         tokens = Callback(note, end, indirect=False)
-        self.inner.liveliness().get(self.tokens.everybody, tokens, timeout=ROLL_CALL_S)
-        await all_told.wait()
+        self.inner.liveliness().get(self.tokens.everybody, tokens, timeout=PRESENCE_S)
+        await all_answered.wait()
         return frozenset(present)
 
     def forget(self, session: ZenohSession) -> None:

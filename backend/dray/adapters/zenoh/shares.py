@@ -11,7 +11,7 @@ from dray.messages.kinds import Kind
 
 SAID_PER_S = 100.0
 """Maximum rate of messages from one agent to another one, by the plant's clock. The maximum in a small fleet, with
-its start and an attack, was 7 for a vehicle, 34 for a machine, and 60 for a station with a book."""
+its start and an attack, was 7 for a vehicle, 34 for a machine, and 60 for a station with a reservation table."""
 
 AT_ONCE_S = 10.0
 """Real seconds of the rate that may come at once: a backlog after a link's outage."""

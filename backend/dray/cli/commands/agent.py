@@ -202,7 +202,7 @@ def atv(
             probation=probation,
             trusts=trusts,
             traffic=places,
-            sign_wish=key.sign,
+            sign_request=key.sign,
         )
 
     if where.settings.body == "vda5050":

@@ -76,7 +76,9 @@ def as_json(
     file: Annotated[Path | None, typer.Argument(help="A plant file (YAML); else the default plant.")] = None,
     places: Annotated[
         bool,
-        typer.Option("--places", help="Instead: its places for right of way, and who keeps their books."),
+        typer.Option(
+            "--places", help="Instead: its places for right of way, and who keeps their reservation tables."
+        ),
     ] = False,
 ) -> None:
     """Write a plant as JSON, every default filled in: for agents that read no YAML.

@@ -122,10 +122,10 @@ async def present_agents(registry: ProcessRegistry, folder: Path) -> frozenset[s
     try:
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(ALIVE_S):
-                present = await bus.roll_call()
+                present = await bus.agents_present()
                 while not expected <= present:
                     await asyncio.sleep(ALIVE_AGAIN_S)
-                    present = await bus.roll_call()
+                    present = await bus.agents_present()
     finally:
         bus.close()
     return present

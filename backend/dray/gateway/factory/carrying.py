@@ -1,6 +1,6 @@
 """Carrying: which vehicles people have carried away and are putting back, in SQL, on the panels and on the bus.
 
-A word is said (`announced.py` says how) with a grant that is good for a while, until the vehicle is heard. Whether it is believed is decided by those who keep the books of places (`dray.messages.floor.removal`); what they
+A word is said (`announced.py` says how) with a grant that is good for a while, until the vehicle is heard. Whether it is believed is decided by those who keep the reservation tables (`dray.messages.floor.removal`); what they
 have freed and kept they tell as facts.
 """
 

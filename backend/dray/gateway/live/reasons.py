@@ -125,9 +125,9 @@ ROBS_PLACES = "robs_places"
 """Likewise: the fact `BookRefused`."""
 
 _WORDS: Mapping[str, str] = {
-    ANOTHERS_KEY: "wishes for places that are not signed with this vehicle's key",
-    ROBS_PLACES: "keeps a book that was not copied: it takes places from vehicles without their word, "
-    "or has a higher number than any book can have",
+    ANOTHERS_KEY: "requests places without this vehicle's signature",
+    ROBS_PLACES: "keeps a reservation table that was not copied: it takes places from vehicles without their word, "
+    "or has a higher number than any reservation table can have",
     **{reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())},
 }
 

@@ -44,7 +44,7 @@ class Stop:
         return self.said.command
 
 
-Told = Callable[[Stop, CommandAnswered | None], None]
+Ended = Callable[[Stop, CommandAnswered | None], None]
 """Called with a stop and the vehicle's word on it."""
 
 
@@ -82,7 +82,7 @@ class StopSender:
         timeout_s: float,
         ahead_s: Callable[[str], float],
         sent: Callable[[Stop], None],
-        ended: Told,
+        ended: Ended,
     ) -> None:
         self._authority, self._time, self._wall_s = authority, time, wall_s
         self._timeout_s = timeout_s

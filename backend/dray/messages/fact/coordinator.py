@@ -156,13 +156,13 @@ class WordDisbelieved(Fact, told_by=COORDINATORS, frozen=True):
 
 
 class NameMisused(Fact, told_by=DOCKS, frozen=True):
-    """Somebody wishes for places in the name of a vehicle that holds some, and has not signed with its key. Told once a minute of each."""
+    """Somebody requests places in the name of a vehicle that holds some, and has not signed with its key. Told once a minute of each."""
 
     atv: Id
 
 
 class BookRefused(Fact, told_by=DOCKS, frozen=True):
-    """A keeper's book is not copied: it takes places from vehicles that have not given them back, or has a version to which no book has come.
+    """A replica's table is not copied: it takes places from vehicles that have not given them back, or has a version to which no reservation table has come.
 
     Told once a minute of each.
     """

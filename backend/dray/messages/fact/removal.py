@@ -1,4 +1,4 @@
-"""What whoever keeps a book of places tells of vehicles that people have carried away."""
+"""What whoever keeps a reservation table tells of vehicles that people have carried away."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Right of way: places on the lanes, who may drive into them, and who makes room.
 
 A *place* is a node of the plant, or a crossing of two-lane roads. The places around a machine are its *district*; one machine
-at a time keeps the district's book, which says by whom each of them is held, and others keep copies (`dray.protocol.traffic`). A
-vehicle says in each wish all that it holds and wants in a district, and is answered with all that the book says of it. So a lost, doubled or late
+at a time keeps the district's reservation table, which says by whom each of them is held, and others keep copies (`dray.protocol.traffic`). A
+vehicle says in each request all that it holds and wants in a district, and is answered with all that the table says of it. So a lost, doubled or late
 message costs time, and nothing else.
 """
 
@@ -50,10 +50,10 @@ MARK_BYTES = 12
 """Of a key: nobody finds another one that begins alike."""
 
 Mark = Annotated[bytes, Meta(max_length=MARK_BYTES)]
-"""The first bytes of the key by which a wish is signed; empty for none. Who holds a place is a vehicle by its name and this."""
+"""The first bytes of the key by which a request is signed; empty for none. Who holds a place is a vehicle by its name and this."""
 
 UNSIGNED = b"unsigned"
-"""Stands for the mark where a word is about wishes without a key."""
+"""Stands for the mark where a word is about requests without a key."""
 
 Places = Annotated[tuple[Id, ...], Meta(max_length=HOLDS_MAX)]
 Nodes = Annotated[tuple[Id, ...], Meta(max_length=2 * ROUTE_MAX)]
@@ -72,16 +72,16 @@ class Blocked(StrEnum):
     """Nobody has heard of its holder for a while."""
 
 
-class PlaceWished(Message, said_by=VEHICLES, radio=True, frozen=True):
+class PlaceRequested(Message, said_by=VEHICLES, radio=True, frozen=True):
     """All that a vehicle holds and wants in a district. Answered with `PlaceGranted`, and repeated until it is."""
 
     district: Id
     life: Count
-    """The vehicle's incarnation: with a new one everything that the book says of it is granted anew."""
+    """The vehicle's incarnation: with a new one everything that the table says of it is granted anew."""
     seq: Count
-    """Grows with every wish of one life."""
+    """Grows with every request of one life."""
     epoch: Count
-    """Of the book, as far as the vehicle knows."""
+    """Of the table, as far as the vehicle knows."""
     rank: Rank
     """Its own, or the one of whom it makes room for."""
     holds: Places
@@ -102,7 +102,7 @@ class PlaceWished(Message, said_by=VEHICLES, radio=True, frozen=True):
     key: Annotated[bytes, Meta(max_length=KEY_BYTES)] = b""
     """The vehicle's own, drawn at its first start and never given away: its certificate alone does not speak for its places. Empty for none."""
     signature: Annotated[bytes, Meta(max_length=64)] = b""
-    """Ed25519 by that key, over `wished_words`."""
+    """Ed25519 by that key, over `request_words`."""
 
     @property
     def mark(self) -> bytes:
@@ -110,41 +110,41 @@ class PlaceWished(Message, said_by=VEHICLES, radio=True, frozen=True):
         return self.key[:MARK_BYTES]
 
 
-class PlaceBooking(Part, frozen=True):
-    """A line of a book: by whom a place is held."""
+class PlaceReservation(Part, frozen=True):
+    """A line of a reservation table: by whom a place is held."""
 
     place: Id
     number: Count
-    """Of the grant. Numbers of one district only grow, whoever keeps its book."""
+    """Of the grant. Numbers of one district only grow, whoever keeps its table."""
     atv: IdOrNone = ""
     """Empty where it is said to that vehicle itself."""
     mark: Mark = b""
-    """Only wishes under this key give it back; empty where any of that vehicle does."""
+    """Only requests under this key give it back; empty where any of that vehicle does."""
 
 
-Bookings = Annotated[tuple[PlaceBooking, ...], Meta(max_length=DISTRICT_MAX)]
+PlaceReservations = Annotated[tuple[PlaceReservation, ...], Meta(max_length=DISTRICT_MAX)]
 
 
-def line_beyond(bookings: Iterable[PlaceBooking], version: int) -> str:
-    """What is wrong with a book: the first line under a number that it has not given yet, in words; empty for nothing."""
-    for at, line in enumerate(bookings):
+def line_beyond(reservations: Iterable[PlaceReservation], version: int) -> str:
+    """What is wrong with a reservation table: the first line under a number that it has not given yet, in words; empty for nothing."""
+    for at, line in enumerate(reservations):
         if line.number > version:
-            return f"`number` {line.number} is above `version` {version} - at `$.bookings[{at}].number`"
+            return f"`number` {line.number} is above `version` {version} - at `$.reservations[{at}].number`"
     return ""
 
 
-def _check_lines(book: PlaceBooked | BookTold) -> None:
-    """Refuse a book that names grants of the future: its reader would take what is granted then for old.
+def _check_lines(table: TableReplicated | TableReported) -> None:
+    """Refuse a reservation table that names grants of the future: its reader would take what is granted then for old.
 
     Raises:
         ValueError: a line's number is above the version.
     """
-    if fault := line_beyond(book.bookings, book.version):
+    if fault := line_beyond(table.reservations, table.version):
         raise ValueError(fault)
 
 
 class Removed(Part, frozen=True):
-    """A vehicle of which a book knows that it was carried away: what it held under a lower number is struck out."""
+    """A vehicle of which a reservation table knows that it was carried away: what it held under a lower number is struck out."""
 
     atv: Id
     number: Count
@@ -156,35 +156,35 @@ AllRemoved = Annotated[tuple[Removed, ...], Meta(max_length=DISTRICT_MAX)]
 
 
 class PlaceGranted(Message, said_by=DOCKS, radio=True, frozen=True):
-    """All that the book says of one vehicle: the answer to every wish, and said anew when something is granted."""
+    """All that the table says of one vehicle: the answer to every request, and said anew when something is granted."""
 
     district: Id
     epoch: Count
     life: Count
     """Of the vehicle; other ones are not meant."""
     upto: Count
-    """The number of its newest wish that is known."""
-    grants: Bookings
+    """The number of its newest request that is known."""
+    grants: PlaceReservations
     blocked: Blocked = Blocked.NO
     by: IdOrNone = ""
     """Who is in the way."""
     at: IdOrNone = ""
     """The place that is held by it."""
     removal: Count = 0
-    """The newest time that the vehicle was carried away, as the book knows: whatever it was granted before is void."""
+    """The newest time that the vehicle was carried away, as the table knows: whatever it was granted before is void."""
     mark: Mark = b""
-    """Of the wishes that are answered, or `UNSIGNED`: whoever has another key is not meant. Empty where all of that name are."""
+    """Of the requests that are answered, or `UNSIGNED`: whoever has another key is not meant. Empty where all of that name are."""
 
 
 class PlaceConfirmed(Message, said_by=DOCKS, radio=True, frozen=True):
-    """The witness of a book, the keeper whose turn is next, has these lines of one vehicle in its copy: no grant is believed without.
+    """The witness of a reservation table, the replica whose turn is next, has these lines of one vehicle in its copy: no grant is believed without.
 
-    Said when it has written new ones, and to a vehicle that asks by saying its wish to it.
+    Said when it has written new ones, and to a vehicle that asks by sending its request to it.
     """
 
     district: Id
     epoch: Count
-    grants: Bookings
+    grants: PlaceReservations
     """All of that vehicle, with the mark of its key."""
 
 
@@ -205,8 +205,8 @@ class OnFloor(Part, frozen=True):
     """The node where it is and the next ones of its way."""
 
 
-class FloorTold(Message, said_by=DOCKS, frozen=True):
-    """What the keeper of a book knows of the vehicles in its district: to all that drive there or close by.
+class FloorReported(Message, said_by=DOCKS, frozen=True):
+    """What the leader of a reservation table knows of the vehicles in its district: to all that drive there or close by.
 
     Said when it has changed, twice a second at most, and again every few seconds while there is a vehicle.
     """
@@ -240,56 +240,56 @@ class YieldRefused(Message, said_by=VEHICLES, radio=True, frozen=True):
 
 
 class HoldsAsked(Message, said_by=DOCKS, radio=True, frozen=True):
-    """The book of a district is kept by somebody else from now on: tell it what you hold, as a wish."""
+    """The table of a district is kept by somebody else from now on: tell it what you hold, as a request."""
 
     district: Id
     epoch: Count
-    roll_call: bool = False
-    """The book is lost: what is not told now is not held. Grants of earlier epochs count for nothing from now on."""
+    recovery_poll: bool = False
+    """The table is lost: what is not told now is not held. Grants of earlier epochs count for nothing from now on."""
 
 
 class GivenBack(Part, frozen=True):
     """A vehicle's own word, as it has signed it: what it gives back."""
 
     atv: Id
-    wish: PlaceWished
+    request: PlaceRequested
     """Without `avoid`, which is not signed."""
 
 
-class PlaceBooked(Message, said_by=DOCKS, frozen=True):
-    """The whole book of a district, for those who keep a copy. A grant counts when a majority has it."""
+class TableReplicated(Message, said_by=DOCKS, frozen=True):
+    """The whole reservation table of a district, for those who keep a copy. A grant counts when a majority has it."""
 
     district: Id
     epoch: Count
     version: Count
     """The highest number that was given: no line has a higher one."""
-    bookings: Bookings
+    reservations: PlaceReservations
     removed: AllRemoved = ()
     given_back: Annotated[tuple[GivenBack, ...], Meta(max_length=DISTRICT_MAX)] = ()
-    """By which lines were struck out that counted before: nobody copies a book that takes a place from a vehicle without its word."""
+    """By which lines were struck out that counted before: nobody copies a reservation table that takes a place from a vehicle without its word."""
 
     def __post_init__(self) -> None:
         _check_lines(self)
 
 
-class BookKept(Message, said_by=DOCKS, frozen=True):
-    """A copy is kept up to this version; with a higher epoch: somebody else keeps the book."""
+class TableAcknowledged(Message, said_by=DOCKS, frozen=True):
+    """A copy is kept up to this version; with a higher epoch: somebody else keeps the table."""
 
     district: Id
     epoch: Count
     version: Count
 
 
-class BookAsked(Message, said_by=DOCKS, frozen=True):
-    """Somebody means to keep the book of a district, or has lost its copy: what have you?"""
+class TableAsked(Message, said_by=DOCKS, frozen=True):
+    """Somebody means to keep the table of a district, or has lost its copy: what have you?"""
 
     district: Id
     epoch: Count
-    """Under which it means to keep the book; 0 for one that only wants to know."""
+    """Under which it means to keep the table; 0 for one that only wants to know."""
 
 
-class BookTold(Message, said_by=DOCKS, frozen=True):
-    """The copy that somebody has, and the epoch by which it goes, or under which it means to keep the book itself."""
+class TableReported(Message, said_by=DOCKS, frozen=True):
+    """The copy that somebody has, and the epoch by which it goes, or under which it means to keep the table itself."""
 
     district: Id
     epoch: Count
@@ -299,41 +299,41 @@ class BookTold(Message, said_by=DOCKS, frozen=True):
     """Of the one who has written the copy."""
     version: Count
     """The highest number that was given: no line has a higher one."""
-    bookings: Bookings
+    reservations: PlaceReservations
     removed: AllRemoved = ()
     began: Count = 0
-    """The epoch of the book that it copied when it had lost its memory, in this life; 0 where it had not."""
+    """The epoch of the table that it copied when it had lost its memory, in this life; 0 where it had not."""
 
     def __post_init__(self) -> None:
         _check_lines(self)
 
 
-def wished_words(atv: str, wish: PlaceWished) -> bytes:
-    """What the signature of a wish covers: a JSON array without white space, a time as whole thousandths.
+def request_words(atv: str, request: PlaceRequested) -> bytes:
+    """What the signature of a request covers: a JSON array without white space, a time as whole thousandths.
 
-    Not `avoid`, which is a hint and is cut where a wish goes by radio.
+    Not `avoid`, which is a hint and is cut where a request goes by radio.
 
     Args:
         atv: who says it.
-        wish: its `signature` is not looked at.
+        request: its `signature` is not looked at.
     """
-    rank_class, since_s, whose = wish.rank
+    rank_class, since_s, whose = request.rank
     return _encoder.encode(
         (
-            "dray wish 1",
+            "dray place request 1",
             atv,
-            wish.district,
-            wish.life,
-            wish.seq,
-            wish.epoch,
+            request.district,
+            request.life,
+            request.seq,
+            request.epoch,
             (rank_class, floor(since_s * 1000.0 + 0.5), whose),
-            wish.holds,
-            wish.groups,
-            wish.seen,
-            wish.stands,
-            wish.docked,
-            wish.chain,
-            wish.removal,
+            request.holds,
+            request.groups,
+            request.seen,
+            request.stands,
+            request.docked,
+            request.chain,
+            request.removal,
         )
     )
 

@@ -62,10 +62,10 @@ class Obstacles:
         self._times[lane] = times + 1
         for_s: float = min(FORGOTTEN_S * 2.0 ** min(times, DOUBLED_AT_MOST), FORGOTTEN_AT_MOST_S)
         self._known.pop(lane, None)
-        self.on_told(start, end, by, for_s, now_s)
+        self.on_reported(start, end, by, for_s, now_s)
         return for_s
 
-    def on_told(self, start: str, end: str, by: str, for_s: float, now_s: float) -> bool:
+    def on_reported(self, start: str, end: str, by: str, for_s: float, now_s: float) -> bool:
         """Something was seen; False when that changes nothing, or its speaker has told of too many."""
         lane = lane_of(start, end)
         known = self._known.get(lane)

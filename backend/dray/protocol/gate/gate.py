@@ -26,13 +26,13 @@ from dray.memory import WHOLE, GateGoal, GateMemory, Memory, Note
 from dray.messages import (
     AdmissionAsked,
     CommandRefusal,
-    CountHeard,
+    CountAcknowledged,
     GateAsked,
-    GateTold,
+    GateReported,
     GoodsCounted,
     Grant,
-    HolderHeard,
-    HolderTold,
+    HolderAcknowledged,
+    HolderReported,
     MachineCommand,
     OrderClaimed,
     PeopleAsBody,
@@ -104,9 +104,9 @@ class DeliveryGate(AgentBase):
         self._message_handlers = {
             GateAsked: self._on_gate_asked,
             AdmissionAsked: self._on_admission,
-            CountHeard: self._on_count_heard,
+            CountAcknowledged: self._on_count_acknowledged,
             OrderClaimed: self._on_claimed,
-            HolderHeard: self._on_holder_heard,
+            HolderAcknowledged: self._on_holder_acknowledged,
             MachineCommand: self._on_command,
         }
         self._report_handlers = {
@@ -220,7 +220,7 @@ class DeliveryGate(AgentBase):
         else:
             self._life.send(goal.asker, counted)
 
-    def _on_count_heard(self, sender: str, message: CountHeard, _now_s: float) -> None:
+    def _on_count_acknowledged(self, sender: str, message: CountAcknowledged, _now_s: float) -> None:
         goal = self._goals.get(message.goal)
         if goal is None or goal.asker != sender or message.arrived <= goal.heard:
             self._life.ignore("a count that was heard before, or by another one")
@@ -238,7 +238,7 @@ class DeliveryGate(AgentBase):
         if of is not None:
             refusal = self._orders.refusal(sender, of.order, asked.held)
             if refusal is not None:
-                self._life.send(sender, HolderTold(refusal))
+                self._life.send(sender, HolderReported(refusal))
                 return
         word = (asked.incarnation, asked.number)
         if goal is None:
@@ -275,7 +275,7 @@ class DeliveryGate(AgentBase):
             self._hand_over(claimed.order, sender)
             if loser := self._orders.loser(claimed.order):
                 self._say_lost(claimed.order, loser, now_s)
-        self._life.send(sender, HolderTold(told))
+        self._life.send(sender, HolderReported(told))
 
     def _hand_over(self, order: str, holder: str) -> None:
         """What is known of an order is told to its new holder, and to the old one no more."""
@@ -286,9 +286,9 @@ class DeliveryGate(AgentBase):
                 self._goals.put(replace(goal, asker=holder, incarnation=0, number=0, heard=goal.arrived))
 
     def _say_lost(self, order: str, by: str, now_s: float) -> None:
-        self._holders.say(order, Send(by, HolderTold(self._orders.told(order, by))), now_s)
+        self._holders.say(order, Send(by, HolderReported(self._orders.told(order, by))), now_s)
 
-    def _on_holder_heard(self, sender: str, message: HolderHeard, _now_s: float) -> None:
+    def _on_holder_acknowledged(self, sender: str, message: HolderAcknowledged, _now_s: float) -> None:
         if self._orders.heard(sender, message.order, message.epoch):
             self._holders.settle(message.order)
 
@@ -299,7 +299,7 @@ class DeliveryGate(AgentBase):
             self._life.ignore("a question that is answered when the gate is shut")
             return
         held, more = self._orders.held_by(sender, asked.after)
-        self._life.send(sender, GateTold(asked.after, held, more, self._since))
+        self._life.send(sender, GateReported(asked.after, held, more, self._since))
 
     def _is_shut_for(self, strategist: str) -> bool:
         """Shut the gate for all goals of a strategist's earlier lives; returns whether it is."""

@@ -109,5 +109,5 @@ class Cycle:
 
     def _note_made(self, goal: Goal, *, from_stock: bool = False) -> None:
         self._life.commit()
-        made = PieceMade(goal.id, goal.work.product, goal.told_made, from_stock)
+        made = PieceMade(goal.id, goal.work.product, goal.reported_made, from_stock)
         self._life.record(made)

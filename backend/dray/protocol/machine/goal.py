@@ -183,16 +183,16 @@ class Goal:
             goal=self.id,
             product=self.work.product,
             quantity=self.work.quantity,
-            made=self.told_made,
+            made=self.reported_made,
             delivered=self.delivered,
             deadline_s=self.deadline_s,
             offered=True if self.is_offered(now_s) else UNSET,
-            to_begin=UNSET if to_begin == self.work.quantity - self.told_made else to_begin,
+            to_begin=UNSET if to_begin == self.work.quantity - self.reported_made else to_begin,
             held=UNSET if self.held == 1 else self.held,
         )
 
     @property
-    def told_made(self) -> int:
+    def reported_made(self) -> int:
         """Pieces that were made, those that got lost not counted twice."""
         return min(self.made, self.work.quantity)
 

@@ -42,7 +42,7 @@ from dray.plant import Plant
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.parties import objection
-from dray.protocol.contract_net.trust.disbelief import Reproach
+from dray.protocol.contract_net.trust.disbelief import DisbeliefHandling
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.machine.closed_in import ClosedIn
@@ -63,7 +63,7 @@ from dray.protocol.runtime.life import BEAT
 from dray.protocol.runtime.running import ALONE, Running
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
-from dray.protocol.traffic.books.bookkeeping import Bookkeeping
+from dray.protocol.traffic.reservations.reservation_handling import ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
 
@@ -146,16 +146,18 @@ class Machine(AgentBase):
             MachineCommand: self._on_command,
             **self._breakdown.message_handlers,
             **self._closures.message_handlers,
-            Disbelieved: Reproach(self._life).on_disbelieved,
+            Disbelieved: DisbeliefHandling(self._life).on_disbelieved,
         }
         self._docks = (
             () if traffic is None else docks_heard(machine, plant.materials_of(machine), plant, self._keys)
         )
         heard = self._flow.subscriptions
         gone = self._flow.on_carried_away
-        self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._life, gone)
-        self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
-        self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
+        self._reservation_handling = ReservationHandling(
+            machine, plant, traffic, trusts, heard, self._life, gone
+        )
+        self._message_handlers = self._reservation_handling.handlers(self._message_handlers)
+        self._committers += [*self._reservation_handling.committers, self._flow.called.commits]
         self._report = StatusReport(
             self,
             software,
@@ -169,7 +171,7 @@ class Machine(AgentBase):
             self._breakdown,
             self._commands,
             self._probation,
-            self._bookkeeping,
+            self._reservation_handling,
             self._life,
         )
         self._report_handlers = {
@@ -190,7 +192,7 @@ class Machine(AgentBase):
             **self._bidder.alarms,
             **self._documents.alarms,
             **self._flow.alarms,
-            **self._bookkeeping.alarms,
+            **self._reservation_handling.alarms,
         }
 
     # --- the beginning, and time passing ---
@@ -218,7 +220,7 @@ class Machine(AgentBase):
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)
-        self._bookkeeping.start(memory, now_s, dock_answers=self._flow.door.answers)
+        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.door.answers)
         self._life.beat_soon(now_s)
         self.pursue(now_s)
 

@@ -16,8 +16,8 @@ from dray.messages import (
 )
 from dray.messages.fact import MachineStatusChanged
 from dray.messages.heartbeat import Making
+from dray.messages.heartbeat_stock import STOCK_EVERY_S
 from dray.messages.keys import Keys
-from dray.messages.told_stock import STOCK_EVERY_S
 from dray.plant.model import MachineSpec
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
@@ -29,7 +29,7 @@ from dray.protocol.machine.people.command_handling import MachineCommandHandling
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.books.bookkeeping import Bookkeeping
+from dray.protocol.traffic.reservations.reservation_handling import ReservationHandling
 
 Stock = tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...], tuple[DocumentBrief, ...]]
 """Materials, finished products, and documents."""
@@ -56,7 +56,7 @@ class StatusReport:
         software: the version it runs.
         joining: what it is, where the plant files of others do not know it.
         keys: of its plant.
-        goals, supply, flow, cycle, documents, breakdown, commands, probation, bookkeeping: the machine's parts.
+        goals, supply, flow, cycle, documents, breakdown, commands, probation, reservation_handling: the machine's parts.
 
     Attributes:
         status: as it was told last.
@@ -76,7 +76,7 @@ class StatusReport:
         breakdown: Breakdown,
         commands: MachineCommandHandling,
         probation: Probation,
-        bookkeeping: Bookkeeping,
+        reservation_handling: ReservationHandling,
         life: Life,
     ) -> None:
         self._owner = owner
@@ -91,7 +91,7 @@ class StatusReport:
         self._breakdown = breakdown
         self._commands = commands
         self._probation = probation
-        self._bookkeeping = bookkeeping
+        self._reservation_handling = reservation_handling
         self._life = life
         self.status = MachineStatus.IDLE
         self._told: Stock | None = None
@@ -128,7 +128,7 @@ class StatusReport:
             probation=self._probation.brief(),
             joining=self._joining,
             people=self._commands.people or UNSET,
-            awaits=self._bookkeeping.awaited(now_s),
+            awaits=self._reservation_handling.awaited(now_s),
             dock_wait=self._flow.door.wait(now_s),
         )
         self._life.publish(self._key, heartbeat)

@@ -15,9 +15,9 @@ from dray.protocol.runtime.events import (
     Commit,
     Effect,
     Event,
-    Heard,
     Leave,
     Leaving,
+    Received,
     Reported,
     Woke,
 )
@@ -73,7 +73,7 @@ class AgentBase:
                 self._was_deaf(event.late_s)
             self._sense(event.body, now_s)
             self._sound_alarms(now_s)
-        elif isinstance(event, Heard):
+        elif isinstance(event, Received):
             if event.body is not None:
                 self._sense(event.body, now_s)
             self._on_message(event, now_s)
@@ -124,14 +124,14 @@ class AgentBase:
     def _take_leave(self, now_s: float) -> None:
         """Send the last heartbeat of this life."""
 
-    def _on_message(self, heard: Heard, now_s: float) -> None:
-        handle = self._message_handlers.get(type(heard.message))
+    def _on_message(self, received: Received, now_s: float) -> None:
+        handle = self._message_handlers.get(type(received.message))
         if handle is None:
             self._life.ignore(NOT_FOR_US)
-        elif objection := self._objection(heard.sender, heard.message):
+        elif objection := self._objection(received.sender, received.message):
             self._life.ignore(objection)
         else:
-            handle(heard.sender, heard.message, now_s)
+            handle(received.sender, received.message, now_s)
 
     def _objection(self, sender: str, message: Message) -> str:
         """Why a message is ignored, whatever it says; empty when it is heard."""

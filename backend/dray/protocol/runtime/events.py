@@ -41,7 +41,7 @@ class Started(Value, frozen=True):
     """Why it is empty though it has lived before; empty when that is not so."""
 
 
-class Heard(Value, frozen=True):
+class Received(Value, frozen=True):
     """A message has arrived."""
 
     sender: str
@@ -70,7 +70,7 @@ class Leaving(Value, frozen=True):
     """The agent is asked to shut down gracefully; see `dray.protocol.runtime.shutdown`. Twice is harmless."""
 
 
-Event = Started | Heard | Woke | Reported | Leaving
+Event = Started | Received | Woke | Reported | Leaving
 
 # --- effects -------------------------------------------------------------------------------------
 

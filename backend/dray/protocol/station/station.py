@@ -31,7 +31,7 @@ from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.station.held_loads import HeldLoads
 from dray.protocol.station.refilling import Refilling
-from dray.protocol.traffic.books.bookkeeping import Bookkeeping
+from dray.protocol.traffic.reservations.reservation_handling import ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
 from dray.protocol.transports.issuing import Issuing
@@ -120,16 +120,18 @@ class Station(AgentBase):
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         heard = self._flow.subscriptions
         gone = self._flow.on_carried_away
-        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._life, gone)
-        self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
-        self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
+        self._reservation_handling = ReservationHandling(
+            storage, plant, traffic, trusts, heard, self._life, gone
+        )
+        self._message_handlers = self._reservation_handling.handlers(self._message_handlers)
+        self._committers += [*self._reservation_handling.committers, self._flow.called.commits]
         self._alarm_handlers = {
             BEAT: self._beat,
             **self._closures.alarms,
             **self._issuing.alarms,
             **self._flow.alarms,
             **self._held_loads.alarms,
-            **self._bookkeeping.alarms,
+            **self._reservation_handling.alarms,
         }
 
     # --- the beginning, time passing, and the end ---
@@ -163,7 +165,7 @@ class Station(AgentBase):
         if self.incarnation > 1:
             self._flow.recover(not memory, now_s)
         self._go_on(now_s)
-        self._bookkeeping.start(memory, now_s, dock_answers=self._flow.door.answers)
+        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.door.answers)
         self._life.beat_soon(now_s)
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -209,7 +211,7 @@ class Station(AgentBase):
             waits=self._flow.sourcing.waits(),
             software=self._software,
             draining=self._shutdown.begun,
-            awaits=self._bookkeeping.awaited(now_s),
+            awaits=self._reservation_handling.awaited(now_s),
             dock_wait=self._flow.door.wait(now_s),
             people=self._held_loads.people or UNSET,
         )

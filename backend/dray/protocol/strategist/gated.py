@@ -17,12 +17,12 @@ from dray.memory import ShutWord
 from dray.messages import (
     AdmissionAsked,
     Confirmed,
-    CountHeard,
+    CountAcknowledged,
     GateAsked,
-    GateTold,
+    GateReported,
     GoodsCounted,
-    HolderHeard,
-    HolderTold,
+    HolderAcknowledged,
+    HolderReported,
     Message,
     OrderClaimed,
     OrderReleased,
@@ -36,9 +36,9 @@ from dray.protocol.runtime.events import (
     Commit,
     Effect,
     Event,
-    Heard,
     Ignore,
     Instruct,
+    Received,
     Reported,
     Send,
     Started,
@@ -79,7 +79,7 @@ class GatedStrategist(Strategist):
         self._held_then: dict[str, int] = {}
         """As far as it has said."""
         self._begun = False
-        self._early: BoundedMap[str, Heard] = BoundedMap(ORDERS_MAX)
+        self._early: BoundedMap[str, Received] = BoundedMap(ORDERS_MAX)
         """By order, what was released before: whoever else has taken it, this one has to know of it."""
         self._gate_life = self._gate_since = 0
         self._words = Retransmitter(WORD, self._life)
@@ -104,7 +104,7 @@ class GatedStrategist(Strategist):
             self._life.subscribe(self._gate_key)
             self._ask(now_s)
             return self._taken_out()
-        if isinstance(event, Heard):
+        if isinstance(event, Received):
             if event.sender == self._gate:
                 effects = self._on_gate(event.message, now_s)
                 if effects is not None:
@@ -148,7 +148,7 @@ class GatedStrategist(Strategist):
         forgotten = begins is not None and not self._shares and not begins.memory
         self._words.say(ASKED, Send(self._gate, GateAsked(forgotten, after)), now_s)
 
-    def _on_told(self, told: GateTold, now_s: float) -> list[Effect]:
+    def _on_reported(self, told: GateReported, now_s: float) -> list[Effect]:
         if ASKED not in self._words:
             return [Ignore(OLD)]
         since, self._gate_since = self._gate_since, told.since
@@ -228,15 +228,15 @@ class GatedStrategist(Strategist):
 
     def _on_gate(self, message: Message, now_s: float) -> list[Effect] | None:
         """What comes of a word of the gate; None for one that is for nobody here."""
-        if isinstance(message, GateTold):
-            return self._on_told(message, now_s)
+        if isinstance(message, GateReported):
+            return self._on_reported(message, now_s)
         if isinstance(message, StationHeartbeat):
             return self._on_heartbeat(message, now_s)
         if not self._begun:
             return None
         if isinstance(message, GoodsCounted):
             return self._on_counted(message, now_s)
-        if isinstance(message, HolderTold):
+        if isinstance(message, HolderReported):
             return self._on_holder(message, now_s)
         return None
 
@@ -258,7 +258,7 @@ class GatedStrategist(Strategist):
             self._words.settle(f"goal {goal}")
             effects += self._noting(f"{goal} shut", None)
         if counted.arrived:
-            effects.append(Send(self._gate, CountHeard(goal, counted.arrived)))
+            effects.append(Send(self._gate, CountAcknowledged(goal, counted.arrived)))
         for report in self._reports(counted):
             effects += self._step(Reported(report), now_s)
         if goal in self._unconfirmed and goal not in self._asked:
@@ -283,11 +283,11 @@ class GatedStrategist(Strategist):
         self._brought[goal] = {each.vehicle: each.pieces for each in counted.brought}
         yield GoodsArrived(goal, counted.arrived, counted.admitted, by_people=counted.by_people)
 
-    def _on_holder(self, told: HolderTold, now_s: float) -> list[Effect]:
+    def _on_holder(self, told: HolderReported, now_s: float) -> list[Effect]:
         held, effects = told.held, list[Effect]()
         order, is_ours = held.order, held.holder == self.id
         if not is_ours:
-            effects.append(Send(self._gate, HolderHeard(order, held.epoch)))
+            effects.append(Send(self._gate, HolderAcknowledged(order, held.epoch)))
         if held.epoch < self._epochs.get(order, 0):
             return [*effects, Ignore(OLD)]
         self._epochs[order] = held.epoch

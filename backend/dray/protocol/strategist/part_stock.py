@@ -10,7 +10,7 @@ from collections import Counter
 from msgspec import UNSET
 
 from dray.messages import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
-from dray.messages.told_stock import with_stock
+from dray.messages.heartbeat_stock import with_stock
 from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 

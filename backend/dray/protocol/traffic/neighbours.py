@@ -1,4 +1,4 @@
-"""What the keeper of books knows of vehicles, from their heartbeats and wishes: who is silent, who moves. Never a right to anything."""
+"""What the leader of reservation tables knows of vehicles, from their heartbeats and requests: who is silent, who moves. Never a right to anything."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import msgspec
 from msgspec import UNSET
 
 from dray.messages import AtvHeartbeat, AtvStatus
-from dray.messages.floor.traffic import NO_RANK, ROUTE_MAX, PlaceWished, Rank
+from dray.messages.floor.traffic import NO_RANK, ROUTE_MAX, PlaceRequested, Rank
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S, bound_s, interval_s
 
 
@@ -43,7 +43,7 @@ class Beat(msgspec.Struct, frozen=True, gc=False):
 
 
 class Neighbours:
-    """The newest word of each vehicle that a keeper listens to."""
+    """The newest word of each vehicle that a replica listens to."""
 
     def __init__(self) -> None:
         self._beats: dict[str, Beat] = {}
@@ -97,16 +97,16 @@ class Neighbours:
         self._seen[heartbeat.atv] = seen
         return before is None or _is_news(before, seen)
 
-    def on_wish(self, atv: str, wish: PlaceWished, now_s: float) -> None:
+    def on_request(self, atv: str, request: PlaceRequested, now_s: float) -> None:
         """A vehicle has said what it holds and wants in one district: so it is there, and stands, or does not."""
         before = self._seen.get(atv) or self._brief.get(atv) or Seen(at_s=now_s, every_s=IDLE_INTERVAL_S)
         self._seen[atv] = msgspec.structs.replace(
             before,
             at_s=now_s,
-            stands=wish.stands,
-            docked=wish.docked,
-            rank=wish.rank,
-            route=wish.avoid[:ROUTE_MAX] if wish.avoid and not wish.chain else before.route,
+            stands=request.stands,
+            docked=request.docked,
+            rank=request.rank,
+            route=request.avoid[:ROUTE_MAX] if request.avoid and not request.chain else before.route,
         )
 
     def expect(self, atv: str, now_s: float) -> None:

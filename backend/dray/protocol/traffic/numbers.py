@@ -1,6 +1,6 @@
-"""How far one agent's word alone moves numbers that only grow: epochs of a book, and versions of it.
+"""How far one agent's word alone moves numbers that only grow: epochs of a reservation table, and versions of it.
 
-There is an end of numbers (`COUNT_MAX`). Whoever could bring a book there, or beyond what others believe, would stop its district for good.
+There is an end of numbers (`COUNT_MAX`). Whoever could bring a reservation table there, or beyond what others believe, would stop its district for good.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from collections.abc import Iterable
 from dray.messages.base import COUNT_MAX
 
 LEAP_MAX = 2**20
-"""Nobody believes one keeper alone that the epoch is higher than the present one by more."""
+"""Nobody believes one replica alone that the epoch is higher than the present one by more."""
 
 OUTBID_MAX = LEAP_MAX // 4
-"""By so much a keeper alone lets a vehicle go on, or a vehicle a keeper, to a later epoch. Less than `LEAP_MAX`: copies follow the epoch that is begun
+"""By so much a replica alone lets a vehicle go on, or a vehicle a replica, to a later epoch. Less than `LEAP_MAX`: copies follow the epoch that is begun
 then, also one that has missed the one before."""
 
 FAR = COUNT_MAX // 2
@@ -32,7 +32,7 @@ def most_believed(known: int, leap: int) -> int:
 
 
 def is_version_believed(version: int, known: int) -> bool:
-    """Whether a book can have come to a version.
+    """Whether a reservation table can have come to a version.
 
     Args:
         version: that somebody tells.

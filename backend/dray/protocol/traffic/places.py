@@ -2,7 +2,7 @@
 
 A place is a node, or a crossing of two-lane roads (`Crossing`). A lane is entered only with all its places held; it ends in the
 last of them. On single track that is the node at its end: so two vehicles never meet on a lane, and whoever follows enters behind
-somebody who has left. Places that must be granted together belong to one *district*, whose book one machine keeps at a time.
+somebody who has left. Places that must be granted together belong to one *district*, whose reservation table one machine keeps at a time.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from dray.plant import DirectedLane, Plant
 from dray.plant.floor.clearance import clear_m
 from dray.plant.layout import MARGIN_M
 
-KEEPERS = 3
-"""Who keep the book of a district, its copies included: one may fail, or be cut off, and two still agree."""
+REPLICAS = 3
+"""Who keep the table of a district, its copies included: one may fail, or be cut off, and two still agree."""
 
 NEAR_M = 8.0
 """Districts that are nearer to one another lie side by side: a vehicle in one is told who is in the other. In a warehouse of narrow aisles
@@ -78,16 +78,16 @@ class Places:
         plant: nodes, lanes and machines.
         footprint: of the largest vehicle.
         crossings: of two-lane roads; by default those of the plant.
-        keepers: who keep books; the machines by default, and the stations too where there are few of them.
+        replicas: who keep reservation tables; the machines by default, and the stations too where there are few of them.
 
     Attributes:
         all: every place, in the order of the plant file.
         at_m: place -> where it is.
-        mouths: dock node -> the node before it, where nobody waits for the dock.
+        dock_entries: dock node -> the node before it, where nobody waits for the dock.
         district_of: place -> district. A district has the name of the machine that is nearest to its first place, and a checksum
-            of its places, keepers and lanes: whoever goes by another plant file means another district, so
-            that no book grants a place that another one has granted.
-        keepers_of: district -> who keep its book, in the order in which they take it over.
+            of its places, replicas and lanes: whoever goes by another plant file means another district, so
+            that no reservation table grants a place that another one has granted.
+        replicas_of: district -> who keep its table, in the order in which they take it over.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Places:
         footprint: Footprint | None = None,
         *,
         crossings: Sequence[Crossing] | None = None,
-        keepers: Sequence[str] | None = None,
+        replicas: Sequence[str] | None = None,
     ) -> None:
         self._roads = plant.roads
         self._footprint = footprint or Footprint.of(plant)
@@ -105,7 +105,7 @@ class Places:
                 Crossing(one.id, one.x_m, one.y_m, frozenset(one.lanes), frozenset(one.inner))
                 for one in plant.crossings.values()
             ]
-        self.mouths = _mouths(plant)
+        self.dock_entries = _dock_entries(plant)
         self.docks = frozenset(plant.node_of(place) for place in plant.places)
         inner = {node: crossing.id for crossing in crossings for node in crossing.nodes}
         self._inner = frozenset(inner)
@@ -126,16 +126,16 @@ class Places:
         self.at_m: Mapping[str, tuple[float, float]] = spots
         self._fastest_mps = max(kind.max_speed_mps for kind in plant.vehicle_types.values())
         self._longest_m = max((lane.length_m for lane in plant.roads.lanes), default=0.0)
-        chosen = tuple(keepers) if keepers is not None else _keepers(plant)
-        at_m = {keeper: plant.position_of(keeper) for keeper in chosen}
+        chosen = tuple(replicas) if replicas is not None else _replicas(plant)
+        at_m = {replica: plant.position_of(replica) for replica in chosen}
         nearest = self._divide(spots, at_m)
-        keepers_of = {
-            first: _nearest(at_m[first], at_m)[:KEEPERS] for first in dict.fromkeys(nearest.values())
+        replicas_of = {
+            first: _nearest(at_m[first], at_m)[:REPLICAS] for first in dict.fromkeys(nearest.values())
         }
-        names = self._names(nearest, keepers_of, spots)
+        names = self._names(nearest, replicas_of, spots)
         self.district_of: Mapping[str, str] = {place: names[first] for place, first in nearest.items()}
-        self.keepers_of: Mapping[str, tuple[str, ...]] = {
-            names[first]: keepers for first, keepers in keepers_of.items()
+        self.replicas_of: Mapping[str, tuple[str, ...]] = {
+            names[first]: replicas for first, replicas in replicas_of.items()
         }
         self._around = self._side_by_side(spots)
 
@@ -191,13 +191,13 @@ class Places:
     def group_end(self, nodes: Sequence[str], first: int) -> int:
         """Where the group ends that begins with the `first` of a way's nodes: the next one where a vehicle may stop and wait.
 
-        A dock is taken with its mouth, so nobody waits in a mouth; a crossing with the stop point behind it.
+        A dock is taken with its entry, so nobody waits in an entry; a crossing with the stop point behind it.
         """
         last = len(nodes) - 1
         end = first
         while end < last:
             node = nodes[end]
-            if self.may_stop(node) and self.mouths.get(nodes[end + 1]) != node:
+            if self.may_stop(node) and self.dock_entries.get(nodes[end + 1]) != node:
                 break
             end += 1
         return end
@@ -229,7 +229,7 @@ class Places:
 
     def _side_by_side(self, spots: Mapping[str, tuple[float, float]]) -> dict[str, tuple[str, ...]]:
         """Each district, with those that a vehicle in it is told of."""
-        around: dict[str, dict[str, None]] = {district: {district: None} for district in self.keepers_of}
+        around: dict[str, dict[str, None]] = {district: {district: None} for district in self.replicas_of}
         for start, end in self._needs:
             one, other = (self.district_of[self.place_of(node)] for node in (start, end))
             around[one][other] = around[other][one] = None
@@ -242,11 +242,11 @@ class Places:
     def _names(
         self,
         nearest: Mapping[str, str],
-        keepers_of: Mapping[str, tuple[str, ...]],
+        replicas_of: Mapping[str, tuple[str, ...]],
         spots: Mapping[str, tuple[float, float]],
     ) -> dict[str, str]:
-        """The first keeper of each district -> the district's name."""
-        told: dict[str, list[object]] = {first: [keepers] for first, keepers in keepers_of.items()}
+        """The first replica of each district -> the district's name."""
+        told: dict[str, list[object]] = {first: [replicas] for first, replicas in replicas_of.items()}
         for place, (x_m, y_m) in sorted(spots.items()):
             told[nearest[place]].append((place, f"{x_m:.3f} {y_m:.3f}"))
         for (start, end), places in sorted(self._needs.items()):
@@ -259,8 +259,8 @@ class Places:
     ) -> dict[str, str]:
         """The district of every place: that of the machine nearest to the first place of those that go together."""
         together = _Together(spots)
-        for dock, mouth in self.mouths.items():
-            together.join(self.place_of(mouth), self.place_of(dock))
+        for dock, entry in self.dock_entries.items():
+            together.join(self.place_of(entry), self.place_of(dock))
         for (_, end), places in self._needs.items():
             for one, other in pairwise(places):
                 together.join(one, other)
@@ -305,27 +305,27 @@ class _Together:
         self._above[second] = first
 
 
-def _mouths(plant: Plant) -> dict[str, str]:
+def _dock_entries(plant: Plant) -> dict[str, str]:
     """Docks at the end of a spur, or on a one-way loop beside the road, with the node that leads to each."""
-    mouths: dict[str, str] = {}
+    entries: dict[str, str] = {}
     for place in plant.places:
         dock = plant.node_of(place)
         before = {lane.start for lane in plant.roads.entering[dock]}
         after = {lane.end for lane in plant.roads.leaving[dock]}
         if len(before) == 1 and len(after) == 1:
-            mouths[dock] = before.pop()
-    return mouths
+            entries[dock] = before.pop()
+    return entries
 
 
-def _keepers(plant: Plant) -> tuple[str, ...]:
+def _replicas(plant: Plant) -> tuple[str, ...]:
     """The machines; with fewer than it takes, the stations of the storages as well."""
     machines = tuple(plant.machines)
-    return machines if len(machines) >= KEEPERS else (*machines, *plant.stores)
+    return machines if len(machines) >= REPLICAS else (*machines, *plant.stores)
 
 
 def _nearest(spot: tuple[float, float], at_m: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
-    """Keepers by their distance as the crow flies, ties by id."""
-    return tuple(sorted(at_m, key=lambda keeper: (_distance_m(spot, at_m[keeper]), keeper)))
+    """Replicas by their distance as the crow flies, ties by id."""
+    return tuple(sorted(at_m, key=lambda replica: (_distance_m(spot, at_m[replica]), replica)))
 
 
 def _distance_m(one: tuple[float, float], other: tuple[float, float]) -> float:

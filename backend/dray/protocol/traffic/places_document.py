@@ -9,11 +9,11 @@ from dray.protocol.traffic.places import Places
 
 
 class DistrictEntry(msgspec.Struct, frozen=True):
-    """A district, and who keeps its book."""
+    """A district, and who keeps its table."""
 
     district: str
-    keepers: tuple[str, ...]
-    """The book of epoch E is written by number E modulo their count, from 0."""
+    replicas: tuple[str, ...]
+    """The table of epoch E is written by number E modulo their count, from 0."""
     places: tuple[str, ...]
 
 
@@ -34,13 +34,13 @@ class PlacesDocument(msgspec.Struct, frozen=True):
     Attributes:
         districts: each place is in one of them.
         lanes: of the plant as it is driven.
-        mouths: dock -> the node before it, which is taken with it.
+        dock_entries: dock -> the node before it, which is taken with it.
         crossed: nodes in crossings, where nobody stops -> the place that each lies in.
     """
 
     districts: tuple[DistrictEntry, ...]
     lanes: tuple[LaneEntry, ...]
-    mouths: dict[str, str]
+    dock_entries: dict[str, str]
     crossed: dict[str, str]
 
 
@@ -49,8 +49,8 @@ def places_document(plant: Plant) -> PlacesDocument:
     places = Places(plant)
     return PlacesDocument(
         districts=tuple(
-            DistrictEntry(district, keepers, tuple(sorted(places.places_in(district))))
-            for district, keepers in places.keepers_of.items()
+            DistrictEntry(district, replicas, tuple(sorted(places.places_in(district))))
+            for district, replicas in places.replicas_of.items()
         ),
         lanes=tuple(
             LaneEntry(
@@ -61,6 +61,6 @@ def places_document(plant: Plant) -> PlacesDocument:
             )
             for lane in plant.roads.lanes
         ),
-        mouths=dict(places.mouths),
+        dock_entries=dict(places.dock_entries),
         crossed={node: places.place_of(node) for node in plant.nodes if not places.may_stop(node)},
     )

@@ -1,4 +1,4 @@
-"""What a vehicle knows of the traffic around it, as prices of places: what keepers tell of others, its own late waits.
+"""What a vehicle knows of the traffic around it, as prices of places: what replicas tell of others, its own late waits.
 
 Hints and nothing more: who is wrong about them takes a longer way.
 """
@@ -23,10 +23,10 @@ WAIT_HALF_S = 30.0
 """So old a wait of one's own counts half."""
 
 TELL_S = {Blocked.WAIT: STANDS_S, Blocked.DOCKED: DOCKED_S, Blocked.SILENT: SILENT_S}
-"""Added to the price of a place that the book says is held so."""
+"""Added to the price of a place that the table says is held so."""
 
 TOLD_COUNTS_S = 20.0
-"""So long the word of a book counts in prices."""
+"""So long the word of a reservation table counts in prices."""
 
 
 class Prices:
@@ -35,7 +35,7 @@ class Prices:
     Args:
         others: the other vehicles, as far as they are known.
         waits_s: place -> seconds of one's own late waits there, as `Waits` tells them.
-        told: place -> seconds, told by whoever keeps the book there.
+        told: place -> seconds, told by whoever keeps the table there.
         restrictions: what people have closed.
         obstructed: lanes on which something lies.
     """
@@ -119,10 +119,10 @@ class Outlook:
         self._surroundings = surroundings
         self._waits = Waits()
         self._told: dict[str, tuple[float, float]] = {}
-        """Place -> its price as the book told it, and until when that counts."""
+        """Place -> its price as the table told it, and until when that counts."""
 
     def note(self, granted: PlaceGranted, now_s: float) -> None:
-        """A book has said who is in the way."""
+        """A reservation table has said who is in the way."""
         price_s = TELL_S.get(granted.blocked)
         if granted.at and price_s is not None:
             self._told[granted.at] = (price_s, now_s + TOLD_COUNTS_S)

@@ -1,6 +1,6 @@
 """What a vehicle knows of others on the floor around it: hints for prices and refuges, and never a right to anything.
 
-The keeper of each book tells who holds something in its district (`FloorTold`). A vehicle listens to the districts in which it holds
+The leader of each table tells who holds something in its district (`FloorReported`). A vehicle listens to the districts in which it holds
 something, and to those beside them; one that rests where it is in nobody's way need not know, and does not listen.
 """
 
@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable
 
 import msgspec
 
-from dray.messages.floor.traffic import FloorTold, OnFloor
+from dray.messages.floor.traffic import FloorReported, OnFloor
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.places import Places
 
 COUNTS_S = 10.0
-"""So long a word counts: three of them are lost, and a keeper that died was replaced."""
+"""So long a word counts: three of them are lost, and a replica that died was replaced."""
 
 AGAIN_S = 4.0
 """So long a word counts that was heard before the vehicle rested: until those have spoken that it listens to again."""
@@ -24,7 +24,7 @@ AGAIN_S = 4.0
 class _Word(msgspec.Struct, frozen=True, gc=False):
     """The newest word about one district."""
 
-    told: FloorTold
+    told: FloorReported
     at_s: float
     until_s: float
 
@@ -34,7 +34,7 @@ class Surroundings:
 
     Args:
         me: the vehicle: what is said of itself is no traffic.
-        places: which districts there are, which lie side by side, and who keeps their books.
+        places: which districts there are, which lie side by side, and who keeps their reservation tables.
         key_of: the bus key on which a district is told.
     """
 
@@ -69,9 +69,9 @@ class Surroundings:
                     word, until_s=max(word.until_s, now_s + AGAIN_S)
                 )
 
-    def on_floor(self, sender: str, told: FloorTold, now_s: float) -> bool:
-        """A keeper has told of a district; False when it is not believed, or is old."""
-        if sender not in self._places.keepers_of.get(told.district, ()):
+    def on_floor(self, sender: str, told: FloorReported, now_s: float) -> bool:
+        """A replica has told of a district; False when it is not believed, or is old."""
+        if sender not in self._places.replicas_of.get(told.district, ()):
             return False
         before = self._words.get(told.district)
         if before is not None and now_s < before.at_s + COUNTS_S and _age(told) <= _age(before.told):
@@ -106,5 +106,5 @@ class Surroundings:
         return others
 
 
-def _age(told: FloorTold) -> tuple[int, int]:
+def _age(told: FloorReported) -> tuple[int, int]:
     return told.epoch, told.number

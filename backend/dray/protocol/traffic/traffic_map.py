@@ -1,35 +1,35 @@
-"""What every agent of a plant works out alike for right of way: places, whose books they are in, and ways."""
+"""What every agent of a plant works out alike for right of way: places, whose tables they are in, and ways."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.messages.floor.traffic import PlaceWished
+from dray.messages.floor.traffic import PlaceRequested
 from dray.plant import Plant
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.ways import Ways
 
-IsSigned = Callable[[str, PlaceWished], bool]
-"""Called with a vehicle's name and its wish."""
+IsSigned = Callable[[str, PlaceRequested], bool]
+"""Called with a vehicle's name and its request."""
 
 
-def names_no_key(_atv: str, wish: PlaceWished) -> bool:
-    """Where nobody can tell a signature: only wishes without a key are heard."""
-    return not wish.key
+def names_no_key(_atv: str, request: PlaceRequested) -> bool:
+    """Where nobody can tell a signature: only requests without a key are heard."""
+    return not request.key
 
 
 class TrafficMap:
-    """Places and ways of one plant. Whoever is given one drives, or keeps books, with right of way.
+    """Places and ways of one plant. Whoever is given one drives, or keeps tables, with right of way.
 
     It follows from the plant alone and never changes: agents of one process may share it.
 
     Args:
         plant: nodes, lanes, machines and vehicle types.
-        is_signed: whether a vehicle's wish is signed by the key that it names, or names none.
+        is_signed: whether a vehicle's request is signed by the key that it names, or names none.
 
     Attributes:
         is_signed: likewise.
-        places: what is held, and who keeps the books of it.
+        places: what is held, and who keeps the reservation tables of it.
         atvs: the vehicles that the plant file knows.
     """
 

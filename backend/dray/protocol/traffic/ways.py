@@ -118,7 +118,7 @@ class Ways:
                     price_s += ONCOMING * road.lane_s * oncoming
                 for place in road.needs:
                     price_s += prices.place_s.get(place, 0.0)
-            if road.end != goal and road.end in self._places.docks and road.end in self._places.mouths:
+            if road.end != goal and road.end in self._places.docks and road.end in self._places.dock_entries:
                 price_s += THROUGH_DOCK_S
             return price_s
 

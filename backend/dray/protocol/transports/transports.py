@@ -137,7 +137,7 @@ class Transports(Coordinator):
         self._lost, self._left = lost, left
         self._unloaded = unloaded
         self.waits = CarrierWaits(machine, assessor.handling_max_s, self._open)
-        self._auctions.waits = self.told_waits
+        self._auctions.waits = self.announced_waits
         self._secondaries = Secondaries(self._open, self._auctions, subscriptions, life)
         self.failover = Failover(
             self._open,
@@ -356,7 +356,7 @@ class Transports(Coordinator):
         task.auction.offer(atv, now_s)
         return True
 
-    def told_waits(self, work: Work, now_s: float) -> tuple[Wait, ...]:
+    def announced_waits(self, work: Work, now_s: float) -> tuple[Wait, ...]:
         """What is known of waits at the places of a transport."""
         return self.waits.told(cast(Transport, work), now_s)
 

@@ -45,15 +45,15 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.parties import objection
-from dray.protocol.contract_net.trust.disbelief import Reproach
+from dray.protocol.contract_net.trust.disbelief import DisbeliefHandling
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
+from dray.protocol.traffic.driving.place_requests import Sign, unsigned
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
-from dray.protocol.traffic.driving.wishes import Sign, unsigned
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.closure_handling import ClosureHandling
@@ -108,7 +108,7 @@ class Atv(AgentBase):
         probation: transports that it has to do well before it takes long ones; 0 for an agent that is known to be good.
         trusts: whose grants count when people command it.
         traffic: of the plant; None to drive without right of way, as if there were no other vehicle.
-        sign_wish: signs what it says to keepers of books.
+        sign_request: signs what it says to replicas of reservation tables.
     """
 
     def __init__(
@@ -122,10 +122,10 @@ class Atv(AgentBase):
         probation: int = 0,
         trusts: Trusts = trusts_nobody,
         traffic: TrafficMap | None = None,
-        sign_wish: Sign = unsigned,
+        sign_request: Sign = unsigned,
     ) -> None:
         super().__init__(atv, incarnation, leaves_within_s=CARRIER_LEAVES_WITHIN_S)
-        self.sign_wish = sign_wish
+        self.sign_request = sign_request
         self.floor = plant = KnownFloor(plant)
         self._type = vehicle_type or plant.fleet[atv].type
         self._keys = Keys(plant.id)
@@ -163,7 +163,7 @@ class Atv(AgentBase):
             **self.obstacles.messages,
             VehicleCommand: self._on_command,
             DwellPointClaimed: self._on_claim,
-            Disbelieved: Reproach(self._life).on_disbelieved,
+            Disbelieved: DisbeliefHandling(self._life).on_disbelieved,
         }
         self._report_handlers = {
             NodePassed: self._node_passed,

@@ -138,7 +138,7 @@ class ObstacleHandling:
             return
         is_first = shut.by not in self._silent
         for start, end in self._silent.meet(shut.by, shut.lanes):
-            self._floor.obstacles.on_told(start, end, self._owner.id, FORGOTTEN_AT_MOST_S, now_s)
+            self._floor.obstacles.on_reported(start, end, self._owner.id, FORGOTTEN_AT_MOST_S, now_s)
             self._untold[start, end] = now_s + FORGOTTEN_AT_MOST_S
         self._changed()
         self.tell(now_s)
@@ -229,7 +229,7 @@ class ObstacleHandling:
         if sender == self._owner.id:
             return
         if seen.there:
-            news = obstacles.on_told(seen.start, seen.end, sender, seen.forget_in_s, now_s)
+            news = obstacles.on_reported(seen.start, seen.end, sender, seen.forget_in_s, now_s)
         else:
             news = obstacles.clear(seen.start, seen.end)
         self._heed(seen.start, seen.end, now_s, news=news, there=seen.there)

@@ -59,7 +59,7 @@ class SilentVehicles:
         return iter(self._lanes)
 
     def was_heard_lately(self, atv: str, now_s: float) -> bool:
-        """Whether it was heard or carried away a moment ago: then it may be out of the way soon, whatever a book says."""
+        """Whether it was heard or carried away a moment ago: then it may be out of the way soon, whatever a reservation table says."""
         return now_s - self._ended_s.get(atv, -SHUT_OUT_S) < SHUT_OUT_S
 
     def meet(self, atv: str, lanes: Sequence[Ends]) -> list[Ends]:

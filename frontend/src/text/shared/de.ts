@@ -292,7 +292,7 @@ export const de: Catalogue<typeof en> = {
   "alerts.what.atv_error": "Meldet eine Störung",
   "alerts.what.jam": "Stau",
   "alerts.what.atv_waits": "Kommt nicht weiter",
-  "alerts.what.atv_awaited": "Nicht gehört, und {keepers} vergeben keinen Platz, bevor es sagt, was es hält: ihre Bücher sind verloren",
+  "alerts.what.atv_awaited": "Nicht gehört, und {keepers} vergeben keinen Platz, bevor es sagt, was es hält: ihre Reservierungstabellen sind verloren",
   "alerts.what.atv_unheard": "Hält Plätze und wurde nie gehört; darauf warten: {agents}",
   "alerts.what.atv_stopped": "Von Hand angehalten",
   "alerts.what.atv_battery": "Batterie bei {percent}",

@@ -292,7 +292,7 @@ export const es: Catalogue<typeof en> = {
   "alerts.what.atv_error": "Informa de un problema",
   "alerts.what.jam": "Atasco",
   "alerts.what.atv_waits": "No avanza",
-  "alerts.what.atv_awaited": "Sin oírlo, y {keepers} no conceden lugares antes de que diga lo que ocupa: sus libros se perdieron",
+  "alerts.what.atv_awaited": "Sin oírlo, y {keepers} no conceden lugares antes de que diga lo que ocupa: sus tablas de reservas se perdieron",
   "alerts.what.atv_unheard": "Ocupa lugares y nunca se ha oído; esperan por él: {agents}",
   "alerts.what.atv_stopped": "Parado por un operario",
   "alerts.what.atv_battery": "Batería al {percent}",

@@ -182,7 +182,7 @@ class Field:
             "DRAY_BUS_PEERS": ",".join(self._peers(name)),
             "DRAY_BUS_LEASE_S": str(LEASE_S),
             "DRAY_BUS_RADIO": RADIO_NETWORK if name in VEHICLES else "",
-            # The machines that would keep the books of places are absent.
+            # The machines that would keep the reservation tables are absent.
             "DRAY_TRAFFIC": "false",
         }
 

@@ -74,10 +74,10 @@ async def observe(spec: ProbeSpec) -> None:
             session.subscribe(key)
         customers = OrderClient(bus, SystemClock(asyncio.get_running_loop()))
         # Otherwise nobody would hear the first order, and the next try would come seconds later.
-        present = await bus.roll_call()
+        present = await bus.agents_present()
         while STRATEGIST not in present:
             await asyncio.sleep(AGAIN_S)
-            present = await bus.roll_call()
+            present = await bus.agents_present()
         await customers.order(Order("O-1", 0.0, 1e10, (spec.order,)))
         await asyncio.Event().wait()
     finally:

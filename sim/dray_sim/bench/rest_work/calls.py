@@ -83,7 +83,7 @@ class Watch:
 
 
 @dataclass(slots=True)
-class Told:
+class Result:
     """Observations of the factory's thread."""
 
     kills: int
@@ -117,7 +117,7 @@ def loads(plant: Plant, random: Random) -> Iterator[dict[str, Any]]:
         yield {"item": item, "quantity": PIECES, "from": machine, "to": storage}
 
 
-async def work(stage: Stage, calls: int) -> Told:
+async def work(stage: Stage, calls: int) -> Result:
     """Run the factory with orders, calls and kills, until all have ended."""
     watch = Watch()
     stage.listeners.add(watch)
@@ -141,7 +141,7 @@ async def work(stage: Stage, calls: int) -> Told:
     kills = await kill_in_turn(stage, victims, KILL_EVERY_S, DEAD_S, is_over)
     await stage.until_s(stage.shift.duration_s)
     await stage.settle(END_WITHIN_S)
-    return Told(kills, watch, len(stage.orders), len(stage.observer.fulfilled_s))
+    return Result(kills, watch, len(stage.orders), len(stage.observer.fulfilled_s))
 
 
 async def call_all(calls: int, recurring: int, traffic: bool | None, *, on_s: float = ON_S) -> list[Row]:
@@ -158,7 +158,7 @@ async def call_all(calls: int, recurring: int, traffic: bool | None, *, on_s: fl
         }
         schedules = await plan(house.admin, plant, recurring, calls * EVERY_S / SPEED)
         callers = await _call(house, plant, who, calls)
-        told = await house.told
+        result = await house.result
         ended = {"delivered", "cancelled"}
         await until_all(
             house.admin,
@@ -168,14 +168,14 @@ async def call_all(calls: int, recurring: int, traffic: bool | None, *, on_s: fl
         )
         found = await house.admin.all("/api/transports")
         runs = [each for each in await house.admin.all("/api/schedules") if each["last"]]
-    return _rows(calls, recurring, callers, told, found, schedules, runs)
+    return _rows(calls, recurring, callers, result, found, schedules, runs)
 
 
-async def _call(house: House[Told], plant: Plant, who: dict[str, Client], calls: int) -> Callers:
+async def _call(house: House[Result], plant: Plant, who: dict[str, Client], calls: int) -> Callers:
     callers, wanted = Callers(), loads(plant, Random("calls"))
     async with asyncio.TaskGroup() as group:
         for number, name in zip(range(calls), cycle(who), strict=False):
-            while house.now_s() < number * EVERY_S and not house.told.done():  # noqa: ASYNC110 - that clock is another thread's
+            while house.now_s() < number * EVERY_S and not house.result.done():  # noqa: ASYNC110 - that clock is another thread's
                 await asyncio.sleep(AGAIN_S)
             priority = ("normal", "high", "urgent", "low")[number // 3 % 4]
             draft = next(wanted) | {"priority": priority}
@@ -276,12 +276,12 @@ def _rows(
     calls: int,
     recurring: int,
     callers: Callers,
-    told: Told,
+    result: Result,
     found: Sequence[dict[str, Any]],
     schedules: Sequence[str],
     runs: Sequence[dict[str, Any]],
 ) -> list[Row]:
-    watch = told.watch
+    watch = result.watch
     once = {
         name
         for name, ends in watch.ends.items()
@@ -302,7 +302,7 @@ def _rows(
             calls,
             "all calls",
             target=calls,
-            note=f"{by}; {len(callers.refused)} refused{': ' + callers.refused[0] if callers.refused else ''}; {told.kills} agents killed",
+            note=f"{by}; {len(callers.refused)} refused{': ' + callers.refused[0] if callers.refused else ''}; {result.kills} agents killed",
         ),
         Row(
             "work: recurring calls, brought once",
@@ -338,10 +338,10 @@ def _rows(
         ),
         Row(
             "work: orders beside the calls, delivered",
-            told.delivered,
+            result.delivered,
             "orders",
-            max(1, told.orders),
+            max(1, result.orders),
             "all orders",
-            target=told.orders,
+            target=result.orders,
         ),
     ]

@@ -103,7 +103,7 @@ class House(Generic[T]):
     port: int
     admin: Client
     database_url: str
-    told: asyncio.Future[T]
+    result: asyncio.Future[T]
     now_s: Callable[[], float] = lambda: 0.0
     """The plant's clock; it stands at 0 until the script runs."""
 
@@ -132,7 +132,7 @@ async def open_house(
         UnavailableError: it does not start, or its script ends early.
     """
     loop = asyncio.get_running_loop()
-    told: asyncio.Future[T] = loop.create_future()
+    result: asyncio.Future[T] = loop.create_future()
 
     async def play(stage: Stage) -> T:
         house.now_s = stage.now_s
@@ -141,8 +141,8 @@ async def open_house(
         finally:
             # A broken invariant ends the script.
             if stage.checks.broken is not None:
-                loop.call_soon_threadsafe(_fail, told, str(stage.checks.broken))
-        loop.call_soon_threadsafe(_tell, told, found)
+                loop.call_soon_threadsafe(_fail, result, str(stage.checks.broken))
+        loop.call_soon_threadsafe(_tell, result, found)
         return found
 
     part = Part(shift.name, shift, lambda: plant, play, (), lambda _found: ())
@@ -155,12 +155,12 @@ async def open_house(
         if traffic is not None:
             settings = settings.model_copy(update={"traffic": traffic})
         admin = Client(port, Authorization=f"Bearer {token}")
-        house = House(port, admin, settings.database_url, told)
+        house = House(port, admin, settings.database_url, result)
         # No link to log in is printed: it would stand among the figures.
         silent = Service(settings, plant, speed, greets=False)
         service = run_service(silent, seed, None, LivePart(part, shift.name))
         running = asyncio.create_task(service)
-        running.add_done_callback(lambda _task: _fail(told, "the factory has ended"))
+        running.add_done_callback(lambda _task: _fail(result, "the factory has ended"))
         try:
             await _until_answered(house.admin, running)
         except BaseException:
@@ -198,11 +198,11 @@ async def _until_answered(client: Client, running: asyncio.Task[None]) -> None:
         await asyncio.sleep(AGAIN_S)
 
 
-def _tell(told: asyncio.Future[T], found: T) -> None:
-    if not told.done():
-        told.set_result(found)
+def _tell(result: asyncio.Future[T], found: T) -> None:
+    if not result.done():
+        result.set_result(found)
 
 
-def _fail(told: asyncio.Future[T], why: str) -> None:
-    if not told.done():
-        told.set_exception(UnavailableError("the factory", why, "see why"))
+def _fail(result: asyncio.Future[T], why: str) -> None:
+    if not result.done():
+        result.set_exception(UnavailableError("the factory", why, "see why"))

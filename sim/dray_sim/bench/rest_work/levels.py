@@ -30,7 +30,7 @@ LOOK_S = 10.0
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Result:
     """Observations of the factory's thread."""
 
     kills: int
@@ -49,7 +49,7 @@ def file_of(plant: Plant, orders: int) -> tuple[str, Counter[str]]:
     return "\r\n".join(lines) + "\r\n", wanted
 
 
-async def make(stage: Stage, orders: int) -> Told:
+async def make(stage: Stage, orders: int) -> Result:
     """Run the factory, with kills, until so many orders have arrived."""
     first, since_s = stage.factory.floor.lying(), stage.now_s()
     done = stage.observer.fulfilled_s
@@ -59,7 +59,7 @@ async def make(stage: Stage, orders: int) -> Told:
 
     victims = (*stage.factory.workcells, STRATEGIST)
     kills = await kill_in_turn(stage, victims, KILL_EVERY_S, DEAD_S, is_over)
-    return Told(kills, max(done.values(), default=since_s) - since_s, accounts(stage, first))
+    return Result(kills, max(done.values(), default=since_s) - since_s, accounts(stage, first))
 
 
 async def order_all(orders: int, traffic: bool | None) -> list[Row]:
@@ -78,7 +78,7 @@ async def order_all(orders: int, traffic: bool | None) -> list[Row]:
         await asyncio.to_thread(
             house.admin.ask, "POST", "/api/orders/import", {"csv": csv}, **{"Idempotency-Key": "work-levels"}
         )
-        told = await house.told
+        result = await house.result
         await until_all(
             house.admin,
             "/api/orders",
@@ -87,7 +87,7 @@ async def order_all(orders: int, traffic: bool | None) -> list[Row]:
         )
         found = await house.admin.all("/api/orders")
     delivered = [each for each in found if each["status"] == "delivered"]
-    arrived = {account.item: account.delivered for account in told.accounts}
+    arrived = {account.item: account.delivered for account in result.accounts}
     wrong = sum(abs(arrived[product] - wanted[product]) for product in arrived)
     return [
         Row(
@@ -97,7 +97,7 @@ async def order_all(orders: int, traffic: bool | None) -> list[Row]:
             orders,
             "what the file asks for",
             target=orders,
-            note=f"{len(found)} orders at the gateway, {told.kills} machines and strategists killed, {told.took_s / 3600:.1f} h of the plant's clock",
+            note=f"{len(found)} orders at the gateway, {result.kills} machines and strategists killed, {result.took_s / 3600:.1f} h of the plant's clock",
         ),
         Row(
             "work: pieces that arrived beyond or below what was ordered",
@@ -108,7 +108,7 @@ async def order_all(orders: int, traffic: bool | None) -> list[Row]:
             target=0,
             less=True,
         ),
-        *(_row(account) for account in told.accounts),
+        *(_row(account) for account in result.accounts),
     ]
 
 

@@ -392,8 +392,8 @@ async def _by_callers(
     """Ask these on `WORKERS` connections, by keys of `CALLERS` systems."""
     callers = []
     for number in range(CALLERS):
-        wish = {"name": f"{scopes[0]} {number}", "scopes": list(scopes)}
-        made = json.loads(await _ask(target, "POST", "/api/keys", json.dumps(wish).encode()))
+        request = {"name": f"{scopes[0]} {number}", "scopes": list(scopes)}
+        made = json.loads(await _ask(target, "POST", "/api/keys", json.dumps(request).encode()))
         callers.append(replace(target, token=made["token"]))
     await _each(WORKERS, lambda worker: _ask_all(callers[worker % CALLERS], _turned(asked, worker)))
 

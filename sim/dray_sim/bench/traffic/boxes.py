@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from dray.messages import Message
 from dray.messages.floor.traffic import (
-    FloorTold,
+    FloorReported,
     HoldsAsked,
     PlaceConfirmed,
     PlaceGranted,
@@ -17,14 +17,14 @@ from dray.messages.keys import Keys
 from dray.protocol.runtime.events import Instruct, Publish, Send, Subscribe, Unsubscribe
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.books.copies import Kept
-from dray.protocol.traffic.books.district import BOOK_TICK
-from dray.protocol.traffic.books.districts import Districts
-from dray.protocol.traffic.books.impostors import Impostors
+from dray.protocol.traffic.driving.place_requests import REQUEST_AGAIN
 from dray.protocol.traffic.driving.right_of_way import HELD_UP, IDLE, LOOK, RESTED, WITH_TASK, RightOfWay
-from dray.protocol.traffic.driving.wishes import WISH_AGAIN
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.reservations.copies import Kept
+from dray.protocol.traffic.reservations.district import TABLE_TICK
+from dray.protocol.traffic.reservations.districts import Districts
+from dray.protocol.traffic.reservations.impostors import Impostors
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.ways import Ways
 from dray_sim.bench.traffic.air import Air
@@ -90,7 +90,7 @@ class Agent:
 
 
 class BoxMachine(Agent):
-    """A machine, as far as it keeps books."""
+    """A machine, as far as it keeps reservation tables."""
 
     def __init__(
         self,
@@ -106,33 +106,33 @@ class BoxMachine(Agent):
         self._make: Callable[[Mapping[str, Kept]], Districts] = lambda kept: Districts(
             name, places, atvs, kept, neighbours, Impostors(self.life), KEYS.floor, self.life
         )
-        self.books = self._make(kept)
+        self.tables = self._make(kept)
 
     def start(self) -> None:
-        self.books.start(self.clock.now_s)
+        self.tables.start(self.clock.now_s)
         self.flush()
 
     def receive(self, sender: str, message: Message) -> None:
         if not self.off:
-            self.books.on_message(sender, message.district, message, self.clock.now_s)  # type: ignore[attr-defined]
+            self.tables.on_message(sender, message.district, message, self.clock.now_s)  # type: ignore[attr-defined]
             self.flush()
 
     def sound(self, name: object) -> None:
-        if isinstance(name, tuple) and name[0] == BOOK_TICK:
-            self.books.tick(name[1], self.clock.now_s)
+        if isinstance(name, tuple) and name[0] == TABLE_TICK:
+            self.tables.tick(name[1], self.clock.now_s)
 
     def die(self) -> None:
         self.off = True
 
     def revive(self, *, forget: bool = False) -> None:
         """Restart, with the persisted state or without."""
-        kept = {} if forget else dict(self.books.kept())
+        kept = {} if forget else dict(self.tables.kept())
         self.off = False
         self.life.timers = Timers()
         self._wake_s = float("inf")
         self.life.effects.clear()
-        self.books = self._make(kept)
-        self.books.start(self.clock.now_s)
+        self.tables = self._make(kept)
+        self.tables.start(self.clock.now_s)
         self.flush()
 
 
@@ -229,7 +229,7 @@ class BoxPilot(Agent):
         if self.off:
             return
         now_s = self.clock.now_s
-        if isinstance(message, FloorTold):
+        if isinstance(message, FloorReported):
             self._surroundings.on_floor(sender, message, now_s)
             if not any(vehicle.silent for vehicle in message.vehicles):
                 return
@@ -245,7 +245,7 @@ class BoxPilot(Agent):
             row.on_yield_refused(sender, message, now_s)
         elif isinstance(message, HoldsAsked):
             row.on_holds_asked(sender, message, now_s)
-        elif isinstance(message, FloorTold):
+        elif isinstance(message, FloorReported):
             row.on_silence_told(now_s)
         self._done()
 
@@ -260,8 +260,8 @@ class BoxPilot(Agent):
                 row.reroute(now_s)
         elif name == RESTED:
             row.go_on(now_s)
-        elif isinstance(name, tuple) and name[0] == WISH_AGAIN:
-            row.repeat_wish(name[1], now_s)
+        elif isinstance(name, tuple) and name[0] == REQUEST_AGAIN:
+            row.repeat_request(name[1], now_s)
         self._done()
 
     def instruct(self, effect: Instruct) -> None:

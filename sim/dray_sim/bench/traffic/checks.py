@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import cos, hypot, sin
 
-from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.driving.right_of_way import Errand
 from dray.protocol.traffic.driving.yielding import LAPSE_S
 from dray.protocol.traffic.places import Footprint, Places
+from dray.protocol.traffic.reservations.district import District
 from dray_sim.bench.traffic.air import Air
 from dray_sim.bench.traffic.boxes import BoxMachine, BoxPilot
 from dray_sim.bench.traffic.carrier import Carrier
@@ -38,23 +38,23 @@ class Found:
     Attributes:
         overlaps: pairs of rectangles, each counted once until they are apart again.
         double_holds: places, likewise.
-        unbooked: places that a vehicle holds and the book does not know of, likewise.
-        in_mouths: vehicles that wait for their dock in its mouth, likewise.
+        unrecorded: places that a vehicle holds and the table does not know of, likewise.
+        in_entries: vehicles that wait for their dock in its entry, likewise.
         outdated: ranks that are inherited though their owner has another one for long, likewise.
         first: the first of them, in words.
     """
 
     overlaps: int = 0
     double_holds: int = 0
-    unbooked: int = 0
-    in_mouths: int = 0
+    unrecorded: int = 0
+    in_entries: int = 0
     outdated: int = 0
     first: list[str] = field(default_factory=list)
 
     @property
     def faults(self) -> int:
         """Number of all violations."""
-        return self.overlaps + self.double_holds + self.unbooked + self.in_mouths + self.outdated
+        return self.overlaps + self.double_holds + self.unrecorded + self.in_entries + self.outdated
 
 
 class Checks:
@@ -63,7 +63,7 @@ class Checks:
     Args:
         carriers: all vehicles.
         pilots: those with right of way, by name; none for ghosts.
-        machines: that keep the books, by name.
+        machines: that keep the tables, by name.
         places: of the plant.
         air: the network.
         footprint: of every vehicle.
@@ -142,19 +142,19 @@ class Checks:
         self._double = double
 
     def _look_at_rules(self) -> None:
-        """Check that the book has every hold, and that no vehicle waits in its dock's mouth or keeps an outdated rank."""
+        """Check that the table has every hold, and that no vehicle waits in its dock's entry or keeps an outdated rank."""
         wrong: set[tuple[str, str]] = set()
         places = self._places
         for atv, pilot in self._pilots.items():
             row = pilot.right_of_way
             for place in row.way.held:
                 district = self._leading(places.district_of[place])
-                if district is not None and district.book.holder(place) != atv:
-                    wrong.add(("book", f"{place} is held by {atv}, and not in the book"))
+                if district is not None and district.table.holder(place) != atv:
+                    wrong.add(("table", f"{place} is held by {atv}, and not in the table"))
             halves = not row.stands and row.errand is Errand.OWN and not pilot.was_cut
-            if halves and row.goal == row.way.goal and places.mouths.get(row.goal) == row.way.base_end:
+            if halves and row.goal == row.way.goal and places.dock_entries.get(row.goal) == row.way.base_end:
                 wrong.add(
-                    ("mouth", f"{atv} drives to the mouth {row.way.base_end} of its dock, and may not go on")
+                    ("entry", f"{atv} drives to the entry {row.way.base_end} of its dock, and may not go on")
                 )
             rank = row.rank(self._clock.now_s)
             owner = self._pilots.get(rank[2])
@@ -162,18 +162,18 @@ class Checks:
             if self._lasts(("rank", atv), over, OUTDATED_S):
                 wrong.add(("rank", f"{atv} has inherited {rank}, which is over"))
         for kind, words in wrong - self._wrong:
-            self.found.unbooked += kind == "book"
-            self.found.in_mouths += kind == "mouth"
+            self.found.unrecorded += kind == "table"
+            self.found.in_entries += kind == "entry"
             self.found.outdated += kind == "rank"
             self._note(f"{self._clock.now_s:.1f} s: {words}")
         self._wrong = wrong
 
     def _leading(self, name: str) -> District | None:
-        """The district at the machine that keeps its book; None while that is being settled."""
-        machines = [self._machines[keeper] for keeper in self._places.keepers_of[name]]
-        newest = max(machine.books.districts[name].copies.kept.epoch for machine in machines)
+        """The district at the machine that keeps its table; None while that is being settled."""
+        machines = [self._machines[replica] for replica in self._places.replicas_of[name]]
+        newest = max(machine.tables.districts[name].copies.kept.epoch for machine in machines)
         for machine in machines:
-            district = machine.books.districts[name]
+            district = machine.tables.districts[name]
             if not machine.off and district.leads and district.copies.kept.epoch == newest:
                 return district
         return None

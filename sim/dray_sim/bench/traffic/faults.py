@@ -1,4 +1,4 @@
-"""Faults of a lean world, drawn from a seed: deaf and dead vehicles, keepers that die or forget, a torn wire."""
+"""Faults of a lean world, drawn from a seed: deaf and dead vehicles, replicas that die or forget, a torn wire."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def draw_faults(
 ) -> None:
     """Let faults begin as they come, `gap_s` apart on average; all are over by `until_s`."""
     random = Random(f"faults/{seed}")
-    kinds = (_deafen, _deafen, _stop, _restart, _kill_keeper, _kill_keeper, _forget, _tear)
+    kinds = (_deafen, _deafen, _stop, _restart, _kill_replica, _kill_replica, _forget, _tear)
     at_s = from_s
     while (at_s := at_s + random.expovariate(1.0 / gap_s)) < until_s - LONG_S:
         lasts_s = SHORT_S * (LONG_S / SHORT_S) ** random.random()
@@ -52,7 +52,7 @@ def _restart(world: World, random: Random, at_s: float, _lasts_s: float) -> None
     world.clock.call_at(at_s, restart)
 
 
-def _kill_keeper(world: World, random: Random, at_s: float, lasts_s: float) -> None:
+def _kill_replica(world: World, random: Random, at_s: float, lasts_s: float) -> None:
     """Kill a machine, and restart it with its persisted state."""
     _take_down(world, random, at_s, lasts_s, forget=False)
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from statistics import quantiles
 
 from dray.messages import Message
-from dray.messages.floor.traffic import PlaceBooking, YieldAsked, YieldRefused
+from dray.messages.floor.traffic import PlaceReservation, YieldAsked, YieldRefused
 from dray.plant import Plant
-from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Footprint, Places
 from dray.protocol.traffic.prices import Prices
+from dray.protocol.traffic.reservations.copies import Kept
 from dray.protocol.traffic.ways import Ways
 from dray_sim.bench.traffic.air import Air, Quality
 from dray_sim.bench.traffic.boxes import BoxMachine, BoxPilot
@@ -54,7 +54,7 @@ class Rules:
     Attributes:
         yields: holders in the way are asked to make room.
         refuses: a holder with nowhere to go says so.
-        groups: a dock is taken with its mouth.
+        groups: a dock is taken with its entry.
         prices: ways heed traffic, and the convention.
         reroutes: a vehicle that is held up looks for another way.
     """
@@ -151,7 +151,7 @@ def build(
     footprint: Footprint | None = None,
     rules: Rules = WHOLE,
 ) -> World:
-    """A lean world in which every book says where the vehicles stand."""
+    """A lean world in which every reservation table says where the vehicles stand."""
     plant = setting.plant
     clock = LeanClock()
     air = Air(clock, setting.quality, setting.seed)
@@ -159,7 +159,7 @@ def build(
     footprint = footprint or Footprint()
     places = Places(plant, footprint)
     if not rules.groups:
-        places.mouths = {}
+        places.dock_entries = {}
     mute: set[type[Message]] = set()
     if not rules.yields:
         mute.add(YieldAsked)
@@ -172,18 +172,18 @@ def build(
         kind: Ways(plant, places, spec) if rules.prices else PlainWays(plant, places, spec, convention=False)
         for kind, spec in plant.vehicle_types.items()
     }
-    books: dict[str, list[PlaceBooking]] = {district: [] for district in places.keepers_of}
+    tables: dict[str, list[PlaceReservation]] = {district: [] for district in places.replicas_of}
     for spec in plant.fleet.values():
         place = places.place_of(spec.node)
-        books[places.district_of[place]].append(PlaceBooking(place=place, number=1, atv=spec.id))
-    kept = {district: Kept(0, 0, 1, tuple(lines)) for district, lines in books.items()}
-    names = dict.fromkeys(name for keepers in places.keepers_of.values() for name in keepers)
+        tables[places.district_of[place]].append(PlaceReservation(place=place, number=1, atv=spec.id))
+    kept = {district: Kept(0, 0, 1, tuple(lines)) for district, lines in tables.items()}
+    names = dict.fromkeys(name for replicas in places.replicas_of.values() for name in replicas)
     machines = {
         name: BoxMachine(
             name,
             places,
             tuple(plant.fleet),
-            {d: k for d, k in kept.items() if name in places.keepers_of[d]},
+            {d: k for d, k in kept.items() if name in places.replicas_of[d]},
             neighbours,
             clock,
             air,

@@ -1,14 +1,14 @@
 """Invariants 14 and 29: two vehicles never hold one place, and none is granted more than it needs.
 
 Neither losses, restarts nor partitions are an excuse. The vehicle itself is asked what it holds, also when its
-process has ended: it holds its places until people carry it away. A liar is not asked; the books' answers show its
+process has ended: it holds its places until people carry it away. A liar is not asked; the tables' answers show its
 grants.
 """
 
 from __future__ import annotations
 
 from dray.messages import Message, PlaceGranted
-from dray.protocol.traffic.books.reach import RUN_MAX
+from dray.protocol.traffic.reservations.reach import RUN_MAX
 from dray.protocol.vehicle.atv import Atv
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory

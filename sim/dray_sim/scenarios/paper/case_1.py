@@ -246,25 +246,27 @@ async def _alone(stage: Stage, *, failing: bool) -> Alone:
 # --- all of it -----------------------------------------------------------------------------------
 
 
-def _mended(told: Failed | None) -> tuple[Check, ...]:
+def _mended(result: Failed | None) -> tuple[Check, ...]:
     return (
         Check(
             f"Mended within {BREAK_S / 60:.0f} minutes, a machine goes on with its own goals",
-            told is not None and bool(told.held) and not told.passed and not told.left,
-            f"{told.machine} kept {', '.join(told.held)}" if told is not None else "no machine was busy",
+            result is not None and bool(result.held) and not result.passed and not result.left,
+            f"{result.machine} kept {', '.join(result.held)}"
+            if result is not None
+            else "no machine was busy",
         ),
     )
 
 
-def _given_away(told: Failed | None) -> tuple[Check, ...]:
-    if told is None:
+def _given_away(result: Failed | None) -> tuple[Check, ...]:
+    if result is None:
         return (Check("A machine fails in the middle of a goal", False, "none was busy"),)
-    passed = told.passed
+    passed = result.passed
     return (
         Check(
             "A dead machine's goals go to others that can make them",
-            bool(passed) and all(each.to not in {"", told.machine} for each in passed if each.announced),
-            "; ".join(each.words() for each in passed) or f"{told.machine} kept {', '.join(told.held)}",
+            bool(passed) and all(each.to not in {"", result.machine} for each in passed if each.announced),
+            "; ".join(each.words() for each in passed) or f"{result.machine} kept {', '.join(result.held)}",
         ),
         Check(
             "What had arrived is counted once: arrived and announced anew are what was ordered",
@@ -274,13 +276,13 @@ def _given_away(told: Failed | None) -> tuple[Check, ...]:
         ),
         Check(
             "No other order is late, and all are delivered",
-            not told.late and not told.left,
-            f"{told.others - len(told.late)} of {told.others} others in time; {told.left} left open",
+            not result.late and not result.left,
+            f"{result.others - len(result.late)} of {result.others} others in time; {result.left} left open",
         ),
         Check(
             "The machine comes back and is given new goals",
-            told.came_back,
-            f"{told.machine} after {AWAY_S / 60:.0f} minutes",
+            result.came_back,
+            f"{result.machine} after {AWAY_S / 60:.0f} minutes",
         ),
     )
 
@@ -370,9 +372,15 @@ def case_1(seed: int, fails: Part[Failed | None] = PART, breaks: Part[Failed | N
         checks=(
             *breaks.checks(mended),
             *fails.checks(others),
-            *(_waiting(alone.told, twin.told) if alone.told is not None and twin.told is not None else ()),
+            *(
+                _waiting(alone.result, twin.result)
+                if alone.result is not None and twin.result is not None
+                else ()
+            ),
         ),
-        tables=(_times(alone.told, twin.told),) if alone.told is not None and twin.told is not None else (),
+        tables=(_times(alone.result, twin.result),)
+        if alone.result is not None and twin.result is not None
+        else (),
     )
 
 

@@ -130,33 +130,33 @@ async def _carrying(stage: Stage, guests: set[str], within_s: float) -> str:
     return ""
 
 
-def _judge(told: Guests) -> tuple[Check, ...]:
-    slowest_s = max(told.first_s.values(), default=0.0)
+def _judge(result: Guests) -> tuple[Check, ...]:
+    slowest_s = max(result.first_s.values(), default=0.0)
     return (
         Check(
             f"Whoever joins bids by itself within {SOON_S / 60:.0f} minutes",
-            len(told.first_s) == len(JOINING) and slowest_s <= SOON_S,
-            f"{len(told.first_s)} of {len(JOINING)}, the slowest after {slowest_s:.0f} s",
+            len(result.first_s) == len(JOINING) and slowest_s <= SOON_S,
+            f"{len(result.first_s)} of {len(JOINING)}, the slowest after {slowest_s:.0f} s",
         ),
         Check(
             "Those that join take a part of the work",
-            told.carried > 0,
-            f"{told.carried} transports, {told.watched} watches",
+            result.carried > 0,
+            f"{result.carried} transports, {result.watched} watches",
         ),
         Check(
             "Nobody who was there before is disturbed or restarted",
-            not told.disturbed and told.lives == 0,
-            ", ".join(told.disturbed) or "every transport that was never a guest's ended by its handover",
+            not result.disturbed and result.lives == 0,
+            ", ".join(result.disturbed) or "every transport that was never a guest's ended by its handover",
         ),
         Check(
             "They may leave at any moment: what one of them was about to bring is brought by its secondary",
-            told.taken_over,
-            f"{told.in_the_middle or 'nothing'} was under way",
+            result.taken_over,
+            f"{result.in_the_middle or 'nothing'} was under way",
         ),
         Check(
             "Every order is delivered",
-            told.left == 0,
-            f"{told.placed - told.left} of {told.placed}",
+            result.left == 0,
+            f"{result.placed - result.left} of {result.placed}",
         ),
     )
 

@@ -188,20 +188,20 @@ def _bids_on_the_mesh(stage: Stage) -> int:
     return bids
 
 
-def _endured(told: Endured | None) -> tuple[Check, ...]:
+def _endured(result: Endured | None) -> tuple[Check, ...]:
     return (
         Check(
             "A task that nobody could bid for finds its contract as soon as somebody can",
-            told is not None and told.contracted_s is not None and told.contracted_s <= SOON_S,
-            f"{told.task}: nobody heard it for {DEAF_S:.0f} s; contracted {told.contracted_s:.0f} s later, in round "
-            f"{told.rounds}"
-            if told is not None and told.contracted_s is not None
+            result is not None and result.contracted_s is not None and result.contracted_s <= SOON_S,
+            f"{result.task}: nobody heard it for {DEAF_S:.0f} s; contracted {result.contracted_s:.0f} s later, in round "
+            f"{result.rounds}"
+            if result is not None and result.contracted_s is not None
             else "no contract",
         ),
         Check(
             "The machine had asked early enough: it does not run out of material",
-            told is not None and not told.starved,
-            "it ran out" if told is None or told.starved else "never without material",
+            result is not None and not result.starved,
+            "it ran out" if result is None or result.starved else "never without material",
         ),
     )
 
@@ -234,8 +234,8 @@ def case_3(seed: int) -> Findings:
         checks=(
             *PART.checks(deaf),
             *(
-                _compared(meshed.told, alone.told)
-                if meshed.told is not None and alone.told is not None
+                _compared(meshed.result, alone.result)
+                if meshed.result is not None and alone.result is not None
                 else ()
             ),
         ),
@@ -289,16 +289,16 @@ def _compared(meshed: CutOff, alone: CutOff) -> tuple[Check, ...]:
 
 
 def _row(name: str, played: Played[CutOff]) -> tuple[str, ...]:
-    told, report = played.told, played.report
-    if told is None:
+    result, report = played.result, played.report
+    if result is None:
         return (name, *("-",) * 8)
     return (
         name,
-        str(told.cuts),
-        str(told.relayed),
-        str(told.furthest),
-        str(told.replaced + told.lost),
-        str(told.lost) if told.relayed else "-",
+        str(result.cuts),
+        str(result.relayed),
+        str(result.furthest),
+        str(result.replaced + result.lost),
+        str(result.lost) if result.relayed else "-",
         f"{report.orders_delivered} of {report.orders_placed}",
         f"{report.transport_p50_s:.0f} s",
         f"{report.transport_p95_s:.0f} s",

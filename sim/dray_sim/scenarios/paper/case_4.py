@@ -37,7 +37,7 @@ BACK_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Result:
     """The course of a transport whose primary had a problem.
 
     Attributes:
@@ -61,17 +61,17 @@ class Told:
     done_s: float
 
 
-async def helped_or_not(stage: Stage) -> Told | None:
+async def helped_or_not(stage: Stage) -> Result | None:
     """Break the primary down on its way, and observe the delivery."""
     return await _break(stage, _nothing)
 
 
-async def nobody_left(stage: Stage) -> Told | None:
+async def nobody_left(stage: Stage) -> Result | None:
     """The same with all other vehicles switched off: none is left to take over."""
     return await _break(stage, _switch_others_off)
 
 
-async def _break(stage: Stage, also: Callable[[Stage, Contract], Awaitable[None]]) -> Told | None:
+async def _break(stage: Stage, also: Callable[[Stage, Contract], Awaitable[None]]) -> Result | None:
     contract = await replenishment(stage)
     if contract is None:
         return None
@@ -89,7 +89,7 @@ async def _break(stage: Stage, also: Callable[[Stage, Contract], Awaitable[None]
     took = [seen for seen in witness.all(TookOver) if seen.said.task == contract.task]
     changed = [seen for seen in witness.all(CarrierChanged) if seen.said.task == contract.task]
     first_s = min([*(seen.at_s for seen in took), *(seen.at_s for seen in changed)], default=None)
-    return Told(
+    return Result(
         primary=contract.primary,
         secondary=contract.secondary,
         asked_s=asked[0] - broken_s if asked else None,
@@ -123,7 +123,7 @@ def case_4(seed: int) -> Findings:
     return Findings(
         runs=runs,
         checks=(
-            _said(tuple(played.told for played in runs)),
+            _said(tuple(played.result for played in runs)),
             *(check for part, played in zip(PARTS, runs, strict=True) for check in _verdict(part, played)),
         ),
         tables=(
@@ -143,13 +143,13 @@ def case_4(seed: int) -> Findings:
     )
 
 
-def _verdict(part: Part[Told | None], played: Played[Told | None]) -> tuple[Check, ...]:
+def _verdict(part: Part[Result | None], played: Played[Result | None]) -> tuple[Check, ...]:
     """The checks of one part, without those of all parts together."""
-    return part.judge(played.told)[1:]
+    return part.judge(played.result)[1:]
 
 
-def _said(runs: tuple[Told | None, ...]) -> Check:
-    asked_s = [told.asked_s if told is not None else None for told in runs]
+def _said(runs: tuple[Result | None, ...]) -> Check:
+    asked_s = [result.asked_s if result is not None else None for result in runs]
     return Check(
         "The vehicle says what is wrong and how long its task can wait",
         all(each_s is not None for each_s in asked_s),
@@ -157,19 +157,23 @@ def _said(runs: tuple[Told | None, ...]) -> Check:
     )
 
 
-def _helped(told: Told | None) -> Check:
-    return _kept("Helped in time, the vehicle goes on and delivers itself", told)
+def _helped(result: Result | None) -> Check:
+    return _kept("Helped in time, the vehicle goes on and delivers itself", result)
 
 
-def _kept(name: str, told: Told | None) -> Check:
-    held = told is not None and told.changed_s is None and told.carrier == told.primary
-    return Check(name, held and _delivered(told), _words(told))
+def _kept(name: str, result: Result | None) -> Check:
+    held = result is not None and result.changed_s is None and result.carrier == result.primary
+    return Check(name, held and _delivered(result), _words(result))
 
 
-def _held_back(told: Told | None) -> Check:
-    patience_s = told.asked_s if told is not None and told.asked_s is not None else 0.0
-    waited = told is not None and told.promised_s is not None and told.done_s > patience_s < told.promised_s
-    kept = _kept("", told)
+def _held_back(result: Result | None) -> Check:
+    patience_s = result.asked_s if result is not None and result.asked_s is not None else 0.0
+    waited = (
+        result is not None
+        and result.promised_s is not None
+        and result.done_s > patience_s < result.promised_s
+    )
+    kept = _kept("", result)
     return Check(
         "A promise of help holds the takeover back for longer than the vehicle would have waited",
         kept.held and waited,
@@ -177,62 +181,67 @@ def _held_back(told: Told | None) -> Check:
     )
 
 
-def _taken_over(told: Told | None) -> Check:
+def _taken_over(result: Result | None) -> Check:
     held = (
-        told is not None
-        and told.took_over == told.secondary == told.carrier
-        and _at_the_end_of_patience(told)
+        result is not None
+        and result.took_over == result.secondary == result.carrier
+        and _at_the_end_of_patience(result)
     )
     return Check(
         "Nobody comes: when its time is over, the secondary takes over and delivers",
-        held and _delivered(told),
-        _words(told),
+        held and _delivered(result),
+        _words(result),
     )
 
 
-def _auctioned(told: Told | None) -> Check:
+def _auctioned(result: Result | None) -> Check:
     held = (
-        told is not None and told.auctioned and not told.took_over and told.carrier not in {"", told.primary}
+        result is not None
+        and result.auctioned
+        and not result.took_over
+        and result.carrier not in {"", result.primary}
     )
     return Check(
         "Nobody comes and no secondary lives: the machine puts the task up for auction again",
-        held and _delivered(told),
-        _words(told),
+        held and _delivered(result),
+        _words(result),
     )
 
 
-def _at_the_end_of_patience(told: Told) -> bool:
+def _at_the_end_of_patience(result: Result) -> bool:
     return (
-        told.changed_s is not None
-        and told.asked_s is not None
-        and told.asked_s <= told.changed_s <= told.asked_s + IN_TIME_S
+        result.changed_s is not None
+        and result.asked_s is not None
+        and result.asked_s <= result.changed_s <= result.asked_s + IN_TIME_S
     )
 
 
-def _delivered(told: Told | None) -> bool:
-    return told is not None and told.outcome == "delivered"
+def _delivered(result: Result | None) -> bool:
+    return result is not None and result.outcome == "delivered"
 
 
-def _words(told: Told | None) -> str:
-    if told is None:
+def _words(result: Result | None) -> str:
+    if result is None:
         return "no contract"
     changed = (
-        f"another carrier after {told.changed_s:.0f} s" if told.changed_s is not None else "no other carrier"
+        f"another carrier after {result.changed_s:.0f} s"
+        if result.changed_s is not None
+        else "no other carrier"
     )
-    return f"{changed}; {told.outcome} by {told.carrier or 'nobody'} after {told.done_s:.0f} s"
+    return f"{changed}; {result.outcome} by {result.carrier or 'nobody'} after {result.done_s:.0f} s"
 
 
-def _row(name: str, played: Played[Told | None]) -> tuple[str, ...]:
-    told = played.told
-    if told is None:
+def _row(name: str, played: Played[Result | None]) -> tuple[str, ...]:
+    result = played.result
+    if result is None:
         return (name, "-", "-", "-", "-", "-")
     return (
         name,
-        _seconds(told.asked_s),
-        _seconds(told.promised_s),
-        _seconds(told.changed_s),
-        told.carrier or "-",
-        f"{told.done_s:.0f} s",
+        _seconds(result.asked_s),
+        _seconds(result.promised_s),
+        _seconds(result.changed_s),
+        result.carrier or "-",
+        f"{result.done_s:.0f} s",
     )
 
 
@@ -242,15 +251,15 @@ def _seconds(seconds: float | None) -> str:
 
 def _part(
     name: str,
-    script: Callable[[Stage], Awaitable[Told | None]],
-    verdict: Callable[[Told | None], Check],
+    script: Callable[[Stage], Awaitable[Result | None]],
+    verdict: Callable[[Result | None], Check],
     steps: tuple[ScenarioStep, ...],
     people: Habits | None = None,
-) -> Part[Told | None]:
+) -> Part[Result | None]:
     return in_laboratory(
         name,
         script,
-        lambda told: (_said((told,)), verdict(told)),
+        lambda result: (_said((result,)), verdict(result)),
         (ScenarioStep.WAY_BLOCKED, *steps, ScenarioStep.DELIVERED),
         people,
     )

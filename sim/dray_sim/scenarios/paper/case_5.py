@@ -189,7 +189,7 @@ def _said(answer: CommandAnswered) -> str:
 PART = in_laboratory(
     "case-5",
     shift,
-    lambda told: told,
+    lambda result: result,
     (ScenarioStep.LOADING, ScenarioStep.LOAD_SHIFTED, *GIVEN, ScenarioStep.DELIVERED),
     HABITS,
 )

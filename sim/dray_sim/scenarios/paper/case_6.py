@@ -208,9 +208,9 @@ async def _pass_probation(stage: Stage, agent: str, patience_s: float) -> bool:
     return False
 
 
-def _judge(told: Span) -> tuple[Check, ...]:
+def _judge(result: Span) -> tuple[Check, ...]:
     """The checks that need no comparison with the run without an update."""
-    first = told.replaced[0]
+    first = result.replaced[0]
     return (
         Check(
             f"One vehicle is tried out alone, among others of the old version, and does {FIRST_PROBATION} transports",
@@ -219,19 +219,19 @@ def _judge(told: Span) -> tuple[Check, ...]:
         ),
         Check(
             "In the end every agent runs the new version",
-            not told.old,
-            f"{told.agents - len(told.old)} of {told.agents} in {told.took_s / 60:.0f} minutes; one at a time, each "
+            not result.old,
+            f"{result.agents - len(result.old)} of {result.agents} in {result.took_s / 60:.0f} minutes; one at a time, each "
             f"away for {AWAY_S:.0f} s",
         ),
         Check(
             "Nobody is missed: nobody is suspected, and carriers change in planned takeovers only",
-            not told.suspected and set(told.changed) <= {Reason.GRACEFUL_SHUTDOWN},
-            f"suspected: {told.suspected}; planned takeovers: {told.changed.count(Reason.GRACEFUL_SHUTDOWN)} of {len(told.changed)}",
+            not result.suspected and set(result.changed) <= {Reason.GRACEFUL_SHUTDOWN},
+            f"suspected: {result.suspected}; planned takeovers: {result.changed.count(Reason.GRACEFUL_SHUTDOWN)} of {len(result.changed)}",
         ),
         Check(
             "Nothing is lost: no machine loses a goal, and every task that ends is delivered",
-            not told.lost and not told.withdrawn,
-            f"goals: {told.lost}; tasks: {told.withdrawn}",
+            not result.lost and not result.withdrawn,
+            f"goals: {result.lost}; tasks: {result.withdrawn}",
         ),
     )
 
@@ -256,40 +256,40 @@ PART = Part(
 def case_6(seed: int, part: Part[Span] = PART) -> Findings:
     """Play the same demand with the update and without, for as long as the part lasts, in its plant."""
     updated = part.play(seed)
-    told = updated.told
-    if told is None:
+    result = updated.result
+    if result is None:
         return Findings(runs=(updated,), checks=())
-    twin_run = play(part.shift, part.plant(), seed, partial(let_be, took_s=told.took_s))
-    twin = twin_run.told
+    twin_run = play(part.shift, part.plant(), seed, partial(let_be, took_s=result.took_s))
+    twin = twin_run.result
     if twin is None:
         return Findings(runs=(updated, twin_run), checks=())
-    cost = twin.tally.on_time_frac - told.tally.on_time_frac
+    cost = twin.tally.on_time_frac - result.tally.on_time_frac
     return Findings(
         runs=(updated, twin_run),
         checks=(
             *part.checks(updated),
             Check(
                 f"Production goes on: at least {SHARE:.0%} of the transports and pieces of the same time without an update",
-                told.transports >= SHARE * twin.transports and told.pieces >= SHARE * twin.pieces,
-                f"{told.transports} transports, without {twin.transports}; {told.pieces} pieces, without {twin.pieces}",
+                result.transports >= SHARE * twin.transports and result.pieces >= SHARE * twin.pieces,
+                f"{result.transports} transports, without {twin.transports}; {result.pieces} pieces, without {twin.pieces}",
             ),
             all_delivered((updated, twin_run)),
             Check(
                 f"It makes no more than {ON_TIME_COST:.0%} of the orders late",
                 cost <= ON_TIME_COST,
-                f"{told.tally.on_time_frac:.1%} on time, without {twin.tally.on_time_frac:.1%}",
+                f"{result.tally.on_time_frac:.1%} on time, without {twin.tally.on_time_frac:.1%}",
             ),
         ),
         tables=(
             Table(
-                f"The same {told.took_s / 60:.0f} minutes, with the update and without",
+                f"The same {result.took_s / 60:.0f} minutes, with the update and without",
                 ("", "transports", "pieces", "carriers changed", "suspected", "goals lost", "on time"),
-                (told.row("update"), twin.row("no update")),
+                (result.row("update"), twin.row("no update")),
             ),
             Table(
                 "How long agents took to leave, and for their probation",
                 ("", "agents", "left in, median", "longest", "tried in, median", "without work in time"),
-                tuple(_row(kind, told.replaced) for kind in KINDS),
+                tuple(_row(kind, result.replaced) for kind in KINDS),
             ),
         ),
     )

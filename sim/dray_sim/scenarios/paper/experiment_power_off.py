@@ -110,7 +110,7 @@ async def switch_off(stage: Stage) -> tuple[Check, ...]:
 PART = in_laboratory(
     "experiment-power-off",
     switch_off,
-    lambda told: told,
+    lambda result: result,
     (
         ScenarioStep.SWITCHED_OFF,
         ScenarioStep.TAKEN_OVER,

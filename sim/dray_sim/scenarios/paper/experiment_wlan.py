@@ -129,7 +129,7 @@ def _called(stage: Stage, atv: str, done_s: float) -> Check:
 PART = in_laboratory(
     "experiment-wlan",
     cut,
-    lambda told: told,
+    lambda result: result,
     (
         ScenarioStep.WLAN_CUT,
         ScenarioStep.RELAYED,

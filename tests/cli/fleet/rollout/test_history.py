@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from makings import making
 
-from dray.cli.fleet.rollout.history import WINDOW_S, History, Told
+from dray.cli.fleet.rollout.history import WINDOW_S, History, RecordedFact
 from dray.messages import (
     AnyFact,
     MachineHeartbeat,
@@ -49,7 +49,7 @@ def words(at_s: float, *tasks: str) -> dict[str, MachineHeartbeat]:
 
 
 def told(*facts: tuple[str, AnyFact], every_s: float = 1.0) -> History:
-    return History(Told(agent, every_s * place, fact) for place, (agent, fact) in enumerate(facts))
+    return History(RecordedFact(agent, every_s * place, fact) for place, (agent, fact) in enumerate(facts))
 
 
 def test_a_task_that_is_open_and_that_its_machine_does_not_name_is_lost() -> None:
@@ -94,8 +94,10 @@ def test_a_flow_is_transports_per_minute() -> None:
 def test_the_worst_window_is_where_least_was_delivered() -> None:
     busy = [("M1", closed(f"t{number}")) for number in range(30)]
     gap_s = 2 * WINDOW_S
-    facts = [Told(agent, 60.0 * place, fact) for place, (agent, fact) in enumerate(busy)]
-    facts += [Told("M1", 1800.0 + gap_s + 60.0 * number, closed(f"u{number}")) for number in range(30)]
+    facts = [RecordedFact(agent, 60.0 * place, fact) for place, (agent, fact) in enumerate(busy)]
+    facts += [
+        RecordedFact("M1", 1800.0 + gap_s + 60.0 * number, closed(f"u{number}")) for number in range(30)
+    ]
     history = History(facts)
     assert history.worst_per_minute(0.0, 3600.0 + gap_s) == 0.0
     assert history.worst_per_minute(0.0, 1740.0) == pytest.approx(1.0, rel=0.1)

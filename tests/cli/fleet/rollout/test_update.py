@@ -11,7 +11,7 @@ import pytest
 
 from dray.cli.fleet.process_registry import Member, ProcessRegistry, State
 from dray.cli.fleet.processes import Process
-from dray.cli.fleet.rollout.history import History, Told
+from dray.cli.fleet.rollout.history import History, RecordedFact
 from dray.cli.fleet.rollout.order_statistics import OrderCount
 from dray.cli.fleet.rollout.replacement import Terms
 from dray.cli.fleet.rollout.report import Report, Step, Verdict
@@ -227,11 +227,13 @@ def test_nothing_is_done_when_all_run_it() -> None:
 def test_the_report_tells_what_it_has_cost() -> None:
     moments_s = [500.0 + 60.0 * minute for minute in range(50)]
     told = [
-        Told("M1", at_s, TaskClosed(task=f"t{at_s}", epoch=1, outcome="delivered", carrier="ATV1"))
+        RecordedFact("M1", at_s, TaskClosed(task=f"t{at_s}", epoch=1, outcome="delivered", carrier="ATV1"))
         for at_s in moments_s
     ]
     left = CarrierChanged(task="t", epoch=2, replaced="ATV1", carrier="ATV2", reason=Reason.GRACEFUL_SHUTDOWN)
-    report = update(Scene({}), [member("ATV1")], OrderStatistics(History([*told, Told("M1", 4005.0, left)])))
+    report = update(
+        Scene({}), [member("ATV1")], OrderStatistics(History([*told, RecordedFact("M1", 4005.0, left)]))
+    )
     assert report.cost is not None
     assert report.cost.before.mean == pytest.approx(50 / 60)
     assert report.cost.during.mean == 0.0

@@ -9,7 +9,7 @@ from rigs import VehicleRig
 from spoken import award
 
 from dray.body import Drive, Hold, Unhold
-from dray.messages import Accepted, AtvStatus, CommandKind, Declined, PlaceWished
+from dray.messages import Accepted, AtvStatus, CommandKind, Declined, PlaceRequested
 
 
 def placed() -> VehicleRig:
@@ -36,8 +36,8 @@ def test_one_that_drives_stops_until_a_person_has_seen_to_it_and_then_asks_anew(
     beat = last_beat(rig)
     assert beat.status is AtvStatus.STOPPED
     assert (beat.floor.holds, beat.floor.removal) == ((), 1)  # type: ignore[union-attr]
-    wish = sent(rig.all, PlaceWished)[-1]
-    assert (wish.removal, wish.holds) == (1, ())
+    request = sent(rig.all, PlaceRequested)[-1]
+    assert (request.removal, request.holds) == (1, ())
     assert command(rig, CommandKind.ACKNOWLEDGE).done
     assert command(rig, CommandKind.RESUME).done
     assert instructed(rig.all, Unhold)
@@ -48,7 +48,7 @@ def test_one_that_stands_asks_anew_and_goes_on() -> None:
     effects = answer(rig, removal=1, grants=False)
     assert not instructed(effects, Hold)
     rig.run(rig.now_s + 1.0)
-    wish = sent(rig.all, PlaceWished)[-1]
-    assert (wish.removal, wish.holds) == (1, ())
+    request = sent(rig.all, PlaceRequested)[-1]
+    assert (request.removal, request.holds) == (1, ())
     answer(rig, removal=1)
     assert sent(rig.on_message("M8", award()), Accepted)

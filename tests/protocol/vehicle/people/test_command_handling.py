@@ -15,7 +15,7 @@ from dray.messages.fact import CommandObeyed, HelpPromised
 from dray.messages.people.command import STOP_MARGIN_M
 from dray.plant import Plant
 from dray.protocol.people.granted_commands import COMMANDS_KEPT
-from dray.protocol.runtime.events import Effect, Heard, Ignore
+from dray.protocol.runtime.events import Effect, Ignore, Received
 from dray.protocol.vehicle.atv import Atv
 
 STOP = VehicleCommand(command="C1", kind=CommandKind.STOP, issued_by="shift lead")
@@ -195,7 +195,7 @@ def test_a_vehicle_that_is_well_away_cannot_be_stopped() -> None:
 def test_what_counts_is_where_the_vehicle_is_when_it_hears_the_command() -> None:
     rig = at(30.0, BORDER_Y_M - 10.0)
     body = replace(rig.sense(), pose=replace(rig.sense().pose, y_m=BORDER_Y_M + 10.0))
-    effects = rig.agent.handle(Heard("gateway", granted("ATV1", SLOW, areas=("AREA1",)), body), rig.now_s)
+    effects = rig.agent.handle(Received("gateway", granted("ATV1", SLOW, areas=("AREA1",)), body), rig.now_s)
     [answer] = sent(effects, CommandAnswered)
     assert answer.done
 

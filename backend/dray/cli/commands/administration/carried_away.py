@@ -1,6 +1,6 @@
 """`dray carried-away`: report that a vehicle is off the floor, without a panel.
 
-The report goes into the database, and every gateway on it tells the plant. The keepers of the books decide whether to accept it: not
+The report goes into the database, and every gateway on it tells the plant. The replicas of the tables decide whether to accept it: not
 while the vehicle is heard.
 """
 

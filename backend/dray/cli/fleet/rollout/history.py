@@ -23,7 +23,7 @@ KINDS = tuple(kind.__name__ for kind in (TaskOpened, TaskClosed, CarrierChanged,
 """The facts that count here."""
 
 
-class Told(msgspec.Struct, frozen=True):
+class RecordedFact(msgspec.Struct, frozen=True):
     """A fact, its agent, and its time."""
 
     agent: str
@@ -42,7 +42,7 @@ class History:
         twice: transports closed as delivered twice, or handed over by two vehicles.
     """
 
-    def __init__(self, told: Iterable[Told]) -> None:
+    def __init__(self, told: Iterable[RecordedFact]) -> None:
         self.delivered_s: list[float] = []
         self.twice: set[str] = set()
         self._open: dict[str, tuple[str, float]] = {}
@@ -89,7 +89,7 @@ class History:
         fewest = min(bisect_left(times, at_s + WINDOW_S) - bisect_right(times, at_s) for at_s in begins_s)
         return 60.0 * fewest / WINDOW_S
 
-    def _note(self, told: Told) -> None:
+    def _note(self, told: RecordedFact) -> None:
         fact = told.fact
         if isinstance(fact, TaskOpened):
             if fact.role is Role.PRIMARY and isinstance(fact.work, Transport):

@@ -52,7 +52,7 @@ class Listener:
 
     async def present(self) -> frozenset[str]:
         """The agents on the bus now."""
-        return await self._bus.roll_call()
+        return await self._bus.agents_present()
 
     def close(self) -> None:
         """Leave the bus."""

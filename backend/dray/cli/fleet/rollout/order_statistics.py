@@ -9,7 +9,7 @@ from typing import Self
 
 import msgspec
 
-from dray.cli.fleet.rollout.history import KINDS, History, Told
+from dray.cli.fleet.rollout.history import KINDS, History, RecordedFact
 from dray.messages import AnyFact
 from dray.store import Database, Store
 from dray.store.history.events import EventRow
@@ -97,5 +97,5 @@ class OrderStatistics:
         return History(_told(row) for row in rows if row.plant_s <= to_s)
 
 
-def _told(row: EventRow) -> Told:
-    return Told(row.agent, row.plant_s, _fact.decode(row.fact))
+def _told(row: EventRow) -> RecordedFact:
+    return RecordedFact(row.agent, row.plant_s, _fact.decode(row.fact))

@@ -235,7 +235,7 @@ class Projection:
             *alert_rules.of_strategists(strategists, now),
             *alert_rules.of_calls(self.people.calls(now.plant_s), now),
             *of_atvs,
-            *wait_rules.of_roll_calls(awaited),
+            *wait_rules.of_recovery_polls(awaited),
             *wait_rules.of_waits(self.waits, {each.agent for each in of_atvs}, now),
             *alert_rules.of_transports(self.tasks.under_way(), of_atvs),
             *of_goods(
@@ -374,7 +374,7 @@ class Projection:
         )
 
     def _awaited(self, now: alert_rules.Moment) -> dict[str, set[str]]:
-        """Vehicles without whose word places are not granted -> who keeps the books of these places, as far as it lives."""
+        """Vehicles without whose word places are not granted -> who keeps the reservation tables of these places, as far as it lives."""
         awaited: dict[str, set[str]] = {}
         keepers: list[tuple[str, MachineHeartbeat | StationHeartbeat]] = [
             *((last.machine, last) for last, _ in self.machines.heartbeats()),

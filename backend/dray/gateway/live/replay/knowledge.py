@@ -49,7 +49,7 @@ TASKS_MOST = 12
 _READ = msgspec.json.Decoder(AnyFact)
 
 
-class ToldView(View, kw_only=True):
+class RecordedFactView(View, kw_only=True):
     """One thing that was told of a transport."""
 
     kind: str
@@ -75,9 +75,9 @@ class KnownView(View, kw_only=True):
     destination: str = ""
     role: str = ""
     """The agent's part in it: primary, secondary, coordinator; empty where it has none any more."""
-    knew: ToldView | None = None
+    knew: RecordedFactView | None = None
     """The last that it had told itself; None for nothing."""
-    happened: ToldView | None = None
+    happened: RecordedFactView | None = None
     """The last that others had told; None for nothing that it would have to know."""
     learnt_at_s: float | None = None
     """When it told of it first, after what had happened; None where it has not, as far as is kept."""
@@ -186,7 +186,7 @@ def _of_task(
     )
 
 
-def _told(row: EventRow) -> ToldView | None:
+def _told(row: EventRow) -> RecordedFactView | None:
     try:
         fact = _READ.decode(row.fact)
     except msgspec.MsgspecError:
@@ -201,7 +201,7 @@ def _told(row: EventRow) -> ToldView | None:
             other = secondary
         case _:
             pass
-    return ToldView(
+    return RecordedFactView(
         kind=row.kind,
         agent=row.agent,
         at_s=row.at_s,

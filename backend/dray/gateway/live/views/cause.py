@@ -38,7 +38,7 @@ class CauseView(View, kw_only=True):
     """Why something does not go on. Only the parts are set that say something; `text` says all of it in English."""
 
     reason: str = ""
-    """One of the reasons of the wire: `Reason`, or `Implausible` of a word that is not believed; `anothers_key` where it is not its own; `robs_places` of a keeper of books."""
+    """One of the reasons of the wire: `Reason`, or `Implausible` of a word that is not believed; `anothers_key` where it is not its own; `robs_places` of a replica of reservation tables."""
     detail: str = ""
     """What an agent or a person says, in words of their own."""
     machines: tuple[FailureView, ...] = ()

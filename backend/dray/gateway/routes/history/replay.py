@@ -19,7 +19,7 @@ from dray.gateway.live.replay.knowledge import (
     TELLING,
     KnowledgeView,
     KnownView,
-    ToldView,
+    RecordedFactView,
     knowledge,
     tasks_of,
 )
@@ -73,7 +73,7 @@ _PICTURE = Snapshot(
     orders=(),
 )
 
-_TOOK = ToldView(kind="CarrierChanged", agent="M9", at_s=_AT_S + 6.8, other="ATV1", reason="silent")
+_TOOK = RecordedFactView(kind="CarrierChanged", agent="M9", at_s=_AT_S + 6.8, other="ATV1", reason="silent")
 
 EXAMPLES = (
     _PICTURE,
@@ -101,7 +101,7 @@ EXAMPLES = (
                 source="S5",
                 destination="M9",
                 role="primary",
-                knew=ToldView(kind="ContractTaken", agent="ATV3", at_s=_AT_S - 320, role="primary"),
+                knew=RecordedFactView(kind="ContractTaken", agent="ATV3", at_s=_AT_S - 320, role="primary"),
                 happened=_TOOK,
                 learnt_at_s=_AT_S + 12.4,
             ),

@@ -42,7 +42,7 @@ class Disbelief:
             self._life.record(WordDisbelieved(speaker, said.task, reason, clock_ahead_s))
 
 
-class Reproach:
+class DisbeliefHandling:
     """What a contractor does when it hears that it is not believed: it goes on, and leaves it to people."""
 
     def __init__(self, life: Life) -> None:
@@ -52,6 +52,6 @@ class Reproach:
     def on_disbelieved(self, sender: str, message: Disbelieved, now_s: float) -> None:
         """Record a fact, at most once a minute for each coordinator."""
         if not self._throttle.passes(sender, now_s):
-            self._life.ignore("a reproach that was noted")
+            self._life.ignore("that it is not believed was noted before")
             return
         self._life.record(NotBelieved(by=sender, task=message.task, reason=message.reason))

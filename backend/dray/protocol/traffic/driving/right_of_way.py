@@ -27,9 +27,9 @@ from dray.messages.floor.traffic import (
 from dray.plant.restrictions import OPEN, Ends, Restrictions
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
+from dray.protocol.traffic.driving.place_requests import PlaceRequests, Sign, State, unsigned
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
 from dray.protocol.traffic.driving.wheels import Wheels
-from dray.protocol.traffic.driving.wishes import Sign, State, Wishes, unsigned
 from dray.protocol.traffic.driving.yielding import Yielding
 from dray.protocol.traffic.neighbours import Seen
 from dray.protocol.traffic.places import Places
@@ -91,7 +91,7 @@ class RightOfWay:
         next_order: numbers ways.
         restrictions: what people have closed or made slow, as far as the vehicle knows now.
         obstructed: lanes on which something lies, likewise.
-        sign: signs what it says to keepers of books.
+        sign: signs what it says to replicas of reservation tables.
 
     Attributes:
         is_denied: it was driving when it heard that it had been carried away: it drives on what is not its own.
@@ -121,7 +121,7 @@ class RightOfWay:
     ) -> None:
         self.atv = atv
         self.way = ReservedWay(places, node, next_node)
-        self.wishes = Wishes(incarnation, places.keepers_of, life, sign)
+        self.requests = PlaceRequests(incarnation, places.replicas_of, life, sign)
         self.errand = Errand.OWN
         self.goal = next_node or node
         self.docked = False
@@ -149,13 +149,13 @@ class RightOfWay:
         self.waited_at_goal_s = 0.0
         """How long it has stood on this leg for nothing but the goal itself: for whoever was at the dock before it."""
         self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
-        """Why it was not granted that, who is in the way and where, as the book has told last."""
+        """Why it was not granted that, who is in the way and where, as the table has told last."""
         self._silent_since_s = 0.0
         """Since when that is a silent vehicle, where it is one."""
         self.removal = 0
         """The newest time that it was carried away, as far as it knows: what it was granted before is void."""
         self._asked = set(self.way.held)
-        """Places where the body is, or is about to be, and that no book has told to be its own yet: it drives nowhere before."""
+        """Places where the body is, or is about to be, and that no reservation table has told to be its own yet: it drives nowhere before."""
 
     # --- how things stand ------------------------------------------------------------------------
 
@@ -264,9 +264,9 @@ class RightOfWay:
     # --- what its owner tells --------------------------------------------------------------------
 
     def start(self, now_s: float) -> None:
-        """Tell the books where it stands: those, too, that may know more of an earlier life."""
-        for district in self._places.keepers_of if self.wishes.life > 1 else ():
-            self.wishes.open(district)
+        """Tell the tables where it stands: those, too, that may know more of an earlier life."""
+        for district in self._places.replicas_of if self.requests.life > 1 else ():
+            self.requests.open(district)
         self._settle(now_s, anew=True)
 
     def take_control(self, now_s: float, *, drives_beyond: bool) -> None:
@@ -392,57 +392,57 @@ class RightOfWay:
     # --- messages --------------------------------------------------------------------------------
 
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> None:
-        """A keeper has answered, or grants something."""
-        if self.wishes.is_anothers(sender, granted):
+        """A replica has answered, or grants something."""
+        if self.requests.is_anothers(sender, granted):
             self.is_doubled, self._asked = True, set(self.way.held)
             self._settle(now_s, anew=True)
             return
-        fresh = self.wishes.on_granted(sender, granted, now_s)
+        fresh = self.requests.on_granted(sender, granted, now_s)
         if fresh is None:
             return
         if granted.removal > self.removal:
             self._begin_anew(granted)
             return
         self._outlook.note(granted, now_s)
-        if self._asked and granted.removal == self.removal and self.wishes.is_answered(granted):
-            self._asked -= {booking.place for booking in granted.grants}
+        if self._asked and granted.removal == self.removal and self.requests.is_answered(granted):
+            self._asked -= {reservation.place for reservation in granted.grants}
         self._note_hindrance(granted, now_s)
         unwanted = False
         if not self._obeys:
             self.way.keep(fresh)
         if fresh:
-            asked = {place for group in self.wishes.groups(granted.district) for place in group}
+            asked = {place for group in self.requests.groups(granted.district) for place in group}
             if self.is_placed and self.way.take(place for place in fresh if place in asked):
                 self._drive_on(now_s)
             unwanted = any(place not in self.way.held for place in fresh)
             if not unwanted:
                 groups = self._groups_in(granted.district, self._groups())
                 if not groups:
-                    self.wishes.count_as_said(
+                    self.requests.count_as_said(
                         granted.district, self._holds_in(granted.district), (), self._state(now_s)
                     )
         self._settle(now_s, anew_in=granted.district if unwanted else "")
 
     def on_confirmed(self, sender: str, confirmed: PlaceConfirmed, now_s: float) -> None:
-        """The witness of a book has told what it has copied."""
-        if not self.wishes.on_confirmed(sender, confirmed):
+        """The witness of a reservation table has told what it has copied."""
+        if not self.requests.on_confirmed(sender, confirmed):
             self._life.ignore("what is confirmed by somebody who is not to confirm it")
         self._take_missed(confirmed.district, now_s)
 
-    def repeat_wish(self, district: str, now_s: float) -> None:
+    def repeat_request(self, district: str, now_s: float) -> None:
         """No answer has come from a district."""
         groups = self._groups_in(district, self._groups())
-        self.wishes.repeat(district, self._holds_in(district), groups, self._state(now_s), now_s)
+        self.requests.repeat(district, self._holds_in(district), groups, self._state(now_s), now_s)
         self._take_missed(district, now_s)
 
     def _take_missed(self, district: str, now_s: float) -> bool:
-        missed = self.wishes.take_missed(district)
+        missed = self.requests.take_missed(district)
         if missed is not None:
             self.on_granted(*missed, now_s)
         return missed is not None
 
     def on_silence_told(self, now_s: float) -> None:
-        """A keeper has told of silent vehicles: whoever would come to one looks for another way, once on each leg."""
+        """A replica has told of silent vehicles: whoever would come to one looks for another way, once on each leg."""
         if self.errand is not Errand.OWN or self.docked or self.way.base_end == self.way.goal:
             return
         ahead = (self.way.base_end, *self.way.beyond)
@@ -458,11 +458,11 @@ class RightOfWay:
 
     def on_yield_asked(self, sender: str, asked: YieldAsked, now_s: float) -> None:
         """Somebody wants to come by."""
-        if not self.wishes.keeps(sender, asked.district):
-            self._life.ignore("asked to make room by somebody who does not keep that book")
+        if not self.requests.keeps(sender, asked.district):
+            self._life.ignore("asked to make room by somebody who does not keep that table")
             return
         if not self._holds_in(asked.district):
-            # The book is wrong about this vehicle: tell it.
+            # The table is wrong about this vehicle: tell it.
             self._settle(now_s, anew_in=asked.district)
             return
         if not self._can_yield or asked.waiting == self.atv or self.atv in asked.chain:
@@ -498,16 +498,16 @@ class RightOfWay:
             self._yielding.refuse(inherited.pusher, refused.avoid, self.way.held, now_s)
 
     def on_holds_asked(self, sender: str, asked: HoldsAsked, now_s: float) -> None:
-        """Somebody else keeps a book from now on."""
-        if asked.roll_call and not self._obeys:
+        """Somebody else keeps a reservation table from now on."""
+        if asked.recovery_poll and not self._obeys:
             # Where the body goes is not known yet; whoever has not told is asked again.
             return
-        is_to_tell = self.wishes.on_holds_asked(sender, asked)
+        is_to_tell = self.requests.on_holds_asked(sender, asked)
         if self._take_missed(asked.district, now_s):
             return
         if not is_to_tell:
             return
-        if asked.roll_call:
+        if asked.recovery_poll:
             self._tell(asked, sender, now_s)
         else:
             self._settle(now_s, anew_in=asked.district)
@@ -550,13 +550,13 @@ class RightOfWay:
     def _begin_anew(self, granted: PlaceGranted) -> None:
         """A person has said that it was carried away: nothing that it held is its own any more."""
         self.removal = granted.removal
-        told = {booking.place for booking in granted.grants}
+        told = {reservation.place for reservation in granted.grants}
         district_of = self._places.district_of
         lost = [place for place in self.holds if district_of[place] == granted.district and place not in told]
         self.is_denied = bool(lost) and not self.way.stands
         self._asked = set(self.way.held)
-        for district in self._places.keepers_of:
-            self.wishes.open(district)
+        for district in self._places.replicas_of:
+            self.requests.open(district)
 
     def _refuge(
         self,
@@ -604,7 +604,7 @@ class RightOfWay:
         self._life.instruct(self._wheels.drive(self.way, self._speed_mps))
 
     def _note_hindrance(self, granted: PlaceGranted, now_s: float) -> None:
-        """A book has told why it does not grant what is wanted next."""
+        """A reservation table has told why it does not grant what is wanted next."""
         groups = self._groups()
         if groups and self._places.district_of[groups[0][0]] == granted.district:
             if self._blocked is not Blocked.SILENT or self._blocked_by != granted.by:
@@ -621,14 +621,14 @@ class RightOfWay:
             self._held_up_s = None
             self._life.cancel(HELD_UP)
 
-    # --- wishes ----------------------------------------------------------------------------------
+    # --- requests ----------------------------------------------------------------------------------
 
     def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "") -> None:
         """Give back what it is clear of, ask for what comes next, and look again in time."""
         self.way.give_back()
         self._asked &= self.way.held.keys()
         if self.way.stands and self.is_placed and self.way.take(()):
-            # Back over a place that it was not clear of yet: no book has to grant it.
+            # Back over a place that it was not clear of yet: no reservation table has to grant it.
             self._drive_on(now_s)
         groups = self._groups()
         wanted_in = self._places.district_of[groups[0][0]] if groups else ""
@@ -641,10 +641,10 @@ class RightOfWay:
             self._life.cancel(HELD_UP)
         state = self._state(now_s)
         districts = dict.fromkeys(self._places.district_of[place] for place in self.way.held)
-        told = dict.fromkeys((*districts, wanted_in, *self.wishes.districts, anew_in))
+        told = dict.fromkeys((*districts, wanted_in, *self.requests.districts, anew_in))
         told.pop("", None)
         for district in told:
-            self.wishes.say(
+            self.requests.say(
                 district,
                 self._holds_in(district),
                 self._groups_in(district, groups),
@@ -655,12 +655,12 @@ class RightOfWay:
         self._surroundings.listen(() if self._is_in_no_hurry(now_s) else districts, now_s)
         self._look_again(now_s)
 
-    def _tell(self, asked: HoldsAsked, keeper: str, now_s: float) -> None:
-        """Answer a roll call: how things stand in one district, and nothing else."""
+    def _tell(self, asked: HoldsAsked, replica: str, now_s: float) -> None:
+        """Answer a recovery poll: how things stand in one district, and nothing else."""
         district, state = asked.district, self._state(now_s)
         groups = self._groups_in(district, self._groups())
         holds = self._holds_in(district)
-        self.wishes.say(district, holds, groups, state, now_s, anew=True, to=keeper, epoch=asked.epoch)
+        self.requests.say(district, holds, groups, state, now_s, anew=True, to=replica, epoch=asked.epoch)
 
     def _is_in_no_hurry(self, now_s: float) -> bool:
         """Whether it rests at its own place, and nobody has asked it for room: it need not know who is around."""
@@ -679,7 +679,7 @@ class RightOfWay:
             return self._asked_in(self._places.district_of[first])
         if self.docked or self.stuck or self.errand is Errand.REST:
             return ()
-        return tuple(self.way.groups(self._wheels.needs_m(self._speed_mps, self.wishes.round_s)))
+        return tuple(self.way.groups(self._wheels.needs_m(self._speed_mps, self.requests.round_s)))
 
     def _holds_in(self, district: str) -> tuple[str, ...]:
         district_of = self._places.district_of
@@ -717,7 +717,7 @@ class RightOfWay:
 
     def _look_again(self, now_s: float) -> None:
         """Set the alarm for the moment when it may be clear of a place, or needs the next one."""
-        when_s = self._wheels.look_in_s(self.way, self._speed_mps, self.wishes.round_s)
+        when_s = self._wheels.look_in_s(self.way, self._speed_mps, self.requests.round_s)
         if when_s is None:
             self._life.cancel(LOOK)
         else:

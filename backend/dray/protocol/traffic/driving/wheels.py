@@ -10,7 +10,7 @@ from dray.plant.restrictions import Restrictions
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
 
 REACTION_S = 0.3
-"""From a grant to the wheels, and back from the wheels to the wish."""
+"""From a grant to the wheels, and back from the wheels to the request."""
 
 AHEAD_M = 1.0
 """Asked for earlier than it must be."""

@@ -15,8 +15,8 @@ from dray.messages.heartbeat import FloorBrief
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.life import Life
+from dray.protocol.traffic.driving.place_requests import Sign
 from dray.protocol.traffic.driving.right_of_way import IDLE, WITH_TASK, Errand, RightOfWay, ShutOut
-from dray.protocol.traffic.driving.wishes import Sign
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limited_s
@@ -38,7 +38,7 @@ class Owner(Protocol):
 
     id: str
     incarnation: int
-    sign_wish: Sign
+    sign_request: Sign
 
     @property
     def is_busy(self) -> bool:
@@ -147,7 +147,7 @@ class ReservedDriver(Driver):
             next_order=self.next_order,
             restrictions=lambda: self._plant.restrictions,
             obstructed=lambda: self._plant.obstructed,
-            sign=self._owner.sign_wish,
+            sign=self._owner.sign_request,
         )
         self.sense(state)
         row.take_control(now_s, drives_beyond=state.base_end not in ("", state.node, next_node))
@@ -286,7 +286,7 @@ class ReservedDriver(Driver):
             self.sense(state)
 
     def begin_anew(self, now_s: float) -> None:
-        """It was carried away, as books say: it asks for where its body is now."""
+        """It was carried away, as the reservation tables say: it asks for where its body is now."""
         self._is_lost = True
         self._life.alarm(LOST, now_s)
 

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from dray.body import Hold, ProblemRaised
 from dray.messages import (
-    FloorTold,
+    FloorReported,
     HoldsAsked,
     Message,
     PlaceConfirmed,
@@ -18,27 +18,27 @@ from dray.messages import (
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.life import Life
+from dray.protocol.traffic.driving.place_requests import REQUEST_AGAIN
 from dray.protocol.traffic.driving.right_of_way import HELD_UP, LOOK, RESTED, Errand, RightOfWay, ShutOut
-from dray.protocol.traffic.driving.wishes import WISH_AGAIN
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.drivers.reserved_driver import LOST, ReservedDriver
 
 Handler = Callable[[str, Any, float], None]
 
-NO_NEWS = "what somebody else than its keeper says of a district, or what is known"
+NO_NEWS = "what somebody else than its leader says of a district, or what is known"
 
 
 PROBLEM = "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all"
 
 BELIEVED_BY = 2
-"""Keepers of books who say so: one alone may lie."""
+"""Replicas of reservation tables who say so: one alone may lie."""
 
 
 class AloneAmongOthers:
-    """Notices that others drive with right of way: those who keep the books ask it what it holds, or tell of their districts.
+    """Notices that others drive with right of way: those who keep the tables ask it what it holds, or tell of their districts.
 
     Args:
-        plant: whose machines and storages may keep books.
+        plant: whose machines and storages may keep reservation tables.
         raise_problem: tells that the vehicle stands until a person has seen to it.
     """
 
@@ -51,8 +51,8 @@ class AloneAmongOthers:
         self._asked_by: set[str] = set()
 
     def fill(self, messages: dict[type[Message], Callable[..., None]]) -> None:
-        """Enter what there is to see to into the vehicle's table, and listen to whoever keeps a book: where none is kept, nobody speaks."""
-        messages[HoldsAsked] = messages[YieldAsked] = messages[FloorTold] = self._on_asked
+        """Enter what there is to see to into the vehicle's table, and listen to whoever keeps a reservation table: where none is kept, nobody speaks."""
+        messages[HoldsAsked] = messages[YieldAsked] = messages[FloorReported] = self._on_asked
         self._life.subscribe(Keys(self._plant.id).all_floors)
 
     def _on_asked(self, sender: str, _message: Message, now_s: float) -> None:
@@ -125,7 +125,7 @@ class TrafficHandling:
         self, messages: dict[type[Message], Handler], alarms: dict[str, Callable[[Any, float], None]]
     ) -> None:
         """Enter what there is to see to into the vehicle's tables."""
-        messages[FloorTold] = self._on_floor
+        messages[FloorReported] = self._on_floor
         messages[PlaceGranted] = self._told(lambda row, *heard: row.on_granted(*heard))
         messages[PlaceConfirmed] = self._told(lambda row, *heard: row.on_confirmed(*heard))
         messages[YieldAsked] = self._told(lambda row, *heard: row.on_yield_asked(*heard))
@@ -135,7 +135,9 @@ class TrafficHandling:
         alarms[LOST] = lambda _about, now_s: self._step(lambda _row: self._driver.find_way(now_s), now_s)
         alarms[HELD_UP] = self._held_up
         alarms[RESTED] = lambda _about, now_s: self._step(lambda row: row.go_on(now_s), now_s)
-        alarms[WISH_AGAIN] = lambda about, now_s: self._step(lambda row: row.repeat_wish(about, now_s), now_s)
+        alarms[REQUEST_AGAIN] = lambda about, now_s: self._step(
+            lambda row: row.repeat_request(about, now_s), now_s
+        )
 
     def _held_up(self, _about: Any, now_s: float) -> None:
         self._step(lambda row: row.reroute(now_s), now_s)
@@ -143,8 +145,8 @@ class TrafficHandling:
         if shut is not None:
             self._owner.obstacles.shut_out(shut, now_s)
 
-    def _on_floor(self, sender: str, told: FloorTold, now_s: float) -> None:
-        """What a keeper knows of its district: of itself it changes a way only where somebody is silent."""
+    def _on_floor(self, sender: str, told: FloorReported, now_s: float) -> None:
+        """What a replica knows of its district: of itself it changes a way only where somebody is silent."""
         if not self._driver.surroundings.on_floor(sender, told, now_s):
             self._life.ignore(NO_NEWS)
         elif any(vehicle.silent for vehicle in told.vehicles):

@@ -5,7 +5,7 @@ import { seek } from "./state";
 import type { Knowledge } from "./api";
 
 type Known = components["schemas"]["KnownView"];
-type Told = components["schemas"]["ToldView"];
+type RecordedFact = components["schemas"]["RecordedFactView"];
 
 const ROLES = { primary: "primary", secondary: "secondary", coordinator: "coordinator" } as const;
 const KINDS = [
@@ -82,7 +82,7 @@ function learntText(item: Known, atS: number): string {
   return `${format.clock(item.learnt_at_s)} · ${t("knows.later", { age: format.age(item.learnt_at_s - atS) })}`;
 }
 
-function toldText(told: Told): string {
+function toldText(told: RecordedFact): string {
   const kind = KINDS.find((each) => each === told.kind);
   if (kind === undefined) return format.clock(told.at_s);
   return t(`knows.${kind}`, { agent: told.agent, other: told.other, at: format.clock(told.at_s) });

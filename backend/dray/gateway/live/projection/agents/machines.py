@@ -27,7 +27,7 @@ from dray.messages import (
     MachineStatus,
     TaskBrief,
 )
-from dray.messages.told_stock import with_stock
+from dray.messages.heartbeat_stock import with_stock
 from dray.store.history.clocks import Clocks, ToWall
 
 MAKING, STARVED, IDLE, BROKEN, DOWN, RESTING = "making", "starved", "idle", "broken", "down", "resting"

@@ -37,7 +37,7 @@ class Removals:
         return {atv for atv in before.keys() | self._views.keys() if before.get(atv) != self._views.get(atv)}
 
     def fold(self, event: Event) -> tuple[str, ...]:
-        """Whoever keeps a book tells what was done; returns the vehicle that it is about, if one that is shown."""
+        """Whoever keeps a reservation table tells what was done; returns the vehicle that it is about, if one that is shown."""
         fact = event.fact
         if not isinstance(fact, PlacesFreed | PlaceKept) or fact.atv not in self._views:
             return ()

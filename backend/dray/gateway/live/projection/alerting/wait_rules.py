@@ -60,8 +60,8 @@ def of_waits(waits: Waits, told_of: Container[str], now: Moment) -> Iterator[Con
                 yield Condition(kind="atv_waits", agent=view.id, cause=cause)
 
 
-def of_roll_calls(awaited: Mapping[str, Collection[str]]) -> Iterator[Condition]:
-    """Vehicles that were not heard since books of places were lost, so that nothing is granted there.
+def of_recovery_polls(awaited: Mapping[str, Collection[str]]) -> Iterator[Condition]:
+    """Vehicles that were not heard since reservation tables were lost, so that nothing is granted there.
 
     Args:
         awaited: by vehicle, who awaits its word.

@@ -20,7 +20,7 @@ from dray.store.history.clocks import ToWall
 SILENT = Standing("silent")
 
 
-class Told(msgspec.Struct, frozen=True, gc=False):
+class OwnWord(msgspec.Struct, frozen=True, gc=False):
     """What a vehicle has told last of itself."""
 
     standing: Standing
@@ -44,7 +44,7 @@ class Waits:
 
     def __init__(self, to_wall_s: ToWall) -> None:
         self._to_wall_s = to_wall_s
-        self._told: dict[str, Told] = {}
+        self._told: dict[str, OwnWord] = {}
         """By vehicle. Bounded by whoever lets vehicles in."""
         self._waiting: dict[str, None] = {}
         self._views: dict[str, WaitView] = {}
@@ -90,9 +90,9 @@ class Waits:
         self._chains = chains_of(self._concerned(is_heard))
         before, self._views = self._views, {}
         for atv, chain in self._chains.items():
-            told = self._told[atv]
-            if told.since_s is not None and (told.is_repeated or chain.ahead):
-                self._views[atv] = self._view(atv, told, told.since_s, chain, plant)
+            word = self._told[atv]
+            if word.since_s is not None and (word.is_repeated or chain.ahead):
+                self._views[atv] = self._view(atv, word, word.since_s, chain, plant)
         for atv in before.keys() - self._views.keys():
             self.changes.drop(atv)
         for atv, view in self._views.items():
@@ -115,7 +115,7 @@ class Waits:
         return None if since_s is None else (last, since_s)
 
     def names(self, agent: str) -> bool:
-        """Whether a vehicle waits for one that was never heard and has this name: the keeper of a book has told it."""
+        """Whether a vehicle waits for one that was never heard and has this name: the leader of a reservation table has told it."""
         return agent in self._unheard_s
 
     def has_task(self, atv: str) -> bool:
@@ -139,12 +139,12 @@ class Waits:
                     vehicles[atv] = self._told[atv].standing if is_heard(atv) else SILENT
         return vehicles
 
-    def _view(self, atv: str, told: Told, since_s: float, chain: Chain, plant: Plant) -> WaitView:
+    def _view(self, atv: str, word: OwnWord, since_s: float, chain: Chain, plant: Plant) -> WaitView:
         cause = self._cause(atv, chain, plant)
         return WaitView(
             id=atv,
             since_at_s=self._to_wall_s(since_s),
-            place=told.needs,
+            place=word.needs,
             cause=cause,
             text=wait_text(cause),
         )
@@ -171,7 +171,7 @@ class Waits:
         return self._docks[1].get(node, "")
 
 
-def _told(heartbeat: AtvHeartbeat, before: Told | None) -> Told:
+def _told(heartbeat: AtvHeartbeat, before: OwnWord | None) -> OwnWord:
     """What a heartbeat tells; one that stands as before has stood since then."""
     standing, node = standing_of(heartbeat), "" if heartbeat.speed_mps else heartbeat.node
     since_s = None if heartbeat.speed_mps else heartbeat.at_s
@@ -181,7 +181,7 @@ def _told(heartbeat: AtvHeartbeat, before: Told | None) -> Told:
         if (before.node, then.kind, then.waits) == (node, standing.kind, standing.waits):
             since_s, is_repeated = before.since_s, True
     needs = "" if heartbeat.floor is UNSET else heartbeat.floor.waits_at
-    return Told(standing, node, needs, heartbeat.task is not None, since_s, is_repeated)
+    return OwnWord(standing, node, needs, heartbeat.task is not None, since_s, is_repeated)
 
 
 def standing_of(heartbeat: AtvHeartbeat) -> Standing:

@@ -66,7 +66,7 @@ async def carry_away(
 
     That may be said of whoever holds what others need, also of one that nobody has ever heard.
 
-    Whoever keeps the books of places believes it from `believed_at_s` on, and not while anybody hears the vehicle.
+    Whoever keeps the reservation tables believes it from `believed_at_s` on, and not while anybody hears the vehicle.
     """
     if caller.areas is not None or not projection.waits.names(atv):
         area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)

@@ -1,1 +1,0 @@
-"""Who holds which place: the books that machines keep."""

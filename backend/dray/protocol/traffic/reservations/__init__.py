@@ -1,0 +1,1 @@
+"""Who holds which place: the reservation tables that machines keep."""

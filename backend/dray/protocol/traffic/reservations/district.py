@@ -1,0 +1,544 @@
+"""One replica's side of right of way in one district: it answers requests from the table, and asks holders to make room.
+
+It decides nothing about traffic: who makes room, and where to, is decided by the vehicles (`yielding`). Whether what it grants
+counts is decided with those who keep copies (`copies`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from msgspec.structs import replace
+
+from dray.messages import Message, Removal
+from dray.messages.fact import BookRefused
+from dray.messages.floor.traffic import (
+    UNSIGNED,
+    Blocked,
+    HoldsAsked,
+    PlaceGranted,
+    PlaceRequested,
+    TableAcknowledged,
+    TableAsked,
+    TableReplicated,
+    TableReported,
+    YieldAsked,
+)
+from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.throttle import Throttle
+from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.reservations.allotment import FREE, Hindrance, allot
+from dray.protocol.traffic.reservations.carried import Carried, absent
+from dray.protocol.traffic.reservations.copies import Copies, Kept
+from dray.protocol.traffic.reservations.floor_report import NEWS_S, FloorReport
+from dray.protocol.traffic.reservations.impostors import Impostors
+from dray.protocol.traffic.reservations.late_answers import LateAnswers
+from dray.protocol.traffic.reservations.reach import Reach
+from dray.protocol.traffic.reservations.recovery_poll import RecoveryPoll
+from dray.protocol.traffic.reservations.reservation_table import ReservationTable
+from dray.protocol.traffic.reservations.turns import ASK_S, Turns
+from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
+
+TABLE_TICK = "table tick"
+
+NEVER_GRANTED = "it says to have seen a grant that nobody has given"
+NOT_HEARD_THERE = "it says to hold what no reservation table has granted, and is not heard there"
+NOT_ON_THE_FLOOR = "a request of a vehicle that is being put back, from before it was carried away"
+
+OUTBID_S = 30.0
+"""The replica that is told by one alone of a later epoch than its own begins a still later one, once in so long."""
+
+TICK_S = 1.0
+"""A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
+
+
+NOT_COPIED = "a reservation table that takes a place from a vehicle without its word, or with a version to which no reservation table has come"
+
+REFUSED_OFTEN = 5
+"""In a row, a second apart: a replica that has started again may have lost the word of a vehicle, which is asked for it."""
+
+
+class Refusals:
+    """Of one agent's copies."""
+
+    def __init__(self, life: Life) -> None:
+        self._life = life
+        self._throttle = Throttle()
+
+    def tell(self, replica: str, in_a_row: int, now_s: float) -> None:
+        """A replica's table was not copied, so often in a row."""
+        self._life.ignore(NOT_COPIED)
+        if in_a_row >= REFUSED_OFTEN and self._throttle.passes(replica, now_s):
+            self._life.record(BookRefused(replica))
+
+
+class District:
+    """The table of one district at one of its replicas.
+
+    Args:
+        district: its name.
+        inside: its places.
+        me: this replica.
+        replicas: all of them, in the order of their turns.
+        atvs: the vehicles of the plant: a recovery poll is over when all of them have told.
+        kept: what an earlier life has left; None for nothing.
+        neighbours: what is known of the vehicles.
+        reach: how much of the floor one vehicle may have.
+        report: what is told of them to other vehicles.
+        impostors: tells people of those that speak in a vehicle's name.
+        is_signed: whether a vehicle's request is signed by the key that it names.
+    """
+
+    def __init__(
+        self,
+        district: str,
+        inside: frozenset[str],
+        me: str,
+        replicas: Sequence[str],
+        atvs: Sequence[str],
+        kept: Kept | None,
+        neighbours: Neighbours,
+        reach: Reach,
+        report: FloorReport,
+        impostors: Impostors,
+        life: Life,
+        is_signed: IsSigned = names_no_key,
+    ) -> None:
+        self.copies = Copies(district, me, replicas, kept, life, is_signed)
+        self._district = district
+        self._inside = inside
+        self._me = me
+        self._atvs = tuple(atvs)
+        self._neighbours = neighbours
+        self._reach = reach
+        self._report = report
+        self._impostors = impostors
+        self._refusals = Refusals(life)
+        self._turns = Turns(me, replicas)
+        self._life = life
+        self._table = ReservationTable()
+        self._requests: dict[str, PlaceRequested] = {}
+        """The newest one of every vehicle that holds or wants something here, or waits for an answer."""
+        self._hindrances: dict[str, Hindrance] = {}
+        self._owed: set[str] = set()
+        """Vehicles that are to be told what the table says of them, once that counts."""
+        self._spoke_s: dict[str, float] = {}
+        self._newest: dict[str, dict[bytes, tuple[int, int]]] = {}
+        """Vehicle -> key -> life and number of its newest request. More than one key only while several hold something in its name."""
+        self._look_s = NEVER_S
+        """When the alarm sounds."""
+        self._asked_s: dict[str, float] = {}
+        """Holder -> when it was asked to make room."""
+        self._poll: RecoveryPoll | None = None
+        """While vehicles are asked what they hold."""
+        self._late = LateAnswers(reach)
+        self._seen_before: dict[tuple[str, bytes], int] = {}
+        """Vehicle and key -> what it has told in the recovery poll to have seen, where that is beyond what was believed."""
+        self._outbid_s = -OUTBID_S
+        """When it has begun a later epoch than one that a vehicle was told."""
+        self._led_epoch = -1
+        """Under which this replica has taken the table over last."""
+        self._carried = Carried(life)
+
+    # --- its life --------------------------------------------------------------------------------
+
+    def start(self, now_s: float) -> None:
+        """Begin: the first replica seeks to keep the table, the others listen; who has lost its memory asks."""
+        if self.copies.lost:
+            self.copies.ask()
+            self._after_copies(now_s)
+        elif self.copies.leader == self._me:
+            self._seek(now_s)
+        self._look_within(NEWS_S, now_s)
+
+    @property
+    def is_polling(self) -> bool:
+        """Whether it must hear everybody."""
+        return self._poll is not None
+
+    @property
+    def listens_to(self) -> set[str]:
+        """The vehicles whose heartbeats it must hear: those in its table, or that want to be, or are to be told something."""
+        if not self.leads:
+            return set()
+        return {*self._table.atvs, *self._requests, *self._carried.unaware, *self._late.unknown}
+
+    @property
+    def leads(self) -> bool:
+        """Whether this replica answers requests."""
+        return self.copies.leads and self._poll is None
+
+    def awaited(self, now_s: float) -> Iterator[str]:
+        """Vehicles without whose word nothing is granted here."""
+        if self._poll is not None:
+            yield from self._poll.awaited(self._polled(), now_s)
+
+    @property
+    def table(self) -> ReservationTable:
+        """As it is, whether it counts yet or not."""
+        return self._table
+
+    # --- messages --------------------------------------------------------------------------------
+
+    def on_message(self, sender: str, message: Message, now_s: float) -> None:
+        """One of the messages that name this district."""
+        if reason := self._turns.objection(sender, message):
+            self._life.ignore(reason)
+            return
+        self._turns.on_replica(sender, now_s)
+        match message:
+            case PlaceRequested():
+                self._on_request(sender, message, now_s)
+            case TableReplicated():
+                silent = self._turns.is_silent(self.copies.leader, now_s)
+                refused = self.copies.refused
+                if not self.copies.on_replicated(sender, message, silent=silent):
+                    self._find_out(now_s)
+                if self.copies.refused > refused:
+                    self._refusals.tell(sender, self.copies.refused, now_s)
+            case TableAcknowledged():
+                if self.copies.on_acknowledged(sender, message):
+                    self._answer()
+            case TableAsked():
+                silent = self._turns.is_silent(self.copies.leader, now_s)
+                promises = self.copies.on_asked(sender, message, silent=silent)
+                if not message.epoch:
+                    self._doubt(now_s)
+                if not promises and (message.epoch or self.copies.leader != self._me):
+                    self._find_out(now_s)
+            case TableReported():
+                self.copies.on_reported(sender, message)
+                self._after_copies(now_s)
+            case _:
+                self._life.ignore("no message for a replica")
+        self._look_within(NEWS_S, now_s)
+
+    def _on_request(self, sender: str, request: PlaceRequested, now_s: float) -> None:
+        if not self._inside.issuperset(
+            (*request.holds, *(place for group in request.groups for place in group))
+        ):
+            self._life.ignore("a place that is not in this district")
+            return
+        if self._poll is not None:
+            if request.holds:
+                self._spoke_s[sender] = now_s
+            if self._poll.note(sender, request, now_s):
+                self._close_poll(now_s)
+            return
+        if not self.copies.leads:
+            if not self.copies.lost and self.copies.leader != self._me:
+                asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
+                self._life.send(sender, asked)
+                self.copies.confirm(sender)
+                self._doubt(now_s)
+            return
+        if request.epoch > self.copies.kept.epoch and now_s - self._outbid_s >= OUTBID_S:
+            # Somebody has told the vehicle of a later replica, of which this one has not heard.
+            self._outbid_s = now_s
+            self.copies.note_highest(request.epoch)
+            self._seek(now_s)
+            return
+        if self._is_believed(sender, request, now_s):
+            self._note_request(sender, request, now_s)
+            self._settle(now_s)
+
+    def _note_request(self, sender: str, request: PlaceRequested, now_s: float) -> None:
+        known, said = self._table.removal_of(sender, request.mark), request
+        if request.seen > self._table.version:
+            # Of the table before the recovery poll, as it was told there: it has seen nothing of this one yet.
+            request = replace(request, seen=0)
+        self._table.remove(sender, request.removal, request.mark)
+        self._table.begin_life(sender, request)
+        if request.removal < known:
+            if self._carried.is_being_put_back(sender):
+                # It is not on the floor yet: whoever says this has stolen its name, or it was said before.
+                self._life.ignore(NOT_ON_THE_FLOOR)
+                return
+            # It does not know that it was carried away: what it held is void, and that is all that it is told.
+            request = replace(request, holds=(), groups=())
+        else:
+            self._carried.unaware.discard(sender)
+        if self._is_newest(sender, request):
+            if any(line.mark == request.mark for line in self._table.of(sender)):
+                self._spoke_s[sender] = now_s
+            # One that was overtaken gives nothing back: what it did not hold then it may hold now.
+            if request.removal >= known:
+                struck = self._table.strike(request, sender)
+                self.copies.note_word(sender, said, struck=struck)
+            self._requests[sender] = request
+            self._owed.add(sender)
+            if request.removal >= known:
+                self._neighbours.on_request(sender, request, now_s)
+
+    def _is_believed(self, sender: str, request: PlaceRequested, now_s: float) -> bool:
+        """Whether a request may be the vehicle's own."""
+        if not self._late.on_request(sender, request, self._table, now_s):
+            self._life.ignore(NOT_HEARD_THERE)
+        elif not self._table.hears(sender, request.mark):
+            self._impostors.tell(sender, now_s)
+        elif request.seen > max(self._table.version, self._seen_before.get((sender, request.mark), 0)):
+            self._life.ignore(NEVER_GRANTED)
+        else:
+            return True
+        return False
+
+    def _is_newest(self, atv: str, request: PlaceRequested) -> bool:
+        """Whether a request is later than all that the vehicle has said under its key; then it is noted. Who holds nothing in its name is forgotten."""
+        by_key = self._newest.get(atv, {})
+        if (request.life, request.seq) <= by_key.get(request.mark, (0, 0)):
+            return False
+        holding = {line.mark for line in self._table.of(atv)}
+        self._newest[atv] = {mark: newest for mark, newest in by_key.items() if mark in holding}
+        self._newest[atv][request.mark] = (request.life, request.seq)
+        return True
+
+    def spoke_s(self, atv: str) -> float:
+        """When the vehicle has said last what it holds here: words of before, and of who has not its key, do not count."""
+        return self._spoke_s.get(atv, float("-inf"))
+
+    def remove(self, removal: Removal, place: str, now_s: float) -> None:
+        """A person has carried a vehicle away: whatever it held is free. One that is being put back has `place` kept for it."""
+        atv, known = removal.atv, self._table.removal_of(removal.atv)
+        if self._poll is not None:
+            if self._poll.note(atv, self._absent(removal, place), now_s, by_person=True):
+                self._close_poll(now_s)
+        if not self.leads or removal.number < known:
+            if any(line.atv == atv for line in self.copies.kept.reservations) or place in self._inside:
+                self._doubt(now_s)
+            return
+        if removal.number > known and (place in self._inside or self._table.of(atv)):
+            self._requests.pop(atv, None)
+            self._owed.discard(atv)
+            places = self._table.remove(atv, removal.number)
+            self._carried.free(removal, places, self._table.version)
+        if place in self._inside and not self._carried.is_kept(removal, place):
+            self._requests[atv] = self._absent(removal, place)
+            self._carried.keep(removal, place)
+        self._settle(now_s)
+        self._look_within(NEWS_S, now_s)
+
+    def on_vehicle(self, atv: str, life: int, removal: int | None, now_s: float, *, is_news: bool) -> None:
+        """A vehicle was heard: if it does not know that it was carried away, it is told, and asks anew for where it stands."""
+        if not self.leads:
+            return
+        if is_news and self._table.of(atv):
+            self._look_within(NEWS_S, now_s)
+        if self._hindrances.get(atv, FREE).by == atv:
+            # It waits for nothing but this: where it is.
+            self._settle(now_s)
+        known = self._table.removal_of(atv)
+        if removal is None:
+            return
+        if removal >= known:
+            self._carried.unaware.discard(atv)
+        elif self.copies.counted >= self._table.version:
+            epoch, lines = self.copies.kept.epoch, self._table.of(atv)
+            told = PlaceGranted(
+                district=self._district, epoch=epoch, life=life, upto=0, grants=lines, removal=known
+            )
+            self._life.send(atv, told)
+
+    def tick(self, now_s: float) -> None:
+        """A second has passed, or there is something to see to."""
+        if self._poll is not None:
+            self._poll.call(self._polled(), now_s)
+            self._close_poll(now_s)
+        elif self.copies.asks:
+            self.copies.ask()
+            self._after_copies(now_s)
+        elif self.copies.is_outvoted:
+            self._seek(now_s)
+        elif self.copies.leads:
+            self.copies.repeat()
+            if self._hindrances:
+                self._settle(now_s)
+            self._report.tell(self._table, self.copies.kept.epoch, now_s)
+        elif self._turns.mine_at_s(self.copies.kept.epoch, now_s) <= now_s:
+            self._turns.lead()
+            self._seek(now_s)
+        else:
+            self._ask_whether_they_live(now_s)
+        self._look_later(now_s)
+
+    def _doubt(self, now_s: float) -> None:
+        """Somebody wants something of this replica that is another one's to do: does that one live?"""
+        if not (self.copies.leads or self.copies.asks or self.is_polling) and self._turns.doubt(now_s):
+            self._ask_whether_they_live(now_s)
+
+    def _find_out(self, now_s: float) -> None:
+        """A replica wants what is another one's, and nobody else has said so: what do the others say, and does that one live?"""
+        if self._turns.watch(now_s):
+            leads = self.copies.leader == self._me
+            self._ask_whether_they_live(now_s, self._turns.others if leads else ())
+
+    def _ask_whether_they_live(self, now_s: float, whom: Sequence[str] = ()) -> None:
+        for replica in whom or self._turns.asked(self.copies.kept.epoch, now_s):
+            self._turns.on_question(replica, now_s)
+            self._life.send(replica, TableAsked(district=self._district, epoch=0))
+
+    def _seek(self, now_s: float) -> None:
+        self.copies.seek(self._turns.silent(now_s))
+        self._after_copies(now_s)
+
+    def _look_later(self, now_s: float) -> None:
+        """Set the alarm for when there is something to see to, as far as one knows now."""
+        if self._poll is not None or self.copies.asks:
+            at_s = now_s + TICK_S
+        elif not self.copies.leads:
+            epoch = self.copies.kept.epoch
+            waits = self._turns.mine_at_s(epoch, now_s) < NEVER_S or self._turns.is_watching(epoch, now_s)
+            at_s = now_s + ASK_S if waits else NEVER_S
+        else:
+            waits = bool(self._hindrances) or self.copies.is_behind
+            at_s = now_s + TICK_S if waits else self._report.due_s
+        self._look_s = at_s
+        self._life.alarm((TABLE_TICK, self._district), at_s)
+
+    def _look_within(self, span_s: float, now_s: float) -> None:
+        """Something has happened: set the alarm for sooner, if it is later."""
+        if self._look_s > now_s + span_s:
+            self._look_s = now_s + span_s
+            self._life.alarm((TABLE_TICK, self._district), self._look_s)
+
+    # --- whose reservation table it is ------------------------------------------------------------------------
+
+    def _after_copies(self, now_s: float) -> None:
+        """Something was told: perhaps this replica leads now, or must start a recovery poll."""
+        if self.copies.needs_recovery_poll and self._poll is None:
+            self._poll = RecoveryPoll(self._district, self.copies.next_turn, now_s, self._life)
+            self._poll.call(self._polled(), now_s)
+        elif self.copies.leads and self._led_epoch != self.copies.kept.epoch:
+            self._take_over()
+
+    def _take_over(self) -> None:
+        kept = self.copies.kept
+        self._led_epoch = kept.epoch
+        # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
+        self._table = ReservationTable(kept.reservations, kept.version + 1, kept.removed)
+        self._requests, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
+        self._late.start(None)
+        self._seen_before = {}
+        self._carried.take_over(one.atv for one in kept.removed)
+        self._write()
+        for atv in self._atvs:
+            self._life.send(atv, HoldsAsked(district=self._district, epoch=kept.epoch))
+
+    def _polled(self) -> tuple[str, ...]:
+        """Whom a recovery poll is for: the vehicles of the plant, and those that were heard."""
+        return tuple(dict.fromkeys((*self._atvs, *self._neighbours.all)))
+
+    def _close_poll(self, now_s: float) -> None:
+        poll = self._poll
+        if poll is None or not poll.is_over(self._polled, now_s):
+            return
+        version = self.copies.end_recovery_poll(poll.epoch)
+        self._poll = None
+        self._table = poll.table(lambda atv, holds: self._reach.may_hold(atv, holds, now_s), version)
+        for atv, request in poll.told.items():
+            self.copies.note_word(atv, request, struck=True)
+        self._late.start(poll.keys)
+        self._seen_before = {
+            (atv, request.mark): request.seen
+            for atv, request in poll.told.items()
+            if request.seen > self._table.version
+        }
+        self._led_epoch = poll.epoch
+        # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
+        self._requests = {
+            atv: request for atv, request in poll.told.items() if request.holds or request.groups
+        }
+        self._hindrances, self._owed = {}, set(self._requests)
+        self._newest = {
+            atv: {request.mark: (request.life, request.seq)} for atv, request in poll.told.items()
+        }
+        self._carried.take_over(one.atv for one in self._table.removed)
+        self._write()
+        self._settle(now_s)
+
+    # --- answers ---------------------------------------------------------------------------------
+
+    def _settle(self, now_s: float) -> None:
+        """Grant what can be granted, let it be kept, answer, and ask for room."""
+        self._hindrances, granted = allot(
+            self._table,
+            self._requests,
+            lambda atv: self._neighbours.is_silent(atv, now_s),
+            lambda atv, missing: self._is_within_reach(atv, missing, now_s),
+        )
+        self._owed |= granted
+        if self._table.version > self.copies.kept.version:
+            self._write()
+        self._answer()
+        self._ask_for_room(now_s)
+
+    def _write(self) -> None:
+        self.copies.write(self._table.version, self._table.reservations, self._table.removed)
+
+    def _answer(self) -> None:
+        """Tell whoever was granted something that counts, and whoever waits for an answer."""
+        if not self.leads:
+            return
+        counted = self.copies.counted
+        self._carried.tell(self._table, counted)
+        for atv in sorted(self._owed):
+            request = self._requests[atv]
+            lines = self._table.of_key(atv, request.mark)
+            if any(line.number > counted for line in lines):
+                continue
+            self._owed.discard(atv)
+            hindrance = self._hindrances.get(atv, FREE)
+            granted = PlaceGranted(
+                district=self._district,
+                epoch=self.copies.kept.epoch,
+                life=request.life,
+                upto=request.seq,
+                grants=lines,
+                blocked=hindrance.blocked,
+                by=hindrance.by,
+                at=hindrance.at,
+                removal=self._table.removal_of(atv, request.mark),
+                mark=request.mark or UNSIGNED,
+            )
+            self._life.send(atv, granted)
+            if not lines and not request.groups:
+                del self._requests[atv]
+
+    def _ask_for_room(self, now_s: float) -> None:
+        """Ask whoever is in the way of one that waits, or will have to. Who is asked for several hears of the most urgent one."""
+        asked: set[str] = set()
+        for atv in sorted(self._hindrances, key=lambda one: self._requests[one].rank):
+            hindrance, request = self._hindrances[atv], self._requests[atv]
+            holder = hindrance.by
+            if not hindrance.holds or hindrance.blocked is not Blocked.WAIT or holder in asked:
+                continue
+            asked.add(holder)
+            if now_s - self._asked_s.get(holder, -TICK_S) < TICK_S - 0.01:
+                continue
+            if self._moves(holder):
+                continue
+            self._asked_s[holder] = now_s
+            room = YieldAsked(
+                district=self._district,
+                waiting=atv,
+                rank=request.rank,
+                avoid=request.avoid,
+                chain=request.chain,
+            )
+            self._life.send(holder, room)
+
+    def _is_within_reach(self, atv: str, missing: Sequence[str], now_s: float) -> bool:
+        """Whether a vehicle may have these places too; people may put one back wherever they like."""
+        if self._carried.is_being_put_back(atv):
+            return True
+        held = [line.place for line in self._table.of(atv)]
+        return self._reach.covers(atv, held, missing, now_s)
+
+    def _moves(self, atv: str) -> bool:
+        """Whether a vehicle is under way, as far as one knows: it need not be asked."""
+        seen, request = self._neighbours.of(atv), self._requests.get(atv)
+        return seen is not None and not seen.stands and not (request is not None and request.stands)
+
+    def _absent(self, removal: Removal, place: str) -> PlaceRequested:
+        epoch = self._poll.epoch if self._poll is not None else self.copies.kept.epoch
+        return absent(self._district, removal, place if place in self._inside else "", epoch)

@@ -1,0 +1,23 @@
+"""Impostors: who speaks in the name of a vehicle that holds places, and has not its key. Its requests change nothing; people are told."""
+
+from __future__ import annotations
+
+from dray.messages.fact import NameMisused
+from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.throttle import Throttle
+
+ANOTHERS_KEY = "a request that is not signed by the vehicle that holds places in this name"
+
+
+class Impostors:
+    """Of one agent's tables."""
+
+    def __init__(self, life: Life) -> None:
+        self._life = life
+        self._throttle = Throttle()
+
+    def tell(self, atv: str, now_s: float) -> None:
+        """A request in this vehicle's name is not its own."""
+        self._life.ignore(ANOTHERS_KEY)
+        if self._throttle.passes(atv, now_s):
+            self._life.record(NameMisused(atv))

@@ -1,0 +1,24 @@
+/** Problems in the reader's language, wherever a panel shows them: the words come when there is a problem. */
+import type { FieldError } from "./types";
+import { Problem } from "./problem";
+
+/** So long the words may be under way: that something was not done has to be seen at once. */
+const WORDS_MS = 1_000;
+
+/** @returns the problem with its faults, or its kind, in words; what has none here, or not in time, stays as the gateway says it */
+export async function worded(problem: Problem): Promise<Problem> {
+  if (problem.kind === "" || problem.status === 401) return problem;
+  const late = new Promise<Problem>((resolve) => { setTimeout(resolve, WORDS_MS, problem); });
+  return await Promise.race([inWords(problem).catch(() => problem), late]);
+}
+
+async function inWords(problem: Problem): Promise<Problem> {
+  const { errors, kind, status } = problem;
+  const { faultText, kindText } = await import("../text/views/rows/fault-text");
+  if (errors.some(({ code }) => code)) {
+    const faults = await Promise.all(errors.map(async (each): Promise<FieldError> => ({ ...each, reason: await faultText(each) })));
+    return new Problem(status, faults.map(({ reason }) => reason).join(" "), faults, kind);
+  }
+  const text = await kindText(kind);
+  return text === null ? problem : new Problem(status, text, errors, kind);
+}

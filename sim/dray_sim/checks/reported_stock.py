@@ -1,0 +1,58 @@
+"""Invariant 28: the stock that a station reports lies there, and it has ordered no more than it has room for.
+
+A report may be a moment old, or of a life that has not heard of a change yet. A report that stays wrong for `WRONG_S`
+is an error. A returned load comes without an order. A load that has just been put down is both on order and there
+until its carrier has said so. So only orders beyond these are judged.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from dray.messages import Message, StationHeartbeat, StockLevel
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.factory.sim_factory import SimFactory
+
+WRONG_S = 30.0
+"""A station hears of a change at once, and tells it; one that has just been started counts first."""
+
+
+class ReportedStock:
+    """Checks one factory."""
+
+    def __init__(self, factory: SimFactory) -> None:
+        self._storages = factory.floor.storages
+        self._right_s: dict[tuple[str, str], float] = {}
+        """Last moment at which a report was right, by station and item."""
+        self._last: dict[tuple[str, str], StockLevel] = {}
+        self._unasked: Counter[tuple[str, str]] = Counter()
+        """Pieces without an order, as long as there are more than find room."""
+
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Note one utterance.
+
+        Raises:
+            InvariantBroken: something else lies there, or more is ordered than finds room.
+        """
+        if type(message) is not StationHeartbeat or sender not in self._storages:
+            return
+        stock = self._storages[sender].stock
+        for told in message.stocks:
+            key = sender, told.item
+            if told.level == stock[told.item]:
+                self._right_s[key] = at_s
+            elif at_s > self._right_s.setdefault(key, at_s) + WRONG_S:
+                seen = f"{sender} tells of {told.level} {told.item}, and {stock[told.item]} lie there"
+                raise InvariantBroken(28, at_s, seen)
+            self._judge(key, told, at_s)
+
+    def _judge(self, key: tuple[str, str], told: StockLevel, at_s: float) -> None:
+        before, total = self._last.get(key, told), told.level + told.on_order
+        self._last[key] = told
+        if told.on_order <= before.on_order:
+            self._unasked[key] += max(0, total - before.level - before.on_order)
+        if total <= told.capacity:
+            del self._unasked[key]
+        elif told.on_order > before.on_order and total > told.capacity + self._unasked[key]:
+            seen = f"{key[0]} has {told.level} {key[1]} and {told.on_order} on order, with room for {told.capacity}"
+            raise InvariantBroken(28, at_s, seen)

@@ -1,0 +1,247 @@
+"""Vehicles that people carry away: whose word frees their places, when, and what is told to one that comes back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from msgspec import UNSET
+from replica import (
+    AREA,
+    DIED_S,
+    DISTRICT,
+    ELSEWHERE,
+    FORGER,
+    GONE_S,
+    HERE,
+    LATER_S,
+    PLANT,
+    Replica,
+    answers,
+    beat,
+    facts,
+    request,
+    word,
+)
+
+from dray.memory import TableMemory
+from dray.messages import Removals
+from dray.messages.fact import PlaceKept, PlacesFreed
+from dray.messages.floor.traffic import Blocked, HoldsAsked
+from dray.messages.heartbeat import AWAITED_MAX
+from dray.protocol.runtime.events import Publish, Send, Subscribe, Unsubscribe
+from dray.protocol.traffic.removal_authorisation import EXPIRED, IS_HEARD, NOT_THERE, NOT_TRUSTED, TOO_EARLY
+from dray.protocol.traffic.reservations.recovery_poll import POLL_S, QUIET_S
+
+
+@pytest.fixture
+def replica() -> Replica:
+    """A has died with two places."""
+    replica = Replica()
+    replica.comes("A", HERE, ELSEWHERE, now_s=DIED_S)
+    return replica
+
+
+def test_what_a_vehicle_held_is_free_once_and_that_is_told(replica: Replica) -> None:
+    effects = replica.told("gateway", Removals(removals=(word(),)), LATER_S)
+    assert (replica.holder(HERE), replica.holder(ELSEWHERE)) == ("", "")
+    (freed,) = facts(effects, PlacesFreed)
+    assert (freed.by, set(freed.places)) == ("eve", {HERE, ELSEWHERE})
+    again = replica.told("gateway", Removals(removals=(word(),)), LATER_S + 1.0)
+    assert facts(again, PlacesFreed) == []
+
+
+def test_nobody_believes_it_of_a_vehicle_that_may_be_speaking_on_a_bad_link(replica: Replica) -> None:
+    assert replica.remove(DIED_S + GONE_S - 0.1) == [IS_HEARD]
+    assert replica.holder(HERE) == "A"
+
+
+def test_nor_of_one_that_was_heard_after_the_word_was_given(replica: Replica) -> None:
+    replica.told("A", beat(seq=8), DIED_S + 1.0)
+    assert replica.remove(LATER_S + 1000.0) == [IS_HEARD]
+    assert replica.remove(LATER_S + 1000.0, heard=(1, 8)) == []
+
+
+def test_nor_of_one_that_still_asks_for_places(replica: Replica) -> None:
+    replica.told("A", request(HERE, seq=2), LATER_S - 1.0)
+    assert replica.remove() == [IS_HEARD]
+
+
+def test_what_it_has_said_long_before_is_no_sign_that_it_lives(replica: Replica) -> None:
+    old = request(HERE, ELSEWHERE, seq=1)
+    replica.told("A", old, LATER_S - 1.0)
+    assert replica.remove() == []
+
+
+def test_a_replica_that_has_just_begun_to_listen_believes_nothing() -> None:
+    assert Replica(now_s=LATER_S - 1.0).remove() == [TOO_EARLY]
+
+
+@pytest.mark.parametrize(
+    ("how", "why"),
+    [
+        ({"key": FORGER}, NOT_TRUSTED),
+        ({"until_s": LATER_S - 1.0}, EXPIRED),
+        ({"areas": ("nowhere",)}, NOT_THERE),
+        ({"areas": ()}, NOT_THERE),
+        ({"areas": (AREA,), "node": ELSEWHERE}, NOT_THERE),
+    ],
+)
+def test_only_who_may_command_where_the_vehicle_was_may_say_so(
+    replica: Replica, how: dict[str, Any], why: str
+) -> None:
+    assert replica.remove(**how) == [why]
+    assert replica.holder(HERE) == "A"
+
+
+def test_the_area_where_it_was_heard_last_is_enough_for_all_that_it_held(replica: Replica) -> None:
+    assert replica.remove(areas=(AREA,)) == []
+    assert replica.holder(ELSEWHERE) == ""
+
+
+def test_a_stale_word_frees_nothing_that_was_granted_since(replica: Replica) -> None:
+    replica.remove()
+    replica.told("A", request(removal=1, life=2, groups=((HERE,),)), LATER_S + 10.0)
+    replica.told("A", beat(life=2, seq=1, removal=1), LATER_S + 10.0)
+    assert replica.holder(HERE) == "A"
+    for number in (0, 1):
+        replica.remove(LATER_S + 1000.0, number=number)
+        assert replica.holder(HERE) == "A"
+
+
+def test_who_comes_back_with_a_removal_that_this_table_has_not_heard_of_holds_nothing_of_before(
+    replica: Replica,
+) -> None:
+    replica.told("A", request(removal=5, life=2, groups=((HERE,),)), LATER_S)
+    replica.told("A", beat(life=2, seq=1, removal=5), LATER_S)
+    assert (replica.holder(HERE), replica.holder(ELSEWHERE)) == ("A", "")
+
+
+def test_one_that_stands_there_and_was_only_deaf_is_told_that_nothing_is_its_own(replica: Replica) -> None:
+    replica.remove()
+    replica.comes("B", HERE, now_s=LATER_S + 1.0)
+    (told,) = answers(replica.told("A", beat(seq=8), LATER_S + 2.0))
+    assert (told.removal, told.grants) == (1, ())
+    (told,) = answers(replica.told("A", request(HERE, ELSEWHERE, seq=2), LATER_S + 2.0))
+    assert (told.removal, told.grants) == (1, ())
+    assert (replica.holder(HERE), replica.holder(ELSEWHERE)) == ("B", "")
+    (told,) = answers(replica.told("A", request(seq=3, removal=1, groups=((HERE,),)), LATER_S + 3.0))
+    assert (told.by, told.at, told.grants) == ("B", HERE, ())
+
+
+def test_the_place_to_which_it_comes_back_is_kept_for_it(replica: Replica) -> None:
+    replica.remove()
+    effects = replica.told("gateway", Removals(removals=(word(2, node=ELSEWHERE),)), LATER_S + 1.0)
+    assert facts(effects, PlaceKept) == [PlaceKept(atv="A", number=2, place=ELSEWHERE)]
+    replica.told("B", request(groups=((ELSEWHERE,),)), LATER_S + 2.0)
+    replica.told("B", beat(atv="B"), LATER_S + 2.0)
+    assert replica.holder(ELSEWHERE) == "A"
+    (told,) = answers(replica.told("A", request(life=2, groups=((ELSEWHERE,),)), LATER_S + 3.0))
+    assert (told.removal, [line.place for line in told.grants]) == (2, [ELSEWHERE])
+
+
+def test_a_place_that_another_one_holds_is_not_kept_before_it_is_free(replica: Replica) -> None:
+    replica.remove()
+    replica.comes("B", HERE, now_s=LATER_S + 1.0)
+    word_of = Removals(removals=(word(2, node=HERE),))
+    assert facts(replica.told("gateway", word_of, LATER_S + 2.0), PlaceKept) == []
+    given_back = replica.told("B", request(seq=2, seen=replica.table.version), LATER_S + 3.0)
+    assert facts(given_back, PlaceKept) == [PlaceKept(atv="A", number=2, place=HERE)]
+
+
+def test_one_that_is_carried_away_once_more_leaves_the_place_that_was_kept(replica: Replica) -> None:
+    replica.remove()
+    replica.remove(LATER_S + 1.0, number=2, node=HERE)
+    replica.remove(LATER_S + 2.0, number=3)
+    assert replica.holder(HERE) == ""
+
+
+def test_the_next_life_of_a_replica_knows_who_was_carried_away(replica: Replica) -> None:
+    replica.remove()
+    (commit,) = replica.reservations.commits()
+    assert isinstance(commit.note, TableMemory)
+    again = Replica({commit.name: commit.note}, LATER_S)
+    again.told("A", request(HERE, seq=9), LATER_S + 1.0)
+    assert again.holder(HERE) == ""
+
+
+def test_a_carried_vehicle_keeps_no_recovery_poll_waiting() -> None:
+    replica = Replica({"nothing": TableMemory(0, 0, 0)})
+    asked = [effect.message for effect in replica.out if isinstance(effect, Send)]
+    epochs = {message.epoch for message in asked if isinstance(message, HoldsAsked)}
+    (epoch,) = epochs
+    tables = replica.reservations.tables
+    assert tables is not None
+    for atv in PLANT.fleet:
+        if atv != "ATV1":
+            replica.told(atv, request(epoch=epoch), 90.0)
+    assert not tables.districts[DISTRICT].leads
+    assert replica.reservations.awaited(90.0) is UNSET
+    assert replica.reservations.awaited(90.0 + QUIET_S) == ("ATV1",)
+    assert replica.remove(atv="ATV1") == []
+    assert tables.districts[DISTRICT].leads
+    assert replica.reservations.awaited(LATER_S) is UNSET
+    (told,) = answers(replica.told("ATV1", request(HERE, epoch=epoch), LATER_S + 1.0))
+    assert (told.removal, told.grants) == (1, ())
+
+
+def test_of_vehicles_that_have_had_no_time_to_tell_nobody_is_awaited() -> None:
+    replica = Replica({"nothing": TableMemory(0, 0, 0)})
+    assert replica.reservations.awaited(POLL_S - 0.1) is UNSET
+    assert replica.reservations.awaited(POLL_S) == tuple(sorted(PLANT.fleet))[:AWAITED_MAX]
+
+
+def test_a_request_that_was_overtaken_gives_nothing_back(replica: Replica) -> None:
+    """It was said before the vehicle knew that the place where it stands is its own."""
+    replica.told("A", request(HERE, seq=3, seen=2), 101.0)
+    replica.told("A", request(seq=2, seen=2, groups=((HERE,),)), 102.0)
+    replica.told("B", request(groups=((HERE,),)), 103.0)
+    replica.told("B", beat(atv="B"), 103.0)
+    assert replica.holder(HERE) == "A"
+
+
+def listened_to(replica: Replica, before: int) -> list[tuple[type, str]]:
+    return [
+        (type(effect), effect.key.rsplit("/", 1)[1])
+        for effect in replica.out[before:]
+        if isinstance(effect, Subscribe | Unsubscribe)
+    ]
+
+
+def test_a_replica_listens_to_those_that_its_table_is_about_and_to_nobody_else() -> None:
+    replica = Replica()
+    assert listened_to(replica, 0) == [(Subscribe, "removals")]
+    replica.told("A", request(groups=((HERE,),)), 99.0)
+    assert listened_to(replica, 0) == [(Subscribe, "A")]
+    replica.told("A", beat(), 99.5)
+    replica.told("A", request(HERE, seq=2, groups=((ELSEWHERE,),)), 100.0)
+    assert listened_to(replica, 0) == []
+    replica.told("A", request(seq=3, seen=replica.table.version), 101.0)
+    assert listened_to(replica, 0) == [(Unsubscribe, "A")]
+    replica.told("gateway", Removals(removals=(word(),)), LATER_S)
+    assert listened_to(replica, 0) == [(Subscribe, "A")]
+
+
+def test_whoever_is_in_a_table_and_was_never_heard_is_silent_after_a_while() -> None:
+    replica = Replica()
+    replica.told("ATV1", request(groups=((HERE,),)), 99.0)
+    for now_s, why in ((100.0, Blocked.WAIT), (200.0, Blocked.SILENT)):
+        told = replica.told("ATV2", request(seq=int(now_s), groups=((HERE,),)), now_s)
+        assert [answer.blocked for answer in answers(told)] == [why]
+
+
+def test_a_replica_tells_who_holds_something_in_its_district() -> None:
+    replica = Replica()
+    replica.comes("A", HERE, now_s=DIED_S)
+    (district,) = replica.reservations.tables.districts.values()  # type: ignore[union-attr]
+    words = []
+    for now_s in (101.0, 101.2, 102.0, 104.1, 200.0):
+        replica.out.clear()
+        district.tick(now_s)
+        words += [(now_s, e.message) for e in replica.out if isinstance(e, Publish)]
+    assert [(at_s, [(v.atv, v.holds, v.silent) for v in told.vehicles]) for at_s, told in words] == [
+        (101.0, [("A", (HERE,), False)]),
+        (104.1, [("A", (HERE,), False)]),
+        (200.0, [("A", (HERE,), True)]),
+    ]
+    assert [told.number for _, told in words] == [1, 2, 3]

@@ -1,0 +1,79 @@
+"""The table: what strikes a line out, and what does not."""
+
+from __future__ import annotations
+
+import pytest
+
+from dray.errors import ProtocolViolation
+from dray.messages.floor.traffic import PlaceRequested
+from dray.protocol.traffic.reservations.reservation_table import ReservationTable
+
+
+def request(*holds: str, seen: int = 0, life: int = 1) -> PlaceRequested:
+    return PlaceRequested(
+        district="M4",
+        life=life,
+        seq=1,
+        epoch=0,
+        rank=(0, 0.0, "A"),
+        holds=holds,
+        groups=(),
+        seen=seen,
+        stands=True,
+        docked=False,
+    )
+
+
+def test_a_grant_is_struck_out_on_a_word_said_after_it_was_seen() -> None:
+    table = ReservationTable()
+    table.grant("A", ["b3"])
+    assert table.strike(request(seen=1), "A")
+    assert table.holder("b3") == ""
+
+
+def test_a_word_that_was_said_before_the_grant_was_seen_changes_nothing() -> None:
+    table = ReservationTable()
+    table.grant("A", ["b3"])
+    assert not table.strike(request(seen=0), "A")
+    assert table.holder("b3") == "A"
+
+
+def test_an_old_word_does_not_strike_out_a_new_grant_of_the_same_place() -> None:
+    table = ReservationTable()
+    table.grant("A", ["b3"])
+    old = request(seen=1)
+    table.strike(old, "A")
+    table.grant("A", ["b3"])
+    assert not table.strike(old, "A")
+
+
+def test_nobody_strikes_out_what_another_one_holds() -> None:
+    table = ReservationTable()
+    table.grant("A", ["b3"])
+    assert not table.strike(request(seen=10**9), "B")
+    assert table.holder("b3") == "A"
+
+
+def test_a_new_life_is_granted_anew_what_it_has_not_seen() -> None:
+    table = ReservationTable()
+    table.begin_life("A", request())
+    table.grant("A", ["b3", "c3"])
+    assert table.begin_life("A", request("b3", life=2))
+    assert {line.number for line in table.of("A")} == {2}
+    assert not table.begin_life("A", request("b3", life=2))
+
+
+def test_a_place_is_never_written_down_for_two() -> None:
+    table = ReservationTable()
+    table.grant("A", ["b3"])
+    with pytest.raises(ProtocolViolation, match="b3 is held by A"):
+        table.grant("B", ["b3"])
+
+
+def test_a_carried_away_vehicle_holds_nothing() -> None:
+    table = ReservationTable()
+    table.grant("A", ["b3"])
+    assert table.remove("A", 1) == ("b3",)
+    table.grant("A", ["b3"])
+    assert table.remove("A", 1) == ()
+    assert table.holder("b3") == "A", "an old word frees nothing that was granted since"
