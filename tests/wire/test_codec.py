@@ -288,12 +288,12 @@ def test_a_newer_wire_version_is_told_apart(v: int, message: dict[str, Any]) -> 
     ],
     ids=lambda message: message["type"],
 )
-def test_a_book_with_a_line_under_a_number_that_it_has_not_given_is_refused(message: dict[str, Any]) -> None:
+def test_a_table_with_a_line_under_a_number_that_it_has_not_given_is_refused(message: dict[str, Any]) -> None:
     lines = [{"place": "a", "number": 4, "atv": "A"}, {"place": "b", "number": 5, "atv": "A"}]
-    decode(wire(message | {"bookings": lines[:1]}))
+    decode(wire(message | {"reservations": lines[:1]}))
     with pytest.raises(WireError) as refused:
-        decode(wire(message | {"bookings": lines}))
-    assert "`number` 5 is above `version` 4 - at `$.bookings[1].number`" in str(refused.value)
+        decode(wire(message | {"reservations": lines}))
+    assert "`number` 5 is above `version` 4 - at `$.reservations[1].number`" in str(refused.value)
 
 
 def test_a_message_longer_than_the_bound_is_refused_unread() -> None:

@@ -192,7 +192,7 @@ export const de: Catalogue<typeof en> = {
   "failure.no way leads there": "kein Weg führt dorthin",
   "failure.not a transport": "kein Transport",
   "failure.on probation, and watches nobody": "auf Probe, und überwacht niemanden",
-  "reason.why.robs_places": "führt ein Buch, das nicht abgeschrieben wurde: Es nimmt Fahrzeugen Plätze ohne deren Wort oder hat eine höhere Nummer, als ein Buch haben kann",
+  "reason.why.robs_places": "führt eine Reservierungstabelle, die nicht übernommen wurde: Sie nimmt Fahrzeugen Plätze ohne deren Wort oder hat eine höhere Nummer, als eine Tabelle haben kann",
   "failure.no WLAN": "kein WLAN",
   "failure.a tool has broken": "ein Werkzeug ist gebrochen",
   "failure.the way is blocked": "der Weg ist versperrt",

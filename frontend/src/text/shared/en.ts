@@ -189,7 +189,7 @@ export const en = {
   "failure.no way leads there": "no way leads there",
   "failure.not a transport": "not a transport",
   "failure.on probation, and watches nobody": "on probation, and watches nobody",
-  "reason.why.robs_places": "keeps a book that was not copied: it takes places from vehicles without their word, or has a higher number than any book can have",
+  "reason.why.robs_places": "keeps a reservation table that was not copied: it takes places from vehicles without their word, or has a higher number than any table can have",
   "failure.no WLAN": "no WLAN",
   "failure.a tool has broken": "a tool has broken",
   "failure.the way is blocked": "the way is blocked",

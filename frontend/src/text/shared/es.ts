@@ -192,7 +192,7 @@ export const es: Catalogue<typeof en> = {
   "failure.no way leads there": "ningún camino lleva allí",
   "failure.not a transport": "no es un transporte",
   "failure.on probation, and watches nobody": "a prueba, y no vigila a nadie",
-  "reason.why.robs_places": "lleva un libro que no se copió: quita lugares a vehículos sin su palabra o tiene un número más alto del que puede tener un libro",
+  "reason.why.robs_places": "lleva una tabla de reservas que no se copió: quita lugares a vehículos sin su palabra o tiene un número más alto del que puede tener una tabla",
   "failure.no WLAN": "sin wifi",
   "failure.a tool has broken": "se ha roto una herramienta",
   "failure.the way is blocked": "el camino está bloqueado",
