@@ -73,7 +73,7 @@ def test_all_live_when_the_killing_is_over() -> None:
         await asyncio.sleep(10.0)
         return kills, {stage.factory.journals[atv].incarnation for atv in stage.plant.fleet}
 
-    told = play(Shift("kills", 0.0), laboratory(), 1, kill).told
+    told = play(Shift("kills", 0.0), laboratory(), 1, kill).result
     assert told == (4, {2, 3})
 
 

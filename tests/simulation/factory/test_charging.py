@@ -99,8 +99,8 @@ def played(
     shift = Shift("charging", duration_s=hours * HOUR_S, load=load)
     result = play(shift, plant, seed, script)
     assert result.invariants == HELD
-    assert result.told is not None
-    return result.told, result
+    assert result.result is not None
+    return result.result, result
 
 
 def flat(looks: list[Look]) -> set[str]:

@@ -23,7 +23,7 @@ Beats = dict[type[Any], list[tuple[str, Any]]]
 def test_heartbeats_have_at_most_half_of_the_bytes_that_they_would_have_with_all_in_each() -> None:
     """In one run, so at the same rate and the same bound of suspicion."""
     shift = Shift(name="bytes", duration_s=SPAN_S, load=0.6, keep=(AtvHeartbeat, MachineHeartbeat))
-    beats = play(shift, default_plant(), 1, _listen).told
+    beats = play(shift, default_plant(), 1, _listen).result
     assert beats is not None
     said = {kind: sum(len(encode(by, beat)) for by, beat in heard) for kind, heard in beats.items()}
     in_full = {kind: _in_full_bytes(heard) for kind, heard in beats.items()}

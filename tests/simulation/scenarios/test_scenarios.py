@@ -264,7 +264,7 @@ def test_without_a_radio_the_experiment_does_not_hold() -> None:
         stage.faults.begin(RadioCut("ATV3"))
         return await experiment_wlan.cut(stage)
 
-    checks = figure_6.in_laboratory("experiment-wlan", cut_both, as_told).play(1).told
+    checks = figure_6.in_laboratory("experiment-wlan", cut_both, as_told).play(1).result
     assert checks is not None
     held = [check.held for check in checks]
     assert held[0]
@@ -290,7 +290,7 @@ def test_without_a_secondary_the_experiment_does_not_hold() -> None:
         stage.faults.begin(PoweredOff("ATV1"))
         return await experiment_power_off.switch_off(stage)
 
-    checks = figure_6.in_laboratory("experiment-power-off", alone, as_told).play(1).told
+    checks = figure_6.in_laboratory("experiment-power-off", alone, as_told).play(1).result
     assert checks is not None
     assert not checks[0].held
     assert not all(check.held for check in checks[1:])
@@ -361,7 +361,7 @@ def test_a_witness_waits_no_longer_than_it_is_told() -> None:
         assert seen is None
         return stage.now_s()
 
-    assert play(Shift("wait", 0.0), laboratory(), 1, wait).told == pytest.approx(12.5)
+    assert play(Shift("wait", 0.0), laboratory(), 1, wait).result == pytest.approx(12.5)
 
 
 # --- the document ------------------------------------------------------------------------------------

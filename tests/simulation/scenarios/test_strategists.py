@@ -30,7 +30,7 @@ def test_any_scenario_is_played_with_as_many_strategists_as_are_asked_for() -> N
         return stage.factory.strategists
 
     def told(shift: Shift) -> tuple[str, ...] | None:
-        return play(shift, laboratory(), 1, names).told
+        return play(shift, laboratory(), 1, names).result
 
     with with_strategists(2):
         assert told(Shift("any", 0.0)) == ("strategist", "strategist2")
