@@ -13,6 +13,7 @@ import signal
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Generator, Iterator
+from contextlib import ExitStack
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -280,17 +281,18 @@ def start_dray(
     ) -> DrayProcess:
         home = tmp_path_factory.mktemp("dray")
         url = url or (files.new(home) if stepped else f"sqlite:///{home / 'dray.db'}")
-        if stepped and not server and hasattr(os, "pidfd_open"):
+        if stepped and (not server or server[-1].ended) and hasattr(os, "pidfd_open"):
             server.append(SteppedServer())
-        forks = server[0] if server else None
+        forks = server[-1] if server else None
         dray = DrayProcess(
             python, "--port", "0", "--db", url, *options, cwd=home, stepped=stepped, server=forks
         )
         running[dray.url] = dray
         return dray
 
-    yield start
-    for dray in running.values():
-        dray.stop()
-    for each in server:
-        each.close()
+    with ExitStack() as stack:
+        yield start
+        for each in server:
+            stack.callback(each.close)
+        for dray in running.values():
+            stack.callback(dray.stop)

@@ -161,7 +161,7 @@ class GoalMemory(Part, frozen=True):
     """Whether people count at the gate, later than goods arrive."""
 
 
-class TaskMemory(Part, frozen=True):
+class TaskMemory(Part, rename={"forgotten_aboard": "left_aboard"}, frozen=True):
     """An open transport as its coordinator remembers it."""
 
     task: str
@@ -376,12 +376,12 @@ class GoalBooked(Part, frozen=True):
 
 
 class TableMemory(Part, tag_field="kind", tag="book", rename={"reservations": "bookings"}, frozen=True):
-    """A replica of a district's table, as its replica remembers it (`dray.protocol.traffic.reservations.copies`)."""
+    """A copy of a district's table, as its replica remembers it (`dray.protocol.traffic.reservations.copies`)."""
 
     epoch: int
     """The highest epoch that the replica has promised or heard of."""
     kept_epoch: int
-    """The epoch of the replica that wrote the replica."""
+    """The epoch of the leader that wrote this copy."""
     version: int
     reservations: PlaceReservations = ()
     removed: AllRemoved = ()

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 from playwright.sync_api import Error as PlaywrightError
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -167,6 +167,7 @@ def open_page(
     of a browser that has seen no panel yet.
     """
     pages: list[Page] = []
+    contexts: list[BrowserContext] = []
 
     def open_at(
         url: str,
@@ -177,6 +178,7 @@ def open_page(
         **options: object,
     ) -> Page:
         context = browser.new_context(**USUAL | options)
+        contexts.append(context)
         if not first_time and options.get("java_script_enabled") is not False:
             context.add_init_script(BEEN_HERE)
         dray = next((each for home, each in running.items() if (visits or url).startswith(home)), None)
@@ -193,11 +195,13 @@ def open_page(
         return page
 
     yield open_at
-    for page in pages:
-        complaints.audit_once(page)
-    found = list(complaints)  # closing ends requests on their way, which is no complaint
-    for page in pages:
-        page.context.close()
+    try:
+        for page in pages:
+            complaints.audit_once(page)
+        found = list(complaints)  # closing ends requests on their way, which is no complaint
+    finally:
+        for context in contexts:
+            context.close()
     assert not found, "\n".join(found)
 
 

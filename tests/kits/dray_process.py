@@ -227,6 +227,9 @@ class SteppedServer:
         try:
             pipe = f"/proc/{os.getpid()}/fd/{writes}"
             pid = self.ask(options=options, cwd=str(cwd), env=_environment(), output=pipe)
+        except BaseException:
+            os.close(reads)
+            raise
         finally:
             os.close(writes)
         return Forked(self, pid, os.fdopen(reads, encoding="utf-8"))
@@ -237,7 +240,14 @@ class SteppedServer:
         assert self._process.stdout is not None
         self._process.stdin.write(json.dumps(asked) + "\n")
         self._process.stdin.flush()
-        return int(self._process.stdout.readline())
+        answer = self._process.stdout.readline()
+        assert answer, f"the process that starts stepped factories has ended with {self._process.wait()}"
+        return int(answer)
+
+    @property
+    def ended(self) -> bool:
+        """Whether it starts nothing any more."""
+        return self._process.poll() is not None
 
     def close(self) -> None:
         """End it; what it has started must have ended."""
@@ -268,7 +278,9 @@ class Forked:
     def wait(self, timeout: float | None = None) -> int:
         """Wait until it has ended; its exit code."""
         if self._code is None:
-            if not select.select([self._ends], [], [], timeout)[0]:
+            ends = select.poll()
+            ends.register(self._ends, select.POLLIN)
+            if not ends.poll(None if timeout is None else 1e3 * timeout):
                 raise subprocess.TimeoutExpired("dray up", timeout or 0.0)
             self._code = self._server.ask(wait=self.pid)
             os.close(self._ends)

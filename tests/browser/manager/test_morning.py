@@ -281,7 +281,7 @@ class Morning:
     ("locale", "add", "wrong", "missing"),
     [
         ("de-DE", "Hinzufügen", "Nur kleine Buchstaben", "Bediener brauchen einen Bereich"),
-        ("es-ES", "Añadir", "Solo letras minúsculas", "Un operario necesita un área"),
+        ("es-ES", "Añadir", "Solo letras minúsculas", "Un operario necesita una zona"),
     ],
 )
 def test_what_is_wrong_with_a_field_is_told_in_the_readers_language(

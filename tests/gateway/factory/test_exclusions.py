@@ -153,6 +153,7 @@ async def test_it_outlives_a_restart_of_the_gateway_and_no_stop_is_given_again(u
     async with gateway(url, bus=bus) as house:
         await said.wait()
         assert heard[0] == ShutOut(DECIDED, ("ATV3",))
+        assert not house.projection.commands.views()
         house.bus.say(atv_heartbeat("ATV3"))
         assert atv(house).shut_out is not None
         assert house.bus.sent_to("ATV3", VehicleCommand) == []

@@ -81,5 +81,7 @@ async def way(house: House, timeout_s: float = 3.0) -> AsyncIterator[Way]:
     async with httpx.AsyncClient(
         transport=transport, base_url="http://dray.test:8001", headers=BEARER
     ) as client:
-        yield Way(house, sender, client)
-    sender.leave()
+        try:
+            yield Way(house, sender, client)
+        finally:
+            sender.leave()

@@ -19,6 +19,23 @@ pytestmark = pytest.mark.anyio
 STRATEGIST = "strategist"
 
 
+WALKED = (
+    ("One order", "Somebody places it"),
+    ("One order", "The customer is told"),
+    ("One heartbeat", "A panel shows it"),
+    ("One Stop", "It goes past the gateway"),
+)
+
+
+def test_every_part_of_the_gateway_is_walked_here() -> None:
+    assert {
+        (section, heading)
+        for section, parts in sections().items()
+        for heading, items in parts.items()
+        if items[0][1].startswith("gateway/")
+    } == set(WALKED)
+
+
 def part(section: str, heading: str) -> list[Passed]:
     """What Python passes of it."""
     return [item for item in sections()[section][heading] if item[1].endswith(".py")]
@@ -33,7 +50,7 @@ def walk(section: str, heading: str, passed: list[Passed]) -> None:
 async def test_an_order_is_placed_and_its_end_is_told_as_it_is_to_be_read(house: House) -> None:
     with calls() as passed:
         order = await house.place()
-    walk("One order", "Somebody places it", passed)
+    walk(*WALKED[0], passed)
     with calls() as passed:
         fulfilled = Event(
             agent=STRATEGIST, incarnation=1, number=1, at_s=1.0, fact=OrderFulfilled(order["id"])
@@ -41,7 +58,7 @@ async def test_an_order_is_placed_and_its_end_is_told_as_it_is_to_be_read(house:
         house.bus.say(fulfilled)
         house.bus.tell(STRATEGIST, "gateway", OrderTaken(order["id"], fulfilled=True))
         await house.completions.written()
-    walk("One order", "The customer is told", passed)
+    walk(*WALKED[1], passed)
     assert (await house.get(f"/api/orders/{order['id']}"))["status"] == "delivered"
 
 
@@ -50,7 +67,7 @@ async def test_a_panel_is_told_of_a_heartbeat_as_it_is_to_be_read(house: House) 
     with calls() as passed:
         house.bus.say(atv_heartbeat("ATV1"))
         house.hub.tick()
-    walk("One heartbeat", "A panel shows it", passed)
+    walk(*WALKED[2], passed)
 
 
 async def test_a_stop_passes_the_gateway_as_it_is_to_be_read(house: House) -> None:
@@ -58,7 +75,7 @@ async def test_a_stop_passes_the_gateway_as_it_is_to_be_read(house: House) -> No
         stops.vehicle()
         with calls() as passed:
             assert (await stops.ask()).status_code == 200
-    walk("One Stop", "It goes past the gateway", passed)
+    walk(*WALKED[3], passed)
 
 
 @pytest.mark.parametrize(

@@ -50,7 +50,8 @@ pytestmark = pytest.mark.anyio
 STEP_MS = 20.0
 """Processor time that a step may take (`test_loop_steps`)."""
 
-TRIES = 4
+TRIES = 12
+"""A busy computer takes processor time from what runs on it. One try that is short shows that the step can be."""
 
 TASK = "M8.1-1"
 """One that has more events than are read of it."""
@@ -88,10 +89,16 @@ def at_first_sight(house: House) -> None:
 
 
 async def longest_ms(
-    house: House, method: str, path: str, query: str, headers: dict[str, str], body: bytes = b""
+    house: House,
+    method: str,
+    path: str,
+    query: str,
+    headers: dict[str, str],
+    body: bytes = b"",
+    tries: int = TRIES,
 ) -> float:
     least_ms = float("inf")
-    for _ in range(TRIES):
+    for _ in range(tries):
         asked = Asked(method, path, body, tuple((BEARER | GZIP | headers).items()), query)
         at_first_sight(house)
         with loop_monitor() as monitor:
@@ -295,9 +302,11 @@ async def test_no_step_of_defining_a_product_is_long_however_many_there_are(full
         body = json.dumps(fields | {"name": f"Bracket {revision}"}).encode()
         took_ms = min(
             took_ms,
-            await longest_ms(fullest, "PUT", path, "", headers | {"If-Match": f'"{revision}"'}, body),
+            await longest_ms(fullest, "PUT", path, "", headers | {"If-Match": f'"{revision}"'}, body, 1),
         )
         assert (await fullest.get(path))["revision"] == revision + 1
+        if took_ms <= STEP_MS:
+            break
     print(f"\nPUT {path} | {took_ms}")  # noqa: T201 - for who runs pytest with -s
     assert took_ms <= STEP_MS
 

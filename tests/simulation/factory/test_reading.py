@@ -19,7 +19,7 @@ from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Shift, Stage, play, with_right_of_way
 
 OUTSIDE = ("gateway/", "operator/")
-"""Where the first file of a part lies that no agent passes."""
+"""Where the first file of a part lies that no agent passes: `tests/gateway/live/test_reading.py` walks these."""
 
 STOPPED = "ATV8"
 

@@ -224,7 +224,7 @@ async def _refuse_too_many(work: Work, new: int, by: str) -> None:
     own, everybodys = await work.products.counted(by)
     do = "change one that is not made any more instead of defining another one (GET /api/products lists them)"
     if own + new > share_of(PRODUCTS_MAX, PARTS):
-        raise share_used("defined products", PRODUCTS_MAX, do, parts=PARTS)
+        raise share_used("defined products", PRODUCTS_MAX, do, again_s=None, parts=PARTS)
     if everybodys + new > PRODUCTS_MAX:
         raise Problem(
             HTTPStatus.CONFLICT,

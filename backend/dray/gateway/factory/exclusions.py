@@ -105,11 +105,20 @@ class Exclusions(Announced):
         if self._list.number:
             self._say(self._list)
 
+    async def restore(self) -> None:
+        """See `Announced`. An earlier life has stopped these vehicles: they are not stopped again."""
+        self._projection.shut_out(await self._decided())
+
     async def _read(self) -> None:
-        async with self._store.read() as work:
-            exclusions, number = await work.exclusions.all(), await work.exclusions.number()
-        self._list = ShutOut(number=number, agents=tuple(each.agent for each in exclusions))
+        exclusions = await self._decided()
         for each in exclusions:
             if each.agent in self._projection.atvs and each.agent not in self._projection.outsiders:
                 self._commands.part_with(each.agent, each.by)
         self._projection.shut_out(exclusions)
+
+    async def _decided(self) -> list[Exclusion]:
+        """All decisions, which are said from now on."""
+        async with self._store.read() as work:
+            exclusions, number = await work.exclusions.all(), await work.exclusions.number()
+        self._list = ShutOut(number=number, agents=tuple(each.agent for each in exclusions))
+        return exclusions

@@ -21,14 +21,16 @@ def share_of(most: int, parts: int = PARTS) -> int:
     return max(1, most // parts)
 
 
-def share_used(what: str, most: int, do: str, *, again_s: int = AGAIN_S, parts: int = PARTS) -> Problem:
+def share_used(
+    what: str, most: int, do: str, *, again_s: int | None = AGAIN_S, parts: int = PARTS
+) -> Problem:
     """One caller has as much as it may have.
 
     Args:
         what: in the plural, as `open transports`.
         most: how many all callers may have together.
         do: what to do about it.
-        again_s: seconds after which it is worth while to try again.
+        again_s: seconds after which it is worth while to try again; None where time alone changes nothing.
         parts: in how many shares the bound is cut.
     """
     share = share_of(most, parts)
@@ -38,5 +40,5 @@ def share_used(what: str, most: int, do: str, *, again_s: int = AGAIN_S, parts: 
         "You have as many as one caller may have",
         f"of {most} {what} one caller may have {share}, and you do; {do}",
         errors=[FieldError.of("caller", "share_used", most=share)],
-        headers={"Retry-After": str(again_s)},
+        headers=None if again_s is None else {"Retry-After": str(again_s)},
     )

@@ -32,7 +32,8 @@ export function AwaitedActions({ atv }: { atv: string }) {
           asked={t("alerts.awaited.sure", { atv })}
           no={t("alerts.awaited.not")}
           yes={t("carry.do")}
-          busy={state.value === "busy" || isCutOff()}
+          busy={state.value === "busy"}
+          blocked={isCutOff()}
           onNo={() => (state.value = "idle")}
           onYes={() => void say()}
         />

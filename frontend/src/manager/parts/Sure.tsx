@@ -7,12 +7,14 @@ interface Props {
   no: string;
   yes: string;
   busy: boolean;
+  /** It cannot be done at this moment; that nothing is done can be said all the same. */
+  blocked?: boolean;
   onNo: () => void;
   onYes: () => void;
 }
 
 /** Asks twice for what cannot be undone. The safe answer comes first and has the focus; answered, it is given back to what stands here then. */
-export function Sure({ asked, busy, no, onNo, onYes, yes }: Props) {
+export function Sure({ asked, blocked, busy, no, onNo, onYes, yes }: Props) {
   const safe = useRef<HTMLButtonElement>(null);
   /** The second click of a double one was meant for what stood here before: it takes no focus, and does nothing. */
   useLayoutEffect(() => {
@@ -36,7 +38,7 @@ export function Sure({ asked, busy, no, onNo, onYes, yes }: Props) {
       <button ref={safe} type="button" class="button small" disabled={busy} onClick={meant(onNo)}>
         {no}
       </button>
-      <button type="button" class="button small grave" disabled={busy} onClick={meant(onYes)}>
+      <button type="button" class="button small grave" disabled={busy || blocked} onClick={meant(onYes)}>
         {yes}
       </button>
     </span>

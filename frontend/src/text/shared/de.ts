@@ -182,7 +182,7 @@ export const de: Catalogue<typeof en> = {
   "reason.why.too_soon": "ein Gebot, das früher fertig wäre, als ein Fahrzeug kann",
   "reason.why.before_now": "ein Gebot, das in der Vergangenheit fertig wäre",
   "reason.why.too_late": "ein Gebot, das viel später fertig wäre, als sein Preis sagt",
-  "reason.why.anothers_key": "Wünsche nach Plätzen, die nicht mit dem Schlüssel dieses Fahrzeugs unterschrieben sind",
+  "reason.why.anothers_key": "fordert Plätze ohne die Unterschrift dieses Fahrzeugs an",
   "failure.carry": "Ladung der Art {ability}",
   "failure.left": "{left} % blieben übrig, {needed} % sind nötig",
   "failure.late": "{time} s zu spät",

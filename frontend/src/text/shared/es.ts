@@ -182,7 +182,7 @@ export const es: Catalogue<typeof en> = {
   "reason.why.too_soon": "una oferta que acabaría antes de lo que puede un vehículo",
   "reason.why.before_now": "una oferta que acabaría en el pasado",
   "reason.why.too_late": "una oferta que acabaría mucho más tarde de lo que dice su precio",
-  "reason.why.anothers_key": "peticiones de lugares que no firma la clave de este vehículo",
+  "reason.why.anothers_key": "pide lugares sin la firma de este vehículo",
   "failure.carry": "carga de tipo {ability}",
   "failure.left": "quedaría el {left} %, hace falta el {needed} %",
   "failure.late": "{time} s tarde",

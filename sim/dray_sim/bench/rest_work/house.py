@@ -97,7 +97,7 @@ class House(Generic[T]):
         port: of its gateway.
         admin: its administrator.
         database_url: of its database.
-        told: the script's result; done when it has ended.
+        result: of the script; done when it has ended.
     """
 
     port: int

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from atv1 import command, last_beat, parked
-from effects import committed, published
+from effects import committed, instructed, published
 from rigs import VehicleRig
 
-from dray.body import ProblemCleared, ProblemRaised
+from dray.body import Hold, ProblemCleared, ProblemRaised
 from dray.messages import AtvStatus, CallState, CommandKind, CommandRefusal, HelpCall
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.people.problem_handling import DOUBLED, DOUBLED_S
@@ -66,6 +66,18 @@ def test_its_next_life_calls_too() -> None:
     rig.run(DOUBLED_S)
     assert calls(rig) == (DOUBLED, True)
     assert command(rig, CommandKind.ACKNOWLEDGE).done
+
+
+def test_its_next_life_stands_also_where_its_body_has_not_heard_of_it() -> None:
+    before = doubled()
+    rig = VehicleRig(incarnation=2)
+    rig.memory = committed(before.all)
+    rig.start()
+    assert instructed(rig.all, Hold) == [Hold()]
+    rig.held = True
+    rig.run(DOUBLED_S)
+    assert last_beat(rig).status is AtvStatus.STOPPED
+    assert calls(rig) == (DOUBLED, True)
 
 
 def test_one_that_a_person_has_stopped_calls_nobody() -> None:

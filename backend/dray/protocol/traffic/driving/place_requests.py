@@ -164,7 +164,12 @@ class _Line:
     def note_new_table(self, granted: PlaceGranted) -> None:
         """A reservation table has answered under an epoch that is agreed. The first one after a recovery poll may count from below what was seen before: that is void."""
         after, (_, answer) = self.rolled_after, self.rolled
-        if after is None or granted.epoch <= after or granted.upto < answer or not granted.grants:
+        if (
+            after is None
+            or granted.epoch <= after
+            or granted.upto < max(answer, self.since)
+            or not granted.grants
+        ):
             return
         self.rolled_after = None
         if max(reservation.number for reservation in granted.grants) < self.seen:

@@ -103,7 +103,7 @@ class Copies:
         self._others = tuple(replica for replica in replicas if replica != me)
         self._life = life
         self._has: dict[str, int] = {}
-        """Districts -> the version that it has under this epoch."""
+        """Replica -> the version that it has under this epoch."""
         self._witness = Witness(district, is_signed)
         self._given_back: dict[str, tuple[int, PlaceRequested]] = {}
         """Vehicle -> its word by which lines were struck out while `me` led, and the first version without them. Kept until all have that version."""

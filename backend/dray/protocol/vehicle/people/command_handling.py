@@ -69,7 +69,10 @@ class CommandHandling:
     def restore(self, memory: AtvMemory) -> None:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
         self.acknowledged = memory.acknowledged and self.stopped and not self.assistance.problem
-        self.stopped_itself = memory.stopped_itself and self.stopped
+        self.stopped_itself = memory.stopped_itself
+        if self.stopped_itself and not self.stopped:
+            # Its body has not heard it, or does not tell: it stands all the same until a person has seen to it.
+            self.stop()
         self._driver.speed_frac = memory.speed_frac
         self.service.out = memory.out_of_service
         self._charging.is_sent = memory.sent_to_charge
