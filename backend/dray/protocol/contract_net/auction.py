@@ -3,18 +3,18 @@
 The rules
 ---------
 1. A round begins with an announcement and collects bids until its window closes.
-2. An implausible bid is ignored. What the coordinator knows of a bidder is added to its bid (`assessment`).
-   The cheapest bidder is awarded first, point to point. It accepts, declines with a reason, or is silent
-   for `answer_s`. A silent bidder is released, so that no vehicle stays bound by an award that expired.
-   Then the next cheapest is asked.
-3. When no bidder is left, the radius grows and the next round begins. At full radius the rounds continue,
-   with a rest between them that grows to a limit. An auction never gives up by itself: its task is
-   delivered, withdrawn, or still announced (invariant 1).
+2. An implausible bid is ignored. What the coordinator knows of a bidder is added to its bid (`assessment`). The
+   cheapest bidder is awarded first, point to point. It accepts, declines with a reason, or is silent for
+   `answer_s`. A silent bidder is released, so that no vehicle stays bound by an award that expired. Then the next
+   cheapest is asked.
+3. When no bidder is left, the radius grows and the next round begins. At full radius the rounds continue, with a
+   rest between them that grows to a limit. An auction never gives up by itself: its task is delivered, withdrawn,
+   or still announced (invariant 1).
 4. A bid counts in any round it arrives in: on a bad link it may come late (paper, case 3). Windows
    grow from round to round for the same reason.
 
-An auction for a SECONDARY first asks the bidders that were not asked when the primary was found. It
-announces nothing before that.
+An auction for a SECONDARY first asks the bidders that were not asked when the primary was found. It announces
+nothing before that.
 
     COLLECTING --window closes--> ASKING --accepted--> DECIDED
         ^                           |

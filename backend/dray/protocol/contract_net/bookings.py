@@ -1,7 +1,7 @@
 """Vehicle reports that a dock's body was told (`Book`) and has not answered yet.
 
-A report is stored before the body is told, and repeated after a restart. A body that has heard a report
-before books nothing twice.
+A report is stored before the body is told, and repeated after a restart. A body that has heard a report before
+books nothing twice.
 """
 
 from __future__ import annotations

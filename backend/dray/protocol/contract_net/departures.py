@@ -1,17 +1,16 @@
 """Vehicles that may still be at a dock after their transport ended there: the dock stays open until each has left.
 
 A transport is cancelled or taken over while its vehicle loads or unloads. A dock that makes itself safe
-(`Door.answers`) must then stay locked: the vehicle's forks may be inside. The vehicle's heartbeat tells
-when it is done. It is inside while it stands at the dock's node and loads, unloads, or has just been told
-to return its load. A silent vehicle is assumed to be inside; one that people carried away is not.
+(`Door.answers`) must then stay locked: the vehicle's forks may be inside. The vehicle's heartbeat tells when it is
+done. It is inside while it stands at the dock's node and loads, unloads, or has just been told to return its load.
+A silent vehicle is assumed to be inside; one that people carried away is not.
 
-Its load is booked by what the heartbeats show, whichever carrier has the transport by then. A body that
-does not count is told so (`Book`).
+Its load is booked by what the heartbeats show, whichever carrier has the transport by then. A body that does not
+count is told so (`Book`).
 
     it names the task, brings back or has its load on board    it has taken it, or not put it down
     it names the task, without                                 it has put it down, or not taken it
-    it names the task no more, and was heard at it until then  the same: no vehicle ends a task with its load
-    on board
+    it names the task no more, and was heard at it until then  the same: no vehicle ends a task with its load on board
     it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
     it names the task no more, after a time in which it was    where it has been is unknown: a load to take is booked out,
     not heard                                                  a load to bring is not booked in

@@ -1,7 +1,7 @@
 """Docks: where vehicles stand to load or unload, and the door that opens for one vehicle and one load.
 
-The dock's owner decides which vehicle may load or unload: a receiver asks its contracts
-(`transports.dock`), a giver its reservations (`transports.issuing`).
+The dock's owner decides which vehicle may load or unload: a receiver asks its contracts (`transports.dock`), a
+giver its reservations (`transports.issuing`).
 """
 
 from __future__ import annotations
@@ -86,8 +86,8 @@ class Door:
             on it.
 
     Attributes:
-        answers: whether the body reports when it has opened (`dray.body.WorkcellState`); otherwise it is open
-            at once.
+        answers: whether the body reports when it has opened (`dray.body.WorkcellState`); otherwise it is open at
+            once.
         counts: whether the body counts what vehicles bring and take.
     """
 

@@ -159,8 +159,8 @@ class OpenTask:
         """The first deadline; the auction's deadline moves when no bidder can keep it."""
         self.recovered = False
         """Whether the task was recovered from its carrier's report alone. Its earlier epochs are lost with the notes, so it
-        never gets a new epoch. Without its carrier it is withdrawn, and remaining demand is announced under another
-        id."""
+        never gets a new epoch. Without its carrier it is withdrawn, and remaining demand is announced under another id.
+        """
         self.witnessed = True
         """Whether this life of the coordinator saw all of it, so that the carrier's reports can be checked."""
         self.trouble: Reason | None = None

@@ -1,7 +1,7 @@
 """Consequences of an implausible message: its sender is told why, and a fact records it.
 
-At most once a minute per sender: constant nonsense must not fill a history, and a wrong clock repeats
-its error with every bid.
+At most once a minute per sender: constant nonsense must not fill a history, and a wrong clock repeats its error
+with every bid.
 """
 
 from __future__ import annotations

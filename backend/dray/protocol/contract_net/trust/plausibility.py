@@ -9,17 +9,17 @@ fastest. The rules for a transport:
     done        <= now + the durations in its price, and LATE_S; a goal: within LATEST_GOAL_S
     the source is one of the announced ones
 
-A promise beyond the longest way of the plant is not believed: it would buy time with words. That way leads
-from the farthest node to the source and on to the destination, by the slowest suitable vehicle.
+A promise beyond the longest way of the plant is not believed: it would buy time with words. That way leads from the
+farthest node to the source and on to the destination, by the slowest suitable vehicle.
 
-Every time comes from some clock. A bid, an acceptance and a takeover carry the time they were sent, by the
-same clock. The receiver sees a slightly wrong clock and corrects the promise:
+Every time comes from some clock. A bid, an acceptance and a takeover carry the time they were sent, by the same
+clock. The receiver sees a slightly wrong clock and corrects the promise:
 
     ahead_s = at_s - now           0 within a link's delay, and CLOCKS_AGREE_S
     finish  = finish_s - ahead_s
 
-From CLOCK_WRONG_S on nothing by that clock is believed: it is reported, and people correct it.
-Ways are straight lines, because the bidder's plant file may have lanes that this one lacks.
+From CLOCK_WRONG_S on nothing by that clock is believed: it is reported, and people correct it. Ways are straight
+lines, because the bidder's plant file may have lanes that this one lacks.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Probation: an unknown contractor takes short tasks first, until some were done well (paper, 4.2 case 6).
 
-A short task that goes wrong costs little, and soon shows the fault. The coordinator judges whether a task was
-done well; the agent itself only counts its tasks. Probation is not remembered: each life on probation is
-started on probation.
+A short task that goes wrong costs little, and soon shows the fault. The coordinator judges whether a task was done
+well; the agent itself only counts its tasks. Probation is not remembered: each life on probation is started on
+probation.
 
 Probation must not keep a task from being done. After PASSED_OVER_ROUNDS rounds a vehicle on probation takes any
 task, even a long one.

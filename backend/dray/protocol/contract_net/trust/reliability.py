@@ -7,9 +7,9 @@
     restricted   from doubt RESTRICTED_FROM down to RESTRICTED_TO: it gets short tasks only, as on probation
                  (`probation`), and tasks that nobody else takes; a task that it has dropped counts as long
 
-Nothing is learned from others: a lie about a rival would be too cheap. Every coordinator pays for its own
-lesson, a short one, because a contract has a progress deadline (`progress`). Nothing is stored: a restarted
-coordinator begins without prejudice, and learns again from one contract.
+Nothing is learned from others: a lie about a rival would be too cheap. Every coordinator pays for its own lesson, a
+short one, because a contract has a progress deadline (`progress`). Nothing is stored: a restarted coordinator
+begins without prejudice, and learns again from one contract.
 """
 
 from __future__ import annotations
@@ -25,8 +25,7 @@ HALF_LIFE_S = 1800.0
 """A breakdown in the morning is forgotten by noon."""
 
 DROPPED_S = 120.0
-"""Cost of a dropped contract (s): the time until it is noticed, and a new transport (median 84 s in the default
-plant)."""
+"""Cost of a dropped contract (s): the time until it is noticed, and a new transport (median 84 s in the default plant)."""
 
 KEPT_FRAC = 0.75
 """Fraction of the doubt that remains after a kept contract."""
@@ -37,8 +36,8 @@ BLAME: Mapping[Reason, float] = {
     Reason.OVERDUE: 1.0,
     Reason.NOT_COUNTED: 2.5,
 }
-"""Doubt by reason of a dropped contract. A contractor that reports its own failure was honest. One that stands
-and reports no problem was not. One that reports work it has not done is restricted at once."""
+"""Doubt by reason of a dropped contract. A contractor that reports its own failure was honest. One that stands and reports
+no problem was not. One that reports work it has not done is restricted at once."""
 
 DROPPED_BLAME = 1.0
 """Doubt for all other reasons: silence, or a forgotten contract."""
@@ -50,8 +49,8 @@ DOUBT_MAX = 8.0
 """Maximum doubt: after 1.5 h without contracts even that restricts no contractor."""
 
 RESTRICTED_FROM, RESTRICTED_TO = 2.5, 1.0
-"""Three contracts dropped within minutes, with none kept in between, are no bad luck. Two short ones kept, or
-forty minutes, lift the restriction."""
+"""Three contracts dropped within minutes, with none kept in between, are no bad luck. Two short ones kept, or forty
+minutes, lift the restriction."""
 
 LATE_FROM_S = 30.0
 """Lateness by chance, without anybody's fault (s)."""
@@ -63,8 +62,8 @@ DROPPED_KEPT = 32
 """Maximum remembered dropped tasks per contractor, the newest: about as many as a coordinator has open."""
 
 KNOWN_MAX = 1024
-"""Maximum remembered contractors in doubt: more than a coordinator hires in a day, some 100 kB. A forgotten one
-begins without prejudice."""
+"""Maximum remembered contractors in doubt: more than a coordinator hires in a day, some 100 kB. A forgotten one begins
+without prejudice."""
 
 
 class Rating:
