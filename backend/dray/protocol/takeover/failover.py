@@ -10,13 +10,11 @@ Either way the epoch rises. The epoch is the fence: there is one carrier, even i
        +-- failed without a secondary, restarted without it --> announced anew, epoch + 1
        +-- given back, no progress --> the secondary is asked, epoch + 1; else announced anew
 
-A carrier that lives without progress has failed too (`progress`). Its secondary does not see that, so it is
-asked.
+A carrier that lives without progress has failed too (`progress`). Its secondary does not see that, so it is asked.
 
-Finished goods that have left their machine exist only once, and so does a thing without master data. No other vehicle
-can carry them, so their task waits for its carrier or for a person's decision (`left_aboard`). A load that was
-counted
-in the buffer is delivered, even if its carrier fails before it reports that.
+Finished goods that have left their machine exist only once, and so does a thing without master data. No other
+vehicle can carry them, so their task waits for its carrier or for a person's decision (`left_aboard`). A load that
+was counted in the buffer is delivered, even if its carrier fails before it reports that.
 """
 
 from __future__ import annotations
@@ -43,8 +41,8 @@ from dray.protocol.takeover.left_aboard import LeftAboard
 from dray.protocol.takeover.secondaries import Secondaries
 
 TAKEOVER_TIMEOUT_S = 2.0
-"""Time for a secondary to take over after its primary has failed (s), beside the delay of one message. Both
-detectors hear the same heartbeats, within each other's lateness."""
+"""Time for a secondary to take over after its primary has failed (s), beside the delay of one message. Both detectors hear
+the same heartbeats, within each other's lateness."""
 
 PRIMARY_SILENCE = "primary silence"
 
@@ -133,7 +131,7 @@ class Failover:
         task.clear_trouble()
 
     def note_loaded(self, task: OpenTask) -> None:
-        """The task's goods or thing are on board. Its secondary keeps watching, and is asked first after a handover."""
+        """The goods or thing are on board. The secondary keeps watching: it is asked first after a handover."""
         if not task.is_loaded and not task.is_counted:
             task.states.enter(TaskState.IN_TRANSIT)
             self.aboard.forget(task)

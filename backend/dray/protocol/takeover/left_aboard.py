@@ -1,17 +1,15 @@
 """Finished goods on board of a failed vehicle: they wait for a person's decision, and are made again only after it.
 
 Each piece exists once: no other vehicle can carry goods while they are on board, and no machine makes them again
-while
-they may still come. A thing without master data waits likewise; when it is given up, it is sought where it was
-fetched.
-The task keeps its carrier, its epoch and its secondary:
+while they may still come. A thing without master data waits likewise; when it is given up, it is sought where it
+was fetched. The task keeps its carrier, its epoch and its secondary:
 
     IN_TRANSIT --its carrier has failed--> STRANDED --heard again--> IN_TRANSIT
                                               |
                                               +-- FETCH_GOODS: a person hands them over at a node. Epoch + 1; the
                                               |   secondary is asked first, then all, to fetch them there
-                                              +-- WRITE_OFF, or WRITTEN_OFF_AFTER_S without a decision: they
-                                              are made again
+                                              +-- WRITE_OFF, or WRITTEN_OFF_AFTER_S without a decision: they are
+                                              made again
 
 The time runs until another vehicle has them on board: a person may promise to hand them over and forget it.
 """

@@ -22,8 +22,8 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0, rest_aged_max_s=60.0)
-"""A missing secondary is less urgent than a missing primary, so it asks wider and rests longer. While all vehicles
-work, no vehicle watches, so the rest grows."""
+"""A missing secondary is less urgent than a missing primary, so it asks wider and rests longer. While all vehicles work, no
+vehicle watches, so the rest grows."""
 
 WATCH_AUCTION = "watch auction"
 SECONDARY_SILENCE = "secondary silence"

@@ -18,8 +18,8 @@ from dray.protocol.runtime.life import Life
 WATCHED_SILENCE = "watched silence"
 
 OVER_AFTER_S = 15.0
-"""A primary that has named another task, or none, for this long has finished the watched one (s). The coordinator's
-release was lost."""
+"""A primary that has named another task, or none, for this long has finished the watched one (s). The coordinator's release
+was lost."""
 
 
 class Watch:
