@@ -1,8 +1,8 @@
 """The failure detector of a contracted vehicle, and the heartbeats it uses.
 
 The machine follows its primary and its secondary, the secondary follows the primary (paper, 4.1 and
-Figure 3). A vehicle has failed when it is silent past the bound, on the WLAN and on the radio mesh alike. It has also
-failed when it reports an error and the time for help is over (paper, cases 3 and 4). The observer decides what
+Figure 3). A vehicle has failed when it is silent past the bound, on the WLAN and on the radio mesh alike. It has
+also failed when it reports an error and the time for help is over (paper, cases 3 and 4). The observer decides what
 follows.
 """
 
@@ -17,8 +17,8 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 UNNAMED_S = 5.0
-"""A contractor that does not name its contract for this long has lost it (s). This is many times the latency of a
-good link, so that the contract has reached it and its heartbeat has come back."""
+"""A contractor that does not name its contract for this long has lost it (s). This is many times the latency of a good
+link, so that the contract has reached it and its heartbeat has come back."""
 
 
 class FailureDetector:

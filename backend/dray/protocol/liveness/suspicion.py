@@ -1,7 +1,7 @@
 """When silence becomes failure: pure arithmetic.
 
-An agent's status tells how often it sends heartbeats, so any receiver can judge its silence. The bound depends
-on how its heartbeats have arrived so far:
+An agent's status tells how often it sends heartbeats, so any receiver can judge its silence. The bound depends on
+how its heartbeats have arrived so far:
 
     bound_s = misses * interval_s + lateness_s
 
@@ -28,8 +28,7 @@ IDLE_INTERVAL_S = 5.0
 """An idle agent beats at 0.2 Hz: no agent waits for it, so it need not load the network (paper, 3.2)."""
 
 FALSE_ALARM = 1e-4
-"""Accepted rate of false suspicions per heartbeat: at 1 Hz one unnecessary takeover in nearly three hours of
-work."""
+"""Accepted rate of false suspicions per heartbeat: at 1 Hz one unnecessary takeover in nearly three hours of work."""
 
 MISSES = 3
 """Minimum losses allowed, even on a link without losses so far."""
@@ -49,8 +48,8 @@ DEVIATIONS = 4.0
 """Allowed lateness of a message in mean deviations (RFC 6298)."""
 
 BREAKDOWN_S = 600.0
-"""How long a broken machine may keep its goals (s). A technician mends most breakdowns in less, and finished pieces
-are carried away meanwhile."""
+"""How long a broken machine may keep its goals (s). A technician mends most breakdowns in less, and finished pieces are
+carried away meanwhile."""
 
 GOAL_SILENCE_S = 15.0
 """How long a machine may omit a goal before it has lost it (s). A machine with goals beats at 1 Hz, so fifteen heartbeats
@@ -65,9 +64,8 @@ AnyHeartbeat = AtvHeartbeat | MachineHeartbeat | StationHeartbeat
 def interval_s(heartbeat: AnyHeartbeat) -> float:
     """Time until the next heartbeat after this one (s).
 
-    Others rely on an agent with a task or goals, even while the last goods are on the way. People wait for news of an
-    agent
-    that needs help. An agent out of service calls nobody.
+    Others rely on an agent with a task or goals, even while the last goods are on the way. People wait for news of
+    an agent that needs help. An agent out of service calls nobody.
     """
     match heartbeat:
         case AtvHeartbeat():
