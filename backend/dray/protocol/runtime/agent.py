@@ -32,16 +32,15 @@ Alarm = Callable[[Any, float], None]
 
 
 DEAF_S = 0.5
-"""Minimum lateness of an alarm that shows that the agent's own process was held up (s). Failure detection allows for
-less (`liveness.suspicion.JITTER_S`)."""
+"""Minimum lateness of an alarm that shows that the agent's own process was held up (s). Failure detection allows for less
+(`liveness.suspicion.JITTER_S`)."""
 
 
 class AgentBase:
     """The base of an agent: implements `dray.protocol.runtime.events.Agent`.
 
     The subclass fills three tables: the handlers of messages, of its body's reports, and of alarms. An alarm's name
-    is a
-    word, or a word and its subject: ``"beat"``, ``("watched silence", task)``.
+    is a word, or a word and its subject: ``"beat"``, ``("watched silence", task)``.
 
     Args:
         agent: its name on the bus.

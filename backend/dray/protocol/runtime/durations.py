@@ -1,11 +1,9 @@
 """Durations of recurring events, learned from recent measurements. Pure arithmetic.
 
-    usual_s = the quantile of the last KEPT durations, each with the weight 1/2 ^ (age / half-life), and of
-    one initial duration
+    usual_s = the quantile of the last KEPT durations, each with the weight 1/2 ^ (age / half-life), and of one initial duration
 
 Only the newest measurement of each witness counts. A lying or unusual witness moves the figure no further than to
-what
-others have measured, if there are at least three witnesses.
+what others have measured, if there are at least three witnesses.
 """
 
 from __future__ import annotations
@@ -67,9 +65,8 @@ class Durations:
         Args:
             subject: the subject.
             now_s: the present time.
-            at_first_s: the initial value. It counts as one measurement made just now, so that a single experience has
-                little
-                weight.
+            at_first_s: the initial value. It counts as one measurement made just now, so that a single experience
+                has little weight.
         """
         noted = self._noted.get(subject)
         if not noted:

@@ -1,9 +1,8 @@
 """The events that can happen to an agent, and the effects it can ask for.
 
-An agent is a pure state machine. It is called as ``handle(event, now_s)`` with a time that never
-goes back, and returns effects. Their order is a contract: the worker carries them out in the given order.
-`wake_at_s` is the time of the next wake-up; it is read after every call. An early or needless wake-up is
-harmless.
+An agent is a pure state machine. It is called as ``handle(event, now_s)`` with a time that never goes back, and
+returns effects. Their order is a contract: the worker carries them out in the given order. `wake_at_s` is the time
+of the next wake-up; it is read after every call. An early or needless wake-up is harmless.
 """
 
 from __future__ import annotations

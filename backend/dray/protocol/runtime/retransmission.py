@@ -35,8 +35,8 @@ class Said:
 class Retransmitter:
     """Messages repeated until they are answered: at most one per subject.
 
-    All repetition in the protocol is done here, except regular messages without an answer (heartbeats, renewals of a
-    reservation) and auction rounds.
+    All repetition in the protocol is done here, except regular messages without an answer (heartbeats, renewals of
+    a reservation) and auction rounds.
 
     Args:
         alarm: first part of the alarms' names, ``(alarm, about)``. The owner calls `wake` when one is due.

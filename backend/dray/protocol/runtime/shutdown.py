@@ -18,8 +18,8 @@ CARRIER_LEAVES_WITHIN_S = 300.0
 held as long as its machine allows, and the way back to a storage."""
 
 COORDINATOR_LEAVES_WITHIN_S = 30.0
-"""Time in which a bidding round ends, and a vehicle's transfer at the dock (s). Vehicles that come to the dock later
-repeat their request until its next life answers."""
+"""Time in which a bidding round ends, and a vehicle's transfer at the dock (s). Vehicles that come to the dock later repeat
+their request until its next life answers."""
 
 
 class GracefulShutdown:
