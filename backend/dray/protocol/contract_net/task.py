@@ -202,7 +202,7 @@ class OpenTask:
 
     @property
     def lies_at_source(self) -> bool:
-        """Whether its load waits where it was made: on board of nobody, and in nobody's hands."""
+        """Whether its load waits at its source: not on board, and not handed to a person."""
         elsewhere = self.is_loaded or self.left
         return not elsewhere and not (isinstance(self.work, Transport) and self.work.handed_at)
 

@@ -120,7 +120,7 @@ class HeartbeatSubscriptions:
         key_of: the bus key of an agent's heartbeats.
 
     Attributes:
-        hearing: arrival statistics over all followed agents.
+        arrivals: arrival statistics over all followed agents.
     """
 
     __slots__ = ("_count", "_key_of", "_life", "arrivals")

@@ -6,9 +6,9 @@ Its heartbeats tell its progress. Two conditions must hold:
     OVERDUE   it is done by its own promise and SLACK_FRAC of the time that it had, at least SLACK_MIN_S
 
 A carrier that only claims progress runs into the second one. Time beyond an honest vehicle's control counts for
-neither: its coordinator holds the dock, its source's station does not answer, a person has stopped it or limits its
-speed, or it is in error and asks for help. All excused time is at most EXCUSED_MAX_S per contract, because the
-carrier itself reports most of it.
+neither. Its coordinator may hold the dock, or its source's station may not answer. A person may have stopped it or
+limit its speed, or it is in error and asks for help. All excused time is at most EXCUSED_MAX_S per contract,
+because the carrier itself reports most of it.
 """
 
 from __future__ import annotations

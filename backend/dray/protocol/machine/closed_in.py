@@ -21,7 +21,7 @@ class ClosedIn(ClosureListener):
         machine: the machine with the dock.
         floor: as the machine knows it.
         changed: called with now_s after a change of the floor.
-        timers, out: as of every listener.
+        life: as of every listener.
 
     Attributes:
         until_s: when the first way to and from the dock opens, as far as closures end by themselves (plant clock);

@@ -72,9 +72,8 @@ class FinishedGoods:
     def has_room_for(self, work: Production) -> bool:
         """Whether there is room for a piece of a goal.
 
-        Parts wait here until they are fetched. So a part leaves room for a container of every other product of this
-        machine, or for an equal share if that is too much: otherwise a user of parts could lack one product and
-        stop fetching the other.
+        Parts wait here until they are fetched. So a part leaves room for a container, or an equal share, of every
+        other product of this machine. Otherwise a user of parts could lack one product and stop fetching the other.
         """
         if not work.part_of:
             return not self.full

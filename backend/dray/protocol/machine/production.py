@@ -96,7 +96,7 @@ class GoalBook:
         return goal
 
     def add_spare(self, product: str, pieces: int) -> None:
-        """Add finished pieces that belong to no goal: their vehicle or their goal has failed."""
+        """Add finished pieces that belong to no goal."""
         self.spares[product] = self.spares.get(product, 0) + pieces
 
     def spare(self, product: str) -> int:

@@ -1,7 +1,7 @@
 """Whether a vehicle or a machine may obey: it checks a command's grant itself, whichever agent has passed it on.
 
-The gateway refuses forbidden commands too. But it is one peer among others on the bus, and a rule about who may
-stop a vehicle must hold for every message that reaches the vehicle.
+The gateway refuses forbidden commands too. But it is one peer among others on the bus. A rule about who may stop a
+vehicle must hold for every message to it.
 """
 
 from __future__ import annotations

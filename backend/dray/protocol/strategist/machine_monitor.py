@@ -1,8 +1,8 @@
 """The machines that can work, by their heartbeats to the strategist (paper, case 1).
 
 A machine has failed for its goals when it is silent, or broken for long. It has failed earlier if it offers them
-itself, after its estimate of a breakdown, or because people have taken it out of service. A wrong verdict costs
-only work: the gate admits every piece once, from whichever machine.
+itself: by its estimate of a breakdown, or out of service. A wrong verdict costs only work: the gate admits every
+piece once, from whichever machine.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The strategist: it turns sales orders into production goals, and never decides a transport (paper, 3.2).
 
 An order is split into goals (`order_book`). Each goal is put up for auction among the machines for its product
-(`goal_auctions`), and is followed from then on until all of it has arrived.
+(`goal_auctions`). It is followed until all of it has arrived.
 
 The gate of the delivery warehouses, its body, counts deliveries. The gate is also the fence. A machine that does
 not name its goal any more has lost it. The gate is shut for that goal and reports its arrivals, and the rest is put

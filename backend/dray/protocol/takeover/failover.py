@@ -131,7 +131,7 @@ class Failover:
         task.clear_trouble()
 
     def note_loaded(self, task: OpenTask) -> None:
-        """The goods or thing are on board. The secondary keeps watching: it is asked first after a handover."""
+        """The goods or thing are on board. The secondary keeps watching: it is asked first if a person hands them over."""
         if not task.is_loaded and not task.is_counted:
             task.states.enter(TaskState.IN_TRANSIT)
             self.aboard.forget(task)

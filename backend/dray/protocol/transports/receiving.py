@@ -11,8 +11,8 @@ pieces have come (`Confirmed`). While the strategist is silent, the carrier is r
 pieces are compared with the gate's count later. The same holds where people count at the gate: pieces that they
 have not reported yet are not missing.
 
-The carrier's report is accepted without a count if an earlier life of the coordinator made the contract, and for
-pieces that no goal wants any more.
+The carrier's report is accepted without a count under a contract of the coordinator's earlier life. The same holds
+for pieces that no goal wants any more.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@
        +-- no dwell point of the kind is left: try again later
 
 `dray.messages.floor.dwell_point` has the rule by which both sides decide a contest alike. A claim cannot be
-checked. If it has kept this vehicle from a charger for longer than driving there or charging takes, it is not
-believed, and the vehicle drives there.
+checked. A claim that keeps this vehicle from a charger for longer than driving there or charging takes is not
+believed. The vehicle then drives there.
 """
 
 from __future__ import annotations

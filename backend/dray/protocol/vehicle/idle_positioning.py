@@ -4,9 +4,9 @@
        ^            (CONTEST_S)
        +---- work ended, dwell point lost, charge ended, charger left to another, battery low
 
-If all chargers are taken, it waits at a parking place, else at a spare road place (`dray.plant.spare_places`), else
-at a node without a dock: a vehicle that waits at a machine blocks others. Charging decisions are made in
-`charging`.
+If all chargers are taken, it waits at a parking place. Without one it waits at a spare road place
+(`dray.plant.spare_places`), else at a node without a dock: a vehicle that waits at a machine blocks others.
+Charging decisions are made in `charging`.
 
 A resting vehicle goes on bidding; `stop` ends the rest when it wins.
 """

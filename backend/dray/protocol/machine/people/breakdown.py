@@ -4,10 +4,10 @@
     usual_s     three of five breakdowns of this kind were over by then, by all machines' reports
 
 If such breakdowns are usually over within the room, the goals wait for that long; otherwise they are offered to
-others at once. A breakdown known only in words has no usual duration, and the goals wait BREAKDOWN_S. If no person
-is on duty, or at work by the place's working time, the breakdown lasts that much longer, and too long a one is not
-waited for. A person's word has precedence: goals wait for a person who promises to come, and go if a person has
-seen that it takes too long.
+others at once. A breakdown known only in words has no usual duration, and the goals wait BREAKDOWN_S. The time
+until a person is on duty, or at work by the place's working time, is added. Goals do not wait for too long a
+breakdown. A person's word has precedence: goals wait for a person who promises to come, and go if a person has seen
+that it takes too long.
 
 In either case a machine that cannot go on calls operators on duty for help, as vehicles do (`protocol.calls`).
 """

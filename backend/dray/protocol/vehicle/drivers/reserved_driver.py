@@ -286,7 +286,7 @@ class ReservedDriver(Driver):
             self.sense(state)
 
     def begin_anew(self, now_s: float) -> None:
-        """It was carried away by the reservation tables: ask for the place where its body is now."""
+        """The reservation tables have it as carried away: ask for the place where its body is now."""
         self._is_lost = True
         self._life.alarm(LOST, now_s)
 

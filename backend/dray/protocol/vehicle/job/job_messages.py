@@ -1,7 +1,7 @@
 """A carrier's messages about its transport to its coordinator and to docks; `transport_job` decides when.
 
-Questions (for a dock, a handover's acceptance, or relief from the task) are repeated until they are answered, so a
-lost message costs seconds and no load. A takeover is repeated until the coordinator has confirmed it.
+Questions for a dock, a handover's acceptance, or relief from the task are repeated until they are answered. A lost
+message costs seconds and no load. A takeover is repeated until the coordinator has confirmed it.
 """
 
 from __future__ import annotations

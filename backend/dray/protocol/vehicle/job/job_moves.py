@@ -72,7 +72,7 @@ class JobMoves:
         )
 
     def is_shut_in(self, now_s: float) -> bool:
-        """Whether obstacles block this vehicle's ways to the source, but not other vehicles' ways from the destination."""
+        """Whether others may fetch the load instead: obstacles block every way from here, but not from the destination."""
         if not self._work.is_for_any(now_s) or not self.is_shut_out_of(self._source):
             return False
         return self._routes.leads_round(self._dock(self._work.destination), self._dock(self._source))
@@ -163,9 +163,9 @@ class JobMoves:
     def refuge(self) -> str:
         """The nearest storage for a load without a receiver; goods go to the delivery warehouse, things to their storage.
 
-        If all storages are full, this vehicle's load may block the vehicles that would empty them, so material goes
-        back to a source warehouse. A thing from elsewhere goes to the nearest storage. If closures leave no way,
-        the vehicle waits for the first.
+        Full storages may stay full, because this vehicle blocks those that would empty them. Then material goes to
+        a source warehouse. A thing from elsewhere goes to the nearest storage. If closures leave no way, the
+        vehicle waits for the first.
         """
         is_material = self._work.item in self._plant.materials
         storages = self._plant.storages_of(self._work.item) if is_material else (self._work.destination,)
