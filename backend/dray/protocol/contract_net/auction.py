@@ -85,7 +85,7 @@ class Bids:
         return ""
 
     def note(self, bidder: str, bid: Bid, surcharge_s: float) -> None:
-        """Collect a bid; one of a later round replaces the same bidder's first."""
+        """Collect a bid; a later round's bid replaces the same bidder's earlier one."""
         self._collected[bidder], self._noted[bidder] = bid, (bid.round, surcharge_s)
 
     def let_bid_again(self, bidder: str) -> None:
@@ -156,7 +156,7 @@ class Auction:
         self.winner = ""
         """The bidder that accepted; empty until the stage is DECIDED."""
         self.number = 0
-        """Of the newest award; 0 before the first."""
+        """Number of the newest award; 0 before the first."""
         self.winning_bid: Bid | None = None
         self.left_over: tuple[Offer, ...] = ()
         """Bidders that were never asked, cheapest first, once the stage is DECIDED."""

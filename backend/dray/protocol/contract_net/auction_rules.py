@@ -5,7 +5,7 @@
     rest_s   = first rest   * rest_growth   ^ (round - 1), up to rest_max_s; or, if more, a part of the auction's
                age, up to rest_aged_max_s: free vehicles ask for tasks that have waited so long
 
-Before its first round an auction has that round's values.
+Before its first round an auction uses the first round's values.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ done. It is inside while it stands at the dock's node and loads, unloads, or has
 A silent vehicle is assumed to be inside; one that people carried away is not.
 
 Its load is booked by what the heartbeats show, whichever carrier has the transport by then. A body that does not
-count is told so (`Book`).
+count is told of it (`Book`).
 
     it names the task, brings back or has its load on board    it has taken it, or not put it down
     it names the task, without                                 it has put it down, or not taken it

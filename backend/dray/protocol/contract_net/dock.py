@@ -59,7 +59,7 @@ NOT_READY = "the dock is not ready yet"
 
 
 class Entry(NamedTuple):
-    """What a vehicle has asked the dock for, and is let in for."""
+    """The transfer that a vehicle has asked the dock for, or is let in for."""
 
     task: str
     epoch: int

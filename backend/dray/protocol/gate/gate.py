@@ -3,9 +3,8 @@
 Its body counts pieces by goal, admits no more than allowed, and goes on while its agent is down; so no goods wait
 for a process. The agent adds what a strategist relies on:
 
-- every piece is reported once: counts are totals, stored before they are sent, and repeated until they are
-acknowledged; pieces
-  that came while the agent was down are counted when it is back;
+- every piece is reported once: counts are totals, stored before they are sent, and repeated until they are acknowledged;
+  pieces that came while the agent was down are counted when it is back;
 - only the strategist that holds an order admits its goals, and an old message about a goal changes nothing;
 - an order is held by one strategist, with an epoch, over all lives of the gate.
 

@@ -134,7 +134,7 @@ class Supply:
         return max(planned_s, now_s + self._lead_of(work.item).mean_s)
 
     def needs(self, material: str, cycling: str) -> bool:
-        """Whether any goal still takes some of it."""
+        """Whether any goal still needs the material."""
         return self._goals.need(material, cycling) > 0
 
     def ordered(self, work: Transport) -> None:

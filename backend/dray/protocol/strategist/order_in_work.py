@@ -51,7 +51,7 @@ class OpenGoal:
         self.offered = False
         """Whether its machine asks that others make the missing pieces."""
         self.failure: Reason | None = None
-        """Why it is being taken from its machine; the gate's last count is awaited."""
+        """Why it is being taken from its machine, while the gate's last count is awaited."""
         self.waits = False
         """Whether it was reported that no machine can make it."""
         self.to_begin = work.quantity

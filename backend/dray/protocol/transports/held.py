@@ -5,10 +5,8 @@ responsible for the destination has looked:
 
     ASSIGNED, IN_TRANSIT --nothing was counted, again--> HELD --LOAD_THERE--> DELIVERED
                                                           |
-                                                          +--LOAD_MISSING--> announced anew, with disputes reset to
-                                                          0;
-                                                                             goods that had left their machine are
-                                                                             made again
+                                                          +--LOAD_MISSING--> announced anew, with disputes reset to 0;
+                                                                             goods that had left their machine are made again
 
 It waits without a limit, over restarts too. A transport that is not needed any more ends as usual.
 """

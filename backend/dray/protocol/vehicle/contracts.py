@@ -76,7 +76,7 @@ class Owner(Protocol):
         """A silent vehicle that it has waited for without success, and has reported; empty for none."""
 
     def stop_resting(self) -> None:
-        """Leave the charger or parking place: there is work."""
+        """Leave the charger or parking place for work."""
 
     def update_status(self, now_s: float, reason: str) -> None:
         """Update the status, and report the reason if it has changed."""

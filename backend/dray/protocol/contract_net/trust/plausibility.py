@@ -47,7 +47,7 @@ LATEST_GOAL_S = 30 * 86_400.0
 """Maximum time of a goal (s): a machine with work for a month takes no more."""
 
 ROUNDING_S = 0.01
-"""Two agents add the same lengths in another order."""
+"""Tolerance for rounding (s): two agents may add the same lengths in different orders."""
 
 LOOSE_FRAC = 1.5
 """Maximum promise as a multiple of the bid's ways: the vehicle has driven on since."""

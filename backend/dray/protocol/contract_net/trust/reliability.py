@@ -22,7 +22,7 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
 
 HALF_LIFE_S = 1800.0
-"""A breakdown in the morning is forgotten by noon."""
+"""Half-life of doubt (s): a breakdown in the morning is forgotten by noon."""
 
 DROPPED_S = 120.0
 """Cost of a dropped contract (s): the time until it is noticed, and a new transport (median 84 s in the default plant)."""

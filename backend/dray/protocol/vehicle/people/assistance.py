@@ -2,7 +2,8 @@
 
 A vehicle with a problem keeps its task for a while: a problem of a minute needs no second vehicle. Its heartbeat
 tells how long it waits; its observers act after that. `patience` computes that time. A person's word has
-precedence: the task waits for a person who promises to come. It goes at once if a person has seen that repair there is impossible.
+precedence: the task waits for a person who promises to come. It goes at once if a person has seen that repair there
+is impossible.
 """
 
 from __future__ import annotations

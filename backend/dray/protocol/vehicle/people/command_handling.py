@@ -1,4 +1,4 @@
-"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help, hand over, charge, out of service (paper, cases 4 and 5).
+"""People's commands to a vehicle: stops, speed, help, load, charging and service (paper, cases 4 and 5).
 
 A stop holds until the fault was acknowledged and a resume was given, as two deliberate acts (invariant 5). An
 acknowledgement says that the fault is gone: a vehicle whose sensors still report it refuses, and a later fault
