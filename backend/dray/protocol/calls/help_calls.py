@@ -255,7 +255,7 @@ class HelpCalls:
             # New goods get new calls, so nothing of old ones is kept.
             del self._ended[goods]
 
-    # --- who is there, and what they say ---------------------------------------------------------------
+    # --- operators and their answers -------------------------------------------------------------------
 
     def _on_heartbeat(self, sender: str, heartbeat: OperatorHeartbeat, now_s: float) -> None:
         could_be_asked = self._duty.can_be_asked(sender, now_s)

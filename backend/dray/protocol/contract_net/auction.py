@@ -18,7 +18,7 @@ nothing before that.
 
     COLLECTING --window closes--> ASKING --accepted--> DECIDED
         ^                           |
-        +---- rest over -- RESTING <+ nobody left
+        +---- rest over -- RESTING <+ no bidder left
 """
 
 from __future__ import annotations

@@ -132,7 +132,7 @@ class Coordinator:
         del self._open[task.id]
         self._closed[task.id] = ClosedTask(carrier, task.epoch, outcome)
 
-    # --- what is heard ---
+    # --- messages ---
 
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
@@ -171,7 +171,7 @@ class Coordinator:
             task.auction.on_declined(sender, answer, now_s)
             self._auctions.arm(PRIMARY_AUCTION, task.auction)
 
-    # --- what else follows from a contract ---
+    # --- hooks after a contract ---
 
     def _bound(self, task: OpenTask, runners_up: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         """Called when a task has a contractor; `runners_up` are the other bids, cheapest first."""
@@ -179,7 +179,7 @@ class Coordinator:
     def _let_go(self, task: OpenTask, reason: Reason) -> None:
         """Release every contractor that is bound by a task."""
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _present(self, message: Bid | Accepted | Declined) -> OpenTask | None:
         """The open task of a message of the present epoch; else None."""

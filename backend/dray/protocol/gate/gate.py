@@ -230,7 +230,7 @@ class DeliveryGate(AgentBase):
         if goal.heard == goal.arrived:
             self._counts.settle(goal.goal)
 
-    # --- what is let in ---
+    # --- admissions ---
 
     def _on_admission(self, sender: str, asked: AdmissionAsked, _now_s: float) -> None:
         goal = self._goals.get(asked.goal)
@@ -267,7 +267,7 @@ class DeliveryGate(AgentBase):
         """Tell the body the admitted quantity."""
         self._life.instruct(Admit(goal.goal, goal.admitted, arrived=goal.arrived if self._people else 0))
 
-    # --- who holds what ---
+    # --- orders and their holders ---
 
     def _on_claimed(self, sender: str, claimed: OrderClaimed, now_s: float) -> None:
         told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over)

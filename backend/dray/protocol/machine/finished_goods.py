@@ -132,7 +132,7 @@ class FinishedGoods:
             self._tasks.close(task, "withdrawn")
             self.lost(task, now_s)
 
-    # --- sending them away ---
+    # --- shipping ---
 
     def dispatch(self, now_s: float) -> None:
         """Announce transports for ready pieces."""
@@ -174,7 +174,7 @@ class FinishedGoods:
             goal=goal,
         )
 
-    # --- what becomes of them ---
+    # --- progress ---
 
     def lack(self, task: OpenTask) -> bool:
         """Whether the load of a transport is missing, although no vehicle has fetched it."""

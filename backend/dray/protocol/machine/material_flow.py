@@ -136,7 +136,7 @@ class MaterialFlow(TransportFlow):
         carriers = {task.primary for task in self.tasks}
         self._issuing.shut_unknown(vehicle for vehicle in opened if vehicle not in carriers)
 
-    # --- what the machine asks and tells ---
+    # --- requests and reports of the machine ---
 
     @property
     def is_held(self) -> bool:
@@ -212,7 +212,7 @@ class MaterialFlow(TransportFlow):
         """The gate's count of a goal was updated."""
         self._handovers.on_goal_counted(goal, now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _send_goods(self, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have goods fetched."""

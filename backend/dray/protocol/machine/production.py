@@ -216,7 +216,7 @@ class GoalBook:
             left_s = min(left_s, goal.deadline_s - done_s)
         return left_s
 
-    # --- when it does not work at them ---
+    # --- goals given back ---
 
     def give_back(self, goals: Collection[Goal], now_s: float) -> bool:
         """Let others make the missing pieces of some goals; returns whether that is new."""

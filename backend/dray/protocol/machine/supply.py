@@ -44,7 +44,7 @@ class Supply:
         """Materials with a buffer: those of its plant file, and those of later goals."""
         return self._per_cycle.keys()
 
-    # --- what is there ---
+    # --- stock ---
 
     def take_count(self, stock: dict[str, int], seq: int) -> None:
         """Take the workcell's initial count, which includes all reports to earlier lives."""
@@ -107,7 +107,7 @@ class Supply:
             self._plant.materials[material].buffer - self.level(material) if material in self.materials else 0
         )
 
-    # --- what is missing ---
+    # --- orders ---
 
     def next_order(self, cycling: str, now_s: float) -> tuple[Transport, float] | None:
         """The next order and its deadline (plant clock); None if all levels suffice.

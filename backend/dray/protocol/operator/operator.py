@@ -141,7 +141,7 @@ class Operator(AgentBase):
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
 
-    # --- who calls -------------------------------------------------------------------------------------
+    # --- calls -----------------------------------------------------------------------------------------
 
     def _on_call(self, _sender: str, call: HelpCall, now_s: float) -> None:
         before = self._calls.get(call.subject)
@@ -228,7 +228,7 @@ class Operator(AgentBase):
             self._shown = shown
             self._life.instruct(ShowCalls(shown))
 
-    # --- what the person answers -----------------------------------------------------------------------
+    # --- the person's answers --------------------------------------------------------------------------
 
     def _call_replied(self, report: CallReplied, now_s: float) -> None:
         call = next((call for call, _ in self._calls.values() if call.call == report.call), None)

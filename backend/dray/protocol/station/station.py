@@ -228,7 +228,7 @@ class Station(AgentBase):
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
 
-    # --- what comes and goes (`dray.protocol.transports.transport_flow.FlowOwner`) ---
+    # --- for its material flow (`dray.protocol.transports.transport_flow.FlowOwner`) ---
 
     def pursue(self, now_s: float) -> None:
         """Do what the present state requires."""
@@ -264,7 +264,7 @@ class Station(AgentBase):
             self._issuing.on_taken(report.vehicle, report.item)
         self._go_on(now_s)
 
-    # --- what follows ---
+    # --- consequences ---
 
     def _go_on(self, now_s: float) -> None:
         """Update reservations, orders, refills and the heartbeat after a change."""

@@ -190,7 +190,7 @@ class GatedStrategist(Strategist):
                 effects += self._say(Admit(goal.id, quantity, of if self._shares else None), now_s)
         return effects
 
-    # --- what is said to the gate ---
+    # --- messages to the gate ---
 
     def _say(self, instruction: object, now_s: float) -> list[Effect]:
         if isinstance(instruction, Admit):
@@ -226,7 +226,7 @@ class GatedStrategist(Strategist):
             self._noted[name] = note
         yield Commit(note, name)
 
-    # --- what is heard from it ---
+    # --- messages from the gate ---
 
     def _on_gate(self, message: Message, now_s: float) -> list[Effect] | None:
         """The effects of a gate's message; None for one that is not used here."""

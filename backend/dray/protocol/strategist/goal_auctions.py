@@ -142,7 +142,7 @@ class GoalAuctions(Coordinator):
             goal.named_s = now_s
             self.confirm(goal)
 
-    # --- what machines are told ---
+    # --- messages to machines ---
 
     def confirm(self, goal: OpenGoal) -> None:
         """Confirm a goal to its machine, with the count of arrivals."""
@@ -166,7 +166,7 @@ class GoalAuctions(Coordinator):
         else:
             self.withdraw(machine, brief.goal, 1 if closed is None else closed.epoch)
 
-    # --- when nobody could take them ---
+    # --- goals without a taker ---
 
     def say_waits(self, goal: OpenGoal, now_s: float) -> None:
         """Record once that no machine can make a goal, with each machine's problem."""
@@ -188,7 +188,7 @@ class GoalAuctions(Coordinator):
                 self.say_waits(goal, now_s)
         self._life.alarm((TAKERS, product), now_s + GOAL_SILENCE_S)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _audience(self, work: Work, _radius_m: float) -> tuple[str, ...]:
         goal = cast(Production, work)

@@ -127,7 +127,7 @@ class OrderBook:
             for part in parts
         )
 
-    # --- orders and goals come and go ---
+    # --- orders and goals ---
 
     def take(self, message: OrderReleased) -> OrderInWork:
         """Split a new order into goals."""
@@ -291,7 +291,7 @@ class OrderBook:
                 self._forget_goal(goal)
         return ended
 
-    # --- from life to life ---
+    # --- over a restart ---
 
     def commits(self) -> list[Commit]:
         """The changes since the last call, to store."""
@@ -349,7 +349,7 @@ class OrderBook:
             del history[oldest]
             self._unwritten[oldest] = None
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _begin(self, message: OrderReleased, items: tuple[OrderItem, ...]) -> OrderInWork:
         order = OrderInWork(message.order, items, message.due_s, message.release)

@@ -108,7 +108,7 @@ class OrderChanges:
         elif goal.asked is not None or brief.deadline_s not in (UNSET, goal.deadline_s):
             self._say(goal)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _note(self, goal: OpenGoal, quantity: int, asked: int | None, now_s: float) -> None:
         """A machine makes no more than `quantity` of a goal, asked or not."""

@@ -127,7 +127,7 @@ class OrderHolding:
         if order in self._held:
             self._life.instruct(HoldOrder(order, self._held[order], release))
 
-    # --- what is heard ---
+    # --- messages ---
 
     def on_said(self, sender: str, message: Said, now_s: float) -> bool:
         """Handle a message about an order; returns whether this strategist is to answer it at once."""
@@ -204,7 +204,7 @@ class OrderHolding:
         elif noted is not None:
             self._heard(noted.asker, noted.release, now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _forget(self, order: str, release: int) -> None:
         noted = self._noted.get(order)

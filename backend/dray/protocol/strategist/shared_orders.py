@@ -126,7 +126,7 @@ class SharedOrders:
         self._holding.on_brief(machine, brief)
         return self._holding.judges(brief.goal)
 
-    # --- what is heard ---
+    # --- messages ---
 
     def _on_said(self, sender: str, message: Said, now_s: float) -> None:
         if self._holding.on_said(sender, message, now_s):
@@ -141,7 +141,7 @@ class SharedOrders:
         if not self._shutdown.begun:
             self._holding.claim(order, now_s)
 
-    # --- orders come and go ---
+    # --- orders ---
 
     def _on_granted(self, held: OrderHeld, release: OrderReleased | None, now_s: float) -> None:
         """Continue an order that another strategist has begun; a fresh one is handled as with one strategist."""

@@ -20,7 +20,7 @@ A strategist that is asked to leave takes no order and puts nothing up; it stays
     UNCLAIMED --accepted--> MADE BY A MACHINE --all has arrived--> closed
         ^                      |
         |                      +-- not named for GOAL_SILENCE_S, offered by its machine, or broken
-        |                          for BREAKDOWN_S, and somebody else could make it: the gate is shut
+        |                          for BREAKDOWN_S, and another machine could make it: the gate is shut
         +-- the rest, as a new goal --+        (when its order was taken back: no new goal)
 """
 

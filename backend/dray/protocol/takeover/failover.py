@@ -224,7 +224,7 @@ class Failover:
         """How long the primary has been silent (s)."""
         return max(0.0, now_s - task.contract.detector.heard_s) if task.contract.detector is not None else 0.0
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _check(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)

@@ -69,7 +69,7 @@ class LeftAboard:
             task.states.enter(TaskState.STRANDED)
         self._life.alarm((GOODS_WAIT, task.id), goods.until_s)
 
-    # --- how it comes to that ---
+    # --- stranding ---
 
     def strand(self, task: OpenTask, now_s: float) -> None:
         """The carrier of goods has failed. Repeating this is harmless."""
@@ -102,7 +102,7 @@ class LeftAboard:
         if was_waiting:
             self._life.commit()
 
-    # --- what people say ---
+    # --- people's decisions ---
 
     def fetch(self, task_id: str, node: str, now_s: float) -> CommandRefusal | None:
         """A person hands them over at a node. Returns the refusal; None when they are fetched there now."""
@@ -130,7 +130,7 @@ class LeftAboard:
         task = self._tasks.get(task_id)
         return "" if task is None or task.stranded is None else task.stranded.node
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _end_wait(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)

@@ -110,7 +110,7 @@ class Secondaries:
         self._life.cancel((SECONDARY_SILENCE, task.id))
         task.standby = StandbyContract()
 
-    # --- what is heard ---
+    # --- messages ---
 
     def on_bid(self, task: OpenTask, sender: str, bid: Bid, now_s: float) -> None:
         if task.watch is not None and sender != task.primary:
@@ -171,7 +171,7 @@ class Secondaries:
         else:
             self._life.alarm((SECONDARY_SILENCE, task.id), task.standby.detector.fails_at_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _bind(self, task: OpenTask, watch: Auction, now_s: float) -> None:
         task.watch = None

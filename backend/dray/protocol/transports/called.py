@@ -159,7 +159,7 @@ class CalledTransports:
         """Whether a task belongs to an ordered transport."""
         return any(called.task == task for called in self)
 
-    # --- what is asked ---
+    # --- orders ---
 
     def on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
         """Handle an order, new or repeated."""
@@ -203,7 +203,7 @@ class CalledTransports:
         self._answer(sender, message.transport, state)
         return ends
 
-    # --- what becomes of them ---
+    # --- progress ---
 
     def pursue(self, now_s: float) -> None:
         """Have loads fetched for which there is room."""
@@ -276,7 +276,7 @@ class CalledTransports:
         for called in self:
             self._tell(called)
 
-    # --- from life to life ---
+    # --- over a restart ---
 
     def restore(self, memory: Memory) -> None:
         """Continue the transports of an earlier life, whose tasks are restored already."""
@@ -308,7 +308,7 @@ class CalledTransports:
         self._unwritten.clear()
         return commits
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _may_ask(self, sender: str, transport: str, source: str) -> bool:
         """Whether the sender may order: a machine may only have its own things fetched."""

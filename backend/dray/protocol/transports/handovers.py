@@ -104,7 +104,7 @@ class Handovers:
             if cast(Transport, task.work).goal == goal:
                 self._judge(task, now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _judge(self, task: OpenTask, now_s: float) -> None:
         """Compare the count of a load with its carrier's report."""

@@ -67,7 +67,7 @@ class Issuing:
         }
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {LAPSE: self._lapse}
 
-    # --- who counts on what ---
+    # --- reservations ---
 
     def _on_asked(self, sender: str, asked: StockAsked, now_s: float) -> None:
         known = self._book.get(asked.task)
@@ -165,7 +165,7 @@ class Issuing:
         self._door.open(vehicle, docked, ask.item, ask.quantity, now_s, comes=False)
         self._changed(now_s)
 
-    # --- what follows ---
+    # --- consequences ---
 
     @property
     def is_held(self) -> bool:

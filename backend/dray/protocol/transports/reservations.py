@@ -102,7 +102,7 @@ class Reservations:
     def __iter__(self) -> Iterator[Ask]:
         return iter(self._asks.values())
 
-    # --- what lies there ---
+    # --- stock ---
 
     def take_count(self, stock: Mapping[str, int], seq: int) -> None:
         """Take the storage's initial count."""
@@ -183,7 +183,7 @@ class Reservations:
             return quantity == 1
         return 0 < quantity <= self._capacity.get(item, 0)
 
-    # --- who asks ---
+    # --- requests ---
 
     def get(self, task: str) -> Ask | None:
         return self._asks.get(task)

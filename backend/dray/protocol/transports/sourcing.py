@@ -172,7 +172,7 @@ class Sourcing:
             self._ask(task.id, task.epoch, _work(task), (station,))
         return False
 
-    # --- before anybody is hired ---
+    # --- before a vehicle is hired ---
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have material set aside for a task that is to be announced."""
@@ -222,7 +222,7 @@ class Sourcing:
         if not held and not task.primary and not task.is_held:
             self._starve(task, now_s)
 
-    # --- while somebody carries it ---
+    # --- with a carrier ---
 
     def follow(self, task: OpenTask, now_s: float) -> None:
         """An open task has a carrier, has lost it, or comes from an earlier life."""
@@ -252,7 +252,7 @@ class Sourcing:
             carried = bool(task.primary) or task.epoch > 1
             self._free(task.id, tuple(held or _sources(task)), fetched=carried)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _note_heard(self, station: str, now_s: float) -> None:
         if self._plant.has_place(station):

@@ -249,7 +249,7 @@ class TransportFlow:
         self._on_recovered(now_s)
         self._owner.pursue(now_s)
 
-    # --- what the agent asks and tells ---
+    # --- requests and reports of the agent ---
 
     @property
     def is_held(self) -> bool:
@@ -411,7 +411,7 @@ class TransportFlow:
             return False
         return True
 
-    # --- what becomes of a transport ---
+    # --- progress of a transport ---
 
     def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
         self._life.commit()

@@ -268,7 +268,7 @@ class Transports(Coordinator):
         task.recovered, task.witnessed = True, False
         self._bind_carrier(task, atv, brief.epoch, deadline_s, now_s)
 
-    # --- what is heard ---
+    # --- messages ---
 
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
@@ -361,7 +361,7 @@ class Transports(Coordinator):
         """Known waits at the places of a transport."""
         return self.waits.told(cast(Transport, work), now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
         task = self._open.get(task_id)

@@ -323,7 +323,7 @@ class Atv(AgentBase):
             self._contracts.standby.resign(Reason.ON_MESH)
         self._life.beat_soon(now_s)
 
-    # --- what its contracts ask and tell (`dray.protocol.vehicle.contracts.Owner`) ---
+    # --- for its contracts (`dray.protocol.vehicle.contracts.Owner`) ---
 
     @property
     def right_of_way(self) -> RightOfWay | None:
@@ -424,7 +424,7 @@ class Atv(AgentBase):
         self.update_status(now_s, command.kind.value)
         self._life.beat_soon(now_s)
 
-    # --- what others see ---
+    # --- the status ---
 
     def update_status(self, now_s: float, reason: str) -> None:
         """Update the status, and report the reason if it has changed."""

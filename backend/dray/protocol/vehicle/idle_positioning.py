@@ -276,7 +276,7 @@ class IdlePositioning:
             self._life.cancel(CLAIM)
             self._life.alarm(SETTLE, now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _settle(self, battery_frac: float, now_s: float) -> None:
         if self.charging:

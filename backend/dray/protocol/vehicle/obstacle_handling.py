@@ -223,7 +223,7 @@ class ObstacleHandling:
         self._contracts.message_handlers[AtvHeartbeat](sender, heartbeat, now_s)
         self._silent.on_heartbeat(heartbeat, now_s)
 
-    # --- what others say -------------------------------------------------------------------------
+    # --- others' reports -------------------------------------------------------------------------
 
     def _on_seen(self, sender: str, seen: ObstacleSeen, now_s: float) -> None:
         obstacles = self._floor.obstacles
@@ -264,7 +264,7 @@ class ObstacleHandling:
         if on_way and self._driver.leads_round(self._driver.next_node, now_s):
             self._follow(now_s)
 
-    # --- what it does ----------------------------------------------------------------------------
+    # --- reactions -------------------------------------------------------------------------------
 
     def _try_round(self, now_s: float) -> None:
         """Another obstacle is gone: perhaps a way leads round now."""

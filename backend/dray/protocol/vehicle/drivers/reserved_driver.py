@@ -265,7 +265,7 @@ class ReservedDriver(Driver):
             removal=self.right_of_way.removal,
         )
 
-    # --- what is its own -------------------------------------------------------------------------
+    # --- its own ---------------------------------------------------------------------------------
 
     def find_way(self, now_s: float) -> None:
         """Handle the alarm `LOST`: the body was just sensed, and a way is given from its position."""

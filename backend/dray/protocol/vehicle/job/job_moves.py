@@ -96,7 +96,7 @@ class JobMoves:
         """Cancel the repetition."""
         self._life.cancel(RETRY)
 
-    # --- how long they take ---
+    # --- durations ---
 
     def from_source_s(self) -> float:
         """The duration of loading, the way to the destination and unloading (s).
@@ -111,7 +111,7 @@ class JobMoves:
         """The duration of unloading (s)."""
         return self._type.unload_s
 
-    # --- what others are told of them ---
+    # --- reports to others ---
 
     def expect_to_load(self, comes_s: float, *, docked: bool = False) -> None:
         """Publish the arrival time at the source (plant clock), or that the vehicle stands there."""
@@ -158,7 +158,7 @@ class JobMoves:
         """Whether a gate decides about the load instead of the coordinator."""
         return self._work.destination in self._plant.delivery_warehouses
 
-    # --- where to with a load that nobody wants ---
+    # --- refuges ---
 
     def refuge(self) -> str:
         """The nearest storage for a load without a receiver; goods go to the delivery warehouse, things to their storage.

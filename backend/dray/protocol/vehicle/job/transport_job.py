@@ -172,7 +172,7 @@ class TransportJob:
             claim=self._contract.claim if self._messages.is_claiming else None,
         )
 
-    # --- what happens ---
+    # --- events ---
 
     def set_off(self, now_s: float) -> None:
         """Set off for the source."""
@@ -394,7 +394,7 @@ class TransportJob:
         else:
             self._go_on(now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _drive(self, station: str, now_s: float) -> None:
         """Drive to a station; it has arrived if it stands there already."""
