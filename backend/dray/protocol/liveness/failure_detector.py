@@ -17,8 +17,8 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 UNNAMED_S = 5.0
-"""A contractor that does not name its contract for this long has lost it (s). This is many times the latency of a good
-link, so that the contract has reached it and its heartbeat has come back."""
+"""A contractor that does not name its contract for this long has lost it (s). This is many times the latency of a
+good link: the contract has reached it, and its heartbeat has come back."""
 
 
 class FailureDetector:

@@ -2,8 +2,8 @@
 
     usual_s = the quantile of the last KEPT durations, each with the weight 1/2 ^ (age / half-life), and of one initial duration
 
-Only the newest measurement of each witness counts. A lying or unusual witness moves the figure no further than to
-what others have measured, if there are at least three witnesses.
+Only the newest measurement of each witness counts. With at least three witnesses, a lying or unusual one moves the
+figure no further than to the others' measurements.
 """
 
 from __future__ import annotations

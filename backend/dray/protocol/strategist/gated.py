@@ -3,8 +3,7 @@
 `Strategist` works as if it had the gate as its body. Here its instructions become messages, repeated until they are
 answered, and answers become reports. A machine's goal is confirmed only after the gate admits it. A life begins
 when the gate has reported the orders that it holds; before that it does nothing, and machines go on without it. A
-shut goal or an ended order is stored until the gate has acknowledged it, because no order of the next life would
-repeat it.
+shut goal or an ended order is stored until the gate has acknowledged it: no order of the next life would repeat it.
 """
 
 from __future__ import annotations

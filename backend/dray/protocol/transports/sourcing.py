@@ -49,8 +49,8 @@ PARTS_ASKED_MAX = 8
 """Maximum places asked for parts, which machines have, too."""
 
 PART_WAITS_S = 25.0
-"""Wait for parts after which a smaller quantity is taken (s): no more may come. Not while others of them wait for a
-carrier: vehicles are few then, and each would go for a piece or two."""
+"""Wait for parts after which a smaller quantity is taken (s): no more may come. Not while other loads of it wait for a
+carrier: vehicles are few then, and each would fetch only a piece or two."""
 
 _NOT_YET_FETCHED = frozenset({Phase.APPROACHING, Phase.LOADING})
 

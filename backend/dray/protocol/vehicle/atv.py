@@ -10,8 +10,8 @@ The state machine of the paper, as other agents see it:
 
 STOPPED and ERROR end no contract: the job waits. The heartbeat tells how long (`assistance`); after that another
 vehicle takes the task. A vehicle with only its radio keeps its task too, and takes no other. A vehicle that is
-asked to leave resigns from its watches, and from its task too if the load is not on board. If it cannot move, it
-leaves as it is.
+asked to leave resigns from its watches, and from a task without the load on board. If it cannot move, it leaves as
+it is.
 """
 
 from __future__ import annotations

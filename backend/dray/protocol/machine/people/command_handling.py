@@ -3,7 +3,7 @@
 Promise help, clear a fault, hand over, work slowly, restart, update, out of service; fetch goods, write them off; a
 disputed load is there, or missing. If the body is people, their reports of what has happened.
 
-Every command needs a grant for the machine's area, or for the place of the goods or of a load's destination
+Every command needs a grant: for the machine's area, or for the place of the goods or of a load's destination
 (invariant 9). Commands that the body or the agent's operator cannot carry out are refused with that reason.
 """
 

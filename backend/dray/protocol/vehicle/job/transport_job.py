@@ -1,10 +1,10 @@
 """A contracted transport of its carrier: approach, load, carry, unload, hand over. Its states are in `job_state`.
 
 The carrier asks at every dock first. The coordinator opens its own dock only to the present epoch, a storage's
-station only to the vehicle with the reservation. At a storage without the load the carrier waits as long as it can
-keep its promise, and then gives the task back. A delivery warehouse's gate fences finished goods instead: it knows
-what each goal may still bring. A coordinator that does not answer `job_messages.GIVE_UP_AFTER` questions has
-failed, and the load goes back.
+station only to the vehicle with the reservation. At a storage without the load the carrier waits while it can keep
+its promise. Then it gives the task back. A delivery warehouse's gate fences finished goods instead: it knows what
+each goal may still bring. A coordinator that does not answer `job_messages.GIVE_UP_AFTER` questions has failed, and
+the load goes back.
 
 After a takeover the carrier drives before its coordinator has confirmed. A carrier that gives a task back before
 loading stands until its coordinator has superseded it: until then it is bound.
