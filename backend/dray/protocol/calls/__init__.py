@@ -1,1 +1,1 @@
-"""Calls for help: who on duty is asked, in which order, and who comes. Knows no agent: whoever needs help uses it."""
+"""Calls for help: which operators on duty are asked, in which order, and which one comes. Knows no agent."""

@@ -1,11 +1,11 @@
-"""Whom a call for help asks next, and how long it waits: pure arithmetic.
+"""Which operators a call for help asks next, and how long it waits: pure arithmetic.
 
-    round 1    the nearest one who is free, is there for the place, and helps with such a problem
-    round 2    the next three who are free and help with it, wherever they are there for
-    round 3    everybody else who is on duty, busy or not
+    round 1    the nearest operator who is free, responsible for the place, and helps with such a problem
+    round 2    the next three who are free and help with it, responsible for any place
+    round 3    all others on duty, even busy ones
 
-A round in which nobody is left goes over to the next at once. In one pass nobody is asked twice; after the third round the call rests, and
-begins anew. Silence declines.
+A round without operators left passes to the next at once. In one pass each operator is asked once. After the third
+round the call rests, and begins again. Silence declines.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from dray.plant import Plant
 from dray.plant.floor.geometry import box_of
 
 ASKED_IN_ROUND = (1, 3, ASKED_MAX)
-"""How many are asked at a time: one at first, so that nobody runs for nothing."""
+"""Operators asked per round: one at first, so that nobody runs for nothing."""
 
 ANSWER_S = 20.0
-"""Time to put something down, read and touch. Three rounds of it are a minute, less than most tasks can wait."""
+"""Answer timeout (s): time to put something down, read and touch. Three rounds are a minute, less than most tasks can wait."""
 
 SAY_EVERY_S = 5.0
-"""A call is said as often as an idle agent beats: whoever has missed it hears it then."""
+"""Interval of repetitions (s), as an idle agent's heartbeats: an operator that missed the call hears it then."""
 
 LATE_S = 15.0
-"""So much later than promised somebody may come before others are asked."""
+"""Lateness of a promised arrival before others are asked (s)."""
 
 REST_S, REST_MAX_S = 20.0, 120.0
-"""After a pass in which nobody has taken it; twice as long after each further one."""
+"""Rest after a pass without an answer, and its maximum (s); it doubles after each further pass."""
 
 NEAR_M = 1000.0
-"""How far away somebody counts of whom nothing is told: farther than anybody in one hall."""
+"""Assumed distance of an operator without a known place (m): farther than anybody in one hall."""
 
 
 def next_asked(
@@ -45,18 +45,18 @@ def next_asked(
     round_: int,
     spared: Container[str],
 ) -> tuple[int, tuple[str, ...]]:
-    """Whom to ask, the nearest first, and in which round that is.
+    """The operators to ask, the nearest first, and their round.
 
     Args:
-        known: who is on duty now.
-        plant: where areas and stations are.
-        place_m: where help is needed (x, y).
-        kind: of the problem.
-        round_: the first to look at, from 1.
-        spared: who is not to be asked.
+        known: the operators on duty.
+        plant: its areas and stations.
+        place_m: where help is needed (x, y) in m.
+        kind: the kind of the problem.
+        round_: the first round to try, from 1.
+        spared: operators not to ask.
 
     Returns:
-        The round and the operators; none when nobody is left in any round.
+        The round and the operators; none if no operator is left in any round.
     """
     here = frozenset(plant.areas_at(*place_m))
     there = [each for each in known if each.operator not in spared and each.status is not DutyStatus.BREAK]
@@ -69,17 +69,17 @@ def next_asked(
 
 
 def rest_s(passes: int) -> float:
-    """How long a call rests after so many passes, at least 1, in which nobody has taken it."""
+    """Rest of a call after `passes` (at least 1) without an answer (s)."""
     return float(min(REST_S * 2.0 ** min(passes - 1, 10), REST_MAX_S))
 
 
 def is_there_for(operator: OperatorHeartbeat, areas: frozenset[str]) -> bool:
-    """Whether an operator is on duty for a place in these areas; a place outside of all is everybody's."""
+    """Whether an operator is responsible for a place in these areas; a place outside of all is everybody's."""
     return operator.everywhere or not areas or not areas.isdisjoint(operator.areas)
 
 
 def away_m(operator: OperatorHeartbeat, plant: Plant, place_m: tuple[float, float]) -> float:
-    """How far away an operator is as the crow flies: from the station, else from the nearest of the areas."""
+    """Straight distance of an operator (m): from the station, else from the nearest of the areas."""
     x_m, y_m = place_m
     at = [plant.position_of(spec.id) for spec in plant.machines.values() if spec.station == operator.station]
     if not at or not operator.station:

@@ -1,4 +1,4 @@
-"""The states of a call for help, and what may follow what."""
+"""The states of a call for help, and their transitions."""
 
 from __future__ import annotations
 

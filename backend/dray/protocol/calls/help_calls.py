@@ -1,7 +1,8 @@
-"""The calls of one agent that needs somebody: asks who is on duty, tells everybody who comes, and asks others when nobody does.
+"""The calls of one agent that needs a person: it asks operators on duty, and others if nobody comes.
 
-An agent calls for itself, and for goods of its own that wait on board of a failed vehicle, one call for each. A call is said again and again while help is needed, whether anybody is there or not, so that no call is lost: whoever comes on duty hears
-it, and managers see that nobody is there. The next life of the agent calls anew, and who had taken the call of the last one
+An agent calls for itself, and once for each of its loads on board of a failed vehicle. A call is repeated while
+help is needed, even if nobody is there, so that no call is lost. An operator who comes on duty hears it, and
+managers see that nobody is there. The agent's next life calls anew, and the operator who had taken the last call
 takes it again.
 """
 
@@ -35,10 +36,10 @@ from dray.protocol.runtime.life import Life
 from dray.states import States
 
 CALL = "call"
-"""The alarm ``(CALL, goods)`` of an open call: something is to be said or done."""
+"""The alarm ``(CALL, goods)`` of an open call: its next message or step is due."""
 
 END_SAID = 3
-"""How often the end of a call is said: whoever misses all of it hears no more of the call, and forgets it."""
+"""How often the end of a call is sent: an operator that misses all of it hears the call no more, and forgets it."""
 
 TAKEN_BEFORE = "answered a call that another one has taken"
 NO_CALL = "answered a call that is over, or never was"
@@ -60,7 +61,7 @@ class Call:
     ) -> None:
         self.name, self.goods, self.since_s = name, goods, now_s
         self.problem, self.reason, self.place_m = problem, reason, place_m
-        # Before anybody was asked it rests.
+        # It rests before the first operator is asked.
         self.states = States("a call", TRANSITIONS, CallState.RESTING)
         self.said = False
         self.round = 1
@@ -69,53 +70,53 @@ class Call:
         self.until_s: float | None = None
         self.taken_by = ""
         self.turn_s = 0.0
-        """When the present one has taken it."""
+        """When the present operator has taken it."""
         self.taken_s: float | None = None
         """When it was taken first."""
         self.spared: set[str] = set()
-        """Who is not asked again in this pass."""
+        """Operators not asked again in this pass."""
         self.cannot: set[str] = set()
         self.ever_asked: set[str] = set()
 
 
 class EndedCall:
-    """A call that is over."""
+    """A call that has ended."""
 
     def __init__(self, told: HelpCall) -> None:
         self.told, self.said = told, 1
 
 
 class Caller(Protocol):
-    """An agent that may need somebody."""
+    """An agent that may need a person."""
 
     id: str
     incarnation: int
 
     @property
     def place_m(self) -> tuple[float, float]:
-        """Where it is (x, y)."""
+        """Its position (x, y) in m."""
 
     @property
     def hears_all(self) -> bool:
-        """Whether it hears what is said to everybody; one that is left with its radio does not."""
+        """Whether it hears all messages; with only its radio it does not."""
 
 
 def _nothing(_since_s: float, _now_s: float) -> None:
-    """What is done about who does not come, by default."""
+    """Ignore a broken promise, by default."""
 
 
 class HelpCalls:
-    """The calls of one agent: one at a time for itself, and one for each of its goods. Names without goods mean its own.
+    """The calls of one agent: one for itself, and one for each of its loads. Attributes without goods mean its own.
 
     Args:
         caller: the agent.
-        plant: where areas and stations are.
-        life: its agent's; its alarms are named `CALL`.
-        not_coming: called with (since_s, now_s) when who has taken the agent's own call at that time has given it back or has gone: what
-            was promised since counts no more.
+        plant: its areas and stations.
+        life: the agent's life; alarms are named `CALL`.
+        not_coming: called with (since_s, now_s) when the operator who took the agent's own call at `since_s` has
+            given it back or has gone: later promises are void.
 
     Attributes:
-        message_handlers, alarms: for the agent's tables.
+        message_handlers, alarms: entries for the agent's tables.
     """
 
     def __init__(
@@ -127,9 +128,9 @@ class HelpCalls:
         self._heartbeats, self._key = keys.all_operator_heartbeats, keys.call(caller.id)
         self._duty = OnDuty()
         self._calls: dict[str, Call] = {}
-        """By goods, those that are open; at most one for each transport of the agent."""
+        """By goods: the open calls, at most one for each transport of the agent."""
         self._ended: dict[str, EndedCall] = {}
-        """By goods, those whose end is being said."""
+        """By goods: calls whose end is being sent."""
         self._opened = self._number = 0
         self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
             OperatorHeartbeat: self._on_heartbeat,
@@ -139,27 +140,27 @@ class HelpCalls:
 
     @property
     def is_open(self) -> bool:
-        """Whether somebody is called, has been taken on, or is on the way."""
+        """Whether the agent's own call is open."""
         return "" in self._calls
 
     @property
     def taken_by(self) -> str:
-        """Who comes; empty for nobody."""
+        """The operator who comes; empty for none."""
         return self._calls[""].taken_by if self.is_open else ""
 
     @property
     def goods(self) -> tuple[str, ...]:
-        """For which goods somebody is called."""
+        """The goods with an open call."""
         return tuple(goods for goods in self._calls if goods)
 
     def comes_after_s(self, now_s: float) -> float:
-        """Until anybody can be asked: 0 while somebody is on duty, or should be by the working time of the place; else the rest that is left."""
+        """Time until an operator can be asked (s): 0 if one is or should be on duty; else the rest by the working time."""
         if any(each.status is not DutyStatus.BREAK for each in self._there(now_s)):
             return 0.0
         return people_from_s(self._plant, *self._caller.place_m, now_s) - now_s
 
     def listen(self) -> None:
-        """Hear who is on duty, from the beginning of the agent's life."""
+        """Subscribe to operators' heartbeats, at the begin of the agent's life."""
         self._life.subscribe(self._heartbeats)
 
     def open(
@@ -172,15 +173,15 @@ class HelpCalls:
         goods: str = "",
         place_m: tuple[float, float] | None = None,
     ) -> None:
-        """Call for help; what is called for already is only told anew.
+        """Open a call for help, or update an open one.
 
         Args:
-            problem: what is known of it.
+            problem: the known facts about it.
             reason: in words.
             now_s: the present time.
-            after_s: nobody is asked sooner; it may pass by itself.
-            goods: the transport whose goods wait; empty where the agent itself needs somebody.
-            place_m: where, if not where the agent is (x, y).
+            after_s: delay before the first operator is asked; the problem may pass by itself.
+            goods: the transport whose goods wait; empty for the agent itself.
+            place_m: the place (x, y) in m, if not the agent's.
         """
         call = self._calls.get(goods)
         if call is not None:
@@ -196,7 +197,7 @@ class HelpCalls:
             self._ask(call, now_s)
 
     def close(self, now_s: float, *, goods: str = "") -> None:
-        """Nobody is needed any more; harmless when nobody was called."""
+        """End a call; ignored if there is none."""
         call = self._calls.pop(goods, None)
         if call is None:
             return
@@ -235,7 +236,7 @@ class HelpCalls:
             else:
                 self._go_on(call, now_s)
         elif call.until_s is not None and now_s >= call.until_s:
-            # Silence declines; and a rest is over.
+            # Silence declines, or a rest is over.
             if call.states.now is CallState.RESTING:
                 call.round, call.spared = 1, set(call.cannot)
             self._ask(call, now_s)
@@ -251,10 +252,10 @@ class HelpCalls:
         if ended.said < END_SAID:
             self._life.alarm((CALL, goods), now_s + SAY_EVERY_S)
         elif goods:
-            # There are ever new ones: nothing of them is kept.
+            # New goods get new calls, so nothing of old ones is kept.
             del self._ended[goods]
 
-    # --- who is there, and what they say ---------------------------------------------------------------
+    # --- operators and their answers -------------------------------------------------------------------
 
     def _on_heartbeat(self, sender: str, heartbeat: OperatorHeartbeat, now_s: float) -> None:
         could_be_asked = self._duty.can_be_asked(sender, now_s)
@@ -271,7 +272,7 @@ class HelpCalls:
         if heartbeat.draining:
             self._declined(call, sender, CallAnswer.DECLINE, now_s)
         elif call.states.now is CallState.RESTING and comes and sender not in call.cannot:
-            # Whoever has come on duty, or back from a break, is asked at once.
+            # An operator who comes on duty, or back from a break, is asked at once.
             call.round = 1
             call.spared.discard(sender)
             self._ask(call, now_s)
@@ -303,7 +304,7 @@ class HelpCalls:
             call.turn_s = now_s
             if call.taken_s is None:
                 call.taken_s = now_s
-        # However often it is promised anew, it is not for ever.
+        # Repeated promises are bounded.
         call.until_s = min(now_s + wait_s, call.turn_s + 2.0 * CALL_WAIT_MAX_S)
         self._go_on(call, now_s)
 
@@ -323,19 +324,19 @@ class HelpCalls:
     # --- asking ----------------------------------------------------------------------------------------
 
     def _is_not_coming(self, call: Call, now_s: float) -> None:
-        """Who has taken it has given it back, or has gone: nothing waits for that one any more."""
+        """The operator has given the call back, or has gone: later promises are void."""
         if not call.goods:
             self._not_coming(call.turn_s, now_s)
         self._ask_others(call, now_s)
 
     def _ask_others(self, call: Call, now_s: float) -> None:
-        """Who has taken it gives it back, has gone, or does not come."""
+        """The operator has given the call back, has gone, or does not come: ask others."""
         call.spared.add(call.taken_by)
         call.taken_by, call.round = "", 1
         self._ask(call, now_s)
 
     def _ask(self, call: Call, now_s: float) -> None:
-        """Ask the next ones; rest where nobody is left."""
+        """Ask the next operators; rest if there are none."""
         call.spared.update(call.asked)
         if call.states.now is CallState.ASKING:
             call.round += 1
@@ -359,14 +360,14 @@ class HelpCalls:
         self._go_on(call, now_s)
 
     def _there(self, now_s: float) -> list[OperatorHeartbeat]:
-        """Who is on duty; who was, for one that cannot hear who is."""
+        """Operators on duty; an agent that cannot hear them uses the last known ones."""
         return self._duty.there(now_s if self._caller.hears_all else -inf)
 
     def _has_gone(self, operator: str, now_s: float) -> bool:
         return self._duty.has_gone(operator, now_s) and self._caller.hears_all
 
     def _go_on(self, call: Call, now_s: float) -> None:
-        """Say how it stands, and again after a while."""
+        """Publish the call's state, and again after a while."""
         self._say(call, now_s)
         at_s = now_s + SAY_EVERY_S
         if call.states.now is not CallState.TAKEN and call.until_s is not None:

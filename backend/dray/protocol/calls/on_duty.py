@@ -1,4 +1,4 @@
-"""Who is on duty, as one agent has heard."""
+"""The operators on duty, as one agent has heard them."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s, gone_s
 from dray.protocol.runtime.bounded_map import BoundedMap
 
 KNOWN_MAX = 256
-"""More people than one shift of the largest plant has."""
+"""Maximum known operators: more than one shift of the largest plant has."""
 
 SILENT_S = bound_s(IDLE_INTERVAL_S)
-"""Who was not heard for so long is not asked."""
+"""Silence after which an operator is not asked (s)."""
 
 GONE_S = gone_s(IDLE_INTERVAL_S)
-"""Who was not heard for so long does not come, whatever was promised."""
+"""Silence after which an operator does not come, in spite of any promise (s)."""
 
 
 class OnDuty:
-    """The operators that one agent knows of. Times are its own, whatever their clocks say."""
+    """The operators that one agent knows of. Times are the agent's own, because operators' clocks may differ."""
 
     def __init__(self) -> None:
         self._heard: BoundedMap[str, tuple[OperatorHeartbeat, float]] = BoundedMap(KNOWN_MAX)
 
     def note(self, heartbeat: OperatorHeartbeat, now_s: float) -> bool:
-        """Note a heartbeat; False for one that was overtaken by a newer one."""
+        """Note a heartbeat; False if a newer one has overtaken it."""
         operator = heartbeat.operator
         before = self._heard.get(operator)
         if before is not None and (heartbeat.incarnation, heartbeat.seq) <= (
@@ -31,13 +31,13 @@ class OnDuty:
             before[0].seq,
         ):
             return False
-        # Who was heard last is forgotten last.
+        # The operator heard last is forgotten last.
         self._heard.pop(operator, None)
         self._heard[operator] = heartbeat, now_s
         return True
 
     def there(self, now_s: float) -> list[OperatorHeartbeat]:
-        """Who is on duty: heard lately, and has not said to go."""
+        """Operators on duty: heard lately, and not leaving."""
         return [
             heartbeat
             for heartbeat, heard_s in self._heard.values()
@@ -45,13 +45,13 @@ class OnDuty:
         ]
 
     def can_be_asked(self, operator: str, now_s: float) -> bool:
-        """Whether this one is there, and has no break."""
+        """Whether an operator is there, and has no break."""
         known = self._heard.get(operator)
         if known is None or now_s - known[1] > SILENT_S or known[0].draining:
             return False
         return known[0].status is not DutyStatus.BREAK
 
     def has_gone(self, operator: str, now_s: float) -> bool:
-        """Whether this one has said to go, or was not heard for longer than any link explains."""
+        """Whether an operator has left, or was silent for longer than any link explains."""
         known = self._heard.get(operator)
         return known is None or known[0].draining or now_s - known[1] > GONE_S

@@ -1,1 +1,1 @@
-"""What people have closed: the floor as one agent knows it."""
+"""Closures by people: the floor as one agent knows it."""

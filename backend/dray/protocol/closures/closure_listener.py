@@ -1,4 +1,4 @@
-"""How an agent keeps its floor by the newest list of closures, and opens by its own clock what ends by itself."""
+"""How an agent follows the newest list of closures, and ends closures by its own clock."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.life import Life
 
 REOPEN = "reopen"
-"""The alarm for a closure that ends by its own time."""
+"""Alarm of a closure that ends by its own time."""
 
 
 class ClosureListener:
-    """Of one agent.
+    """The closure listener of one agent.
 
     Args:
-        floor: as the agent knows it.
-        trusts: called with words and a signature: whether it is that of somebody who is trusted. None for an agent that drives nowhere:
-            the word of a gateway is enough for it, and every bus asks whether it is one.
-        life: its agent's; its alarms are named `REOPEN`.
+        floor: the floor as the agent knows it.
+        trusts: called with words and a signature: whether a trusted signer has signed them. None for an agent that
+            does not move: a gateway's word suffices, and every bus checks that the sender is one.
+        life: the agent's life; alarms are named `REOPEN`.
 
     Attributes:
-        message_handlers, alarms: for the agent's tables.
+        message_handlers, alarms: entries for the agent's tables.
     """
 
     def __init__(self, floor: KnownFloor, trusts: Callable[[bytes, bytes], bool] | None, life: Life) -> None:
@@ -34,7 +34,7 @@ class ClosureListener:
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {REOPEN: self._look_again}
 
     def listen(self) -> None:
-        """Hear of closures from now on."""
+        """Subscribe to closures."""
         self._life.subscribe(Keys(self._floor.id).closures)
 
     def _on_closures(self, _sender: str, said: Closures, now_s: float) -> None:
@@ -56,7 +56,7 @@ class ClosureListener:
         self._life.alarm(REOPEN, self._floor.ends_s)
 
     def _note(self, said: Closures) -> None:
-        """Another list holds from now on."""
+        """Another list applies from now on."""
 
     def _follow(self, now_s: float) -> None:
-        """The floor is another now: do what follows from that."""
+        """The floor has changed: act on it."""

@@ -1,4 +1,4 @@
-"""What closures do to the lanes of a plant: pure, the same for vehicles, machines and whoever shows it to people."""
+"""The effect of closures on a plant's lanes: pure, the same for vehicles, machines and displays."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dray.plant import Lane, Plant, Roads
 from dray.plant.restrictions import Ends, Extent, Restrictions
 
 NOTHING = Extent(frozenset(), frozenset())
-"""An area that the plant does not have."""
+"""The extent of an area that the plant does not have."""
 
 
 def restrictions_of(plant: Plant, closures: Iterable[Closure]) -> Restrictions:
-    """What some closures do to the lanes of a plant; what the plant does not have is left out."""
+    """The effect of some closures on a plant's lanes; unknown places are ignored."""
     nodes: set[str] = set()
     lanes: set[Ends] = set()
     limits_mps: dict[Ends, float] = {}
@@ -41,13 +41,13 @@ def _closed_by(plant: Plant, closure: Closure) -> tuple[set[str], set[Ends]]:
         crossing = plant.crossings.get(closure.node)
         if crossing is None:
             return {closure.node} & plant.nodes.keys(), set()
-        # Who is in it leaves it by the other lanes.
+        # A vehicle inside leaves by the other lanes.
         return set(crossing.inner), {ends for ends in crossing.lanes if ends[0] not in crossing.inner}
     return set(), {(closure.start, closure.end), plant.way_back(closure.start, closure.end)}
 
 
 def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
-    """The lanes that a closure of the kind SLOW makes slow."""
+    """The lanes that a closure of the kind SLOW slows down."""
     extent = _extent_of(plant, closure)
     if extent is not None:
         return [
@@ -66,7 +66,7 @@ def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
 
 
 def _extent_of(plant: Plant, closure: Closure) -> Extent | None:
-    """What lies in its area or outline; None of a closure that has neither."""
+    """The contents of a closure's area or outline; None if it has neither."""
     if closure.outline:
         return plant.extent_within(closure.outline)
     if closure.area:
@@ -75,7 +75,7 @@ def _extent_of(plant: Plant, closure: Closure) -> Extent | None:
 
 
 def lanes_of(plant: Plant, closure: Closure) -> list[Ends]:
-    """The lanes that one closure closes or makes slow, each direction by itself, in the order of the plant."""
+    """The lanes that one closure closes or slows down, each direction by itself, in the order of the plant."""
     alone = restrictions_of(plant, [closure])
     slow = dict(alone.limits_mps)
     return [
@@ -86,19 +86,19 @@ def lanes_of(plant: Plant, closure: Closure) -> list[Ends]:
 
 
 def cut_off(plant: Plant, restrictions: Restrictions) -> tuple[str, ...]:
-    """The places to and from which no way is left: all but those of the largest part that hangs together."""
+    """Places outside the largest connected part of the open lanes."""
     nodes = {place: plant.node_of(place) for place in plant.places}
     reached = _largest_part(plant, restrictions)
     return tuple(place for place, node in nodes.items() if node not in reached)
 
 
 def shut_in(plant: Plant, restrictions: Restrictions, nodes: Mapping[str, str]) -> tuple[str, ...]:
-    """Vehicles that do not get to the largest part that hangs together.
+    """Vehicles without a way to the largest connected part.
 
     Args:
-        plant: the lanes.
-        restrictions: what holds.
-        nodes: by vehicle, where it stands.
+        plant: its lanes.
+        restrictions: the present restrictions.
+        nodes: by vehicle: its node.
     """
     lanes = [
         Lane(lane.start, lane.end)
@@ -113,7 +113,7 @@ def shut_in(plant: Plant, restrictions: Restrictions, nodes: Mapping[str, str]) 
 
 
 def _largest_part(plant: Plant, restrictions: Restrictions) -> frozenset[str]:
-    """The open nodes between which all ways are left; of several parts that with the most docks."""
+    """The open nodes that are all connected; of several parts the one with the most docks."""
     lanes = [
         Lane(lane.start, lane.end)
         for lanes in restrictions.open_lanes(plant.roads).values()

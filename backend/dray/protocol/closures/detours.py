@@ -1,4 +1,4 @@
-"""Ways round obstacles: the one that leads round, and where none does the one that leads up to it, and a wait."""
+"""Ways round obstacles; without one, the way up to the obstacle, and a wait."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from dray.plant.restrictions import Ends
 from dray.plant.routes import Way
 
 CLEARS_IN_S = 60.0
-"""What a way through an obstacle costs more: about as long as somebody needs to take it away."""
+"""Extra cost of a way through an obstacle (s): about the time for a person to remove it."""
 
 
 class Detours(Routes):
     """Ways of one type of vehicle, with obstacles on some lanes.
 
     Args:
-        round_them: with these lanes closed.
-        through: with all lanes that people have not closed.
-        lanes: where something is in the way.
+        round_them: ways with these lanes closed.
+        through: ways with all lanes that people have not closed.
+        lanes: the lanes with obstacles.
     """
 
     __slots__ = ("_lanes", "_round", "_through")

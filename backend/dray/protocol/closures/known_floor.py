@@ -1,7 +1,7 @@
-"""A plant as one agent knows it: the plant file, and what people have closed, made slow or one-way since.
+"""A plant as one agent knows it: the plant file, with people's closures, speed limits and one-way lanes.
 
-Every agent has its own, for each hears of a closure at a moment of its own. Whoever asks it for ways is given those that are open by
-what the agent knows then; nobody else in the protocol need know of closures to price a transport or to drive.
+Every agent has its own, because each hears of a closure at a different moment. It gives only ways that are open as
+far as the agent knows; so no other code of the protocol has to know closures to price a transport or to drive.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ class KnownFloor(Plant):
     """The plant of one agent.
 
     Args:
-        plant: as it stands in its file; indexes and ways are shared with it.
+        plant: the plant of the file; indexes and ways are shared with it.
 
     Attributes:
-        restrictions: of the floor at present.
-        said: the newest list that the agent has heard; None for none.
+        restrictions: the present restrictions of the floor.
+        said: the newest known list; None for none.
         ends_s: when the next closure ends by itself (plant clock).
-        obstacles: what it knows to lie on lanes; whoever changes that calls `note_obstacles`.
-        obstructed: the lanes on which something lies.
+        obstacles: known obstacles on lanes; code that changes them calls `note_obstacles`.
+        obstructed: the lanes with obstacles.
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -47,7 +47,7 @@ class KnownFloor(Plant):
         self._current: dict[str, Routes] = {}
 
     def note_obstacles(self) -> None:
-        """Go by the obstacles as they are known now."""
+        """Apply the present obstacles."""
         if self.obstacles.lanes != self.obstructed:
             self.obstructed = self.obstacles.lanes
             self._current.clear()
@@ -68,15 +68,16 @@ class KnownFloor(Plant):
 
     @property
     def closures_known(self) -> int | UnsetType:
-        """The number of the newest list that was heard; UNSET for none."""
+        """The number of the newest known list; UNSET for none."""
         return UNSET if self.said is None else self.said.number
 
     def objection(self, said: Closures, trusts: Callable[[bytes, bytes], bool] | None) -> str:
-        """Why a list changes nothing; empty for one that is to be taken.
+        """Why a list is ignored; empty if it applies.
 
         Args:
             said: the list.
-            trusts: called with words and a signature: whether it is that of somebody who is trusted; None where only a gateway's word is asked for.
+            trusts: called with words and a signature: whether a trusted signer has signed them; None if a gateway's
+                word suffices.
         """
         if self.said is not None and said.number <= self.said.number:
             return KNOWN
@@ -85,12 +86,12 @@ class KnownFloor(Plant):
         return ""
 
     def take(self, said: Closures, now_s: float) -> bool:
-        """Go by a list from now on; True when the restrictions are others now."""
+        """Apply a list from now on; True if the restrictions have changed."""
         self.said = said
         return self.look(now_s)
 
     def look(self, now_s: float) -> bool:
-        """See what has ended by itself; True when the restrictions are others now."""
+        """End closures whose time is over; True if the restrictions have changed."""
         lasting = (
             [] if self.said is None else [each for each in self.said.closures if not _is_over(each, now_s)]
         )

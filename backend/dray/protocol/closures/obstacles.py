@@ -1,4 +1,4 @@
-"""What an agent knows of things that lie on lanes: seen, told, forgotten after a time, and looked at again."""
+"""An agent's knowledge of obstacles on lanes: seen, reported, forgotten after a time, and looked at again."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray.plant.restrictions import Ends
 from dray.protocol.runtime.events import NEVER_S
 
 DOUBLED_AT_MOST = 16
-"""Times that an obstacle is counted on for twice as long as before."""
+"""Maximum doublings of the time for which an obstacle is remembered."""
 
 
 class Known(msgspec.Struct, frozen=True):
@@ -20,43 +20,43 @@ class Known(msgspec.Struct, frozen=True):
     until_s: float
     """When it is forgotten (the agent's clock)."""
     by: str
-    """Who has told of it."""
+    """The vehicle that has reported it."""
 
 
 def lane_of(start: str, end: str) -> Ends:
-    """One name for both directions."""
+    """The same name for both directions."""
     return (start, end) if start < end else (end, start)
 
 
 class Obstacles:
-    """The obstacles that one agent counts on."""
+    """The obstacles that one agent assumes."""
 
     def __init__(self) -> None:
         self._known: dict[Ends, Known] = {}
         self._times: dict[Ends, int] = {}
-        """How often something was seen on a lane, since it was last known to be free."""
+        """Sightings on a lane since it was last known to be free."""
 
     @property
     def known(self) -> Mapping[Ends, Known]:
-        """All of them, by lane (`lane_of`)."""
+        """All known obstacles, by lane (`lane_of`)."""
         return self._known
 
     @property
     def lanes(self) -> frozenset[Ends]:
-        """The lanes, both directions of each."""
+        """The lanes with obstacles, in both directions."""
         return frozenset(ends for start, end in self._known for ends in ((start, end), (end, start)))
 
     @property
     def ends_s(self) -> float:
-        """When the next one is forgotten."""
+        """When the next obstacle is forgotten."""
         return min((known.until_s for known in self._known.values()), default=NEVER_S)
 
     def is_on(self, start: str, end: str) -> bool:
-        """Whether one is counted on here."""
+        """Whether there is a known obstacle here."""
         return lane_of(start, end) in self._known
 
     def meet(self, start: str, end: str, by: str, now_s: float) -> float:
-        """Something was seen by this vehicle itself. Returns for how long it is to be counted on."""
+        """Note an obstacle that this vehicle has seen. Returns how long it is remembered (s)."""
         lane = lane_of(start, end)
         times = self._times.get(lane, 0)
         self._times[lane] = times + 1
@@ -66,7 +66,7 @@ class Obstacles:
         return for_s
 
     def on_reported(self, start: str, end: str, by: str, for_s: float, now_s: float) -> bool:
-        """Something was seen; False when that changes nothing, or its speaker has told of too many."""
+        """Note a reported obstacle; False if it is known, or its reporter has too many."""
         lane = lane_of(start, end)
         known = self._known.get(lane)
         if known is None:
@@ -80,13 +80,13 @@ class Obstacles:
         return known is None
 
     def clear(self, start: str, end: str) -> bool:
-        """It is gone; False when none was counted on."""
+        """Remove an obstacle; False if there was none."""
         lane = lane_of(start, end)
         self._times.pop(lane, None)
         return self._known.pop(lane, None) is not None
 
     def look(self, now_s: float) -> bool:
-        """Forget what is old; True when there was something."""
+        """Forget old obstacles; True if there were any."""
         old = [lane for lane, known in self._known.items() if known.until_s <= now_s]
         for lane in old:
             del self._known[lane]

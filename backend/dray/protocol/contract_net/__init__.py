@@ -1,1 +1,1 @@
-"""The negotiation: announcement, bids, award, answers, and whose offers are believed (paper, 4.1). Knows no vehicle."""
+"""The negotiation: announcement, bids, award, answers, and trust in bidders (paper, 4.1). Knows no vehicle."""

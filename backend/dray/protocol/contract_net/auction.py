@@ -3,22 +3,22 @@
 The rules
 ---------
 1. A round begins with an announcement and collects bids until its window closes.
-2. A bid that cannot be true counts for nothing, and what the coordinator has seen of its bidder is added to
-   it (`assessment`). Then the cheapest bidder is asked, point to point. It accepts, or declines with a reason, or is
-   silent for `answer_s`; a silent one is released, so that no vehicle stays bound by an award that
-   its coordinator gave up on. Then the next cheapest is asked.
-3. When nobody is left the radius grows and the next round begins; at full radius rounds go on, with
-   a rest between them that grows to a limit. An auction never gives up by itself: its task is
-   delivered, withdrawn, or still announced (invariant 1).
-4. A bid counts in whatever round it arrives: on a bad link it may come late (paper, case 3). Windows
+2. An implausible bid is ignored. What the coordinator knows of a bidder is added to its bid (`assessment`). The
+   cheapest bidder is awarded first, point to point. It accepts, declines with a reason, or is silent for
+   `answer_s`. A silent bidder is released, so that no vehicle stays bound by an award that expired. Then the next
+   cheapest is asked.
+3. When no bidder is left, the radius grows and the next round begins. At full radius the rounds continue, with a
+   rest between them that grows to a limit. An auction never gives up by itself: its task is delivered, withdrawn,
+   or still announced (invariant 1).
+4. A bid counts in any round it arrives in: on a bad link it may come late (paper, case 3). Windows
    grow from round to round for the same reason.
 
-An auction for a SECONDARY begins with those who were left when the primary was found: it asks them
-before it announces anything.
+An auction for a SECONDARY first asks the bidders that were not asked when the primary was found. It announces
+nothing before that.
 
     COLLECTING --window closes--> ASKING --accepted--> DECIDED
         ^                           |
-        +---- rest over -- RESTING <+ nobody left
+        +---- rest over -- RESTING <+ no bidder left
 """
 
 from __future__ import annotations
@@ -52,57 +52,57 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 BIDS_KEPT = 1024
-"""In one round: more than any fleet has vehicles. Beyond that somebody bids under names that nobody has."""
+"""Maximum bids per round, more than any fleet has vehicles. More bids come under invented names."""
 
 Offer = tuple[str, Bid]
 """A bidder, and what it has bid."""
 
 
 class Bids:
-    """What was bid, and in which order it is asked.
+    """The bids of an auction, and the order in which their bidders are asked.
 
     Args:
-        candidates: bids to ask before anything was announced, cheapest first.
+        candidates: bids to ask before the first announcement, cheapest first.
     """
 
     def __init__(self, candidates: tuple[Offer, ...] = ()) -> None:
         self._collected: BoundedMap[str, Bid] = BoundedMap(BIDS_KEPT)
         self._noted: BoundedMap[str, tuple[int, float]] = BoundedMap(BIDS_KEPT)
-        """By bidder, the last round in which a bid of it was noted, and what was added to it (s)."""
+        """By bidder: the last round of which a bid was noted, and its surcharge (s)."""
         self._queue: list[Offer] = list(candidates)
 
     @property
     def is_queued(self) -> bool:
-        """Whether somebody is still to be asked."""
+        """Whether a bidder is still to be asked."""
         return bool(self._queue)
 
     def objection(self, bidder: str, bid: Bid, present_round: int) -> str:
-        """Why a bid counts for nothing, whatever it says; empty when it is to be looked at."""
+        """Why a bid is ignored without further checks; empty if it is to be checked."""
         if bid.round > present_round:
             return "a bid in a round that has not begun"
         if bid.round <= self._noted.get(bidder, (-1, 0.0))[0]:
-            return "a second bid in one round"  # Nobody fills the history with bids.
+            return "a second bid in one round"  # Limits the history to one bid per round.
         return ""
 
     def note(self, bidder: str, bid: Bid, surcharge_s: float) -> None:
-        """Collect a bid; one of a later round replaces the same bidder's first."""
+        """Collect a bid; a later round's bid replaces the same bidder's earlier one."""
         self._collected[bidder], self._noted[bidder] = bid, (bid.round, surcharge_s)
 
     def let_bid_again(self, bidder: str) -> None:
-        """It may bid once more in this round."""
+        """Permit another bid of this bidder in this round."""
         self._noted.pop(bidder, None)
 
     def close_window(self) -> None:
-        """From now on those are asked who have bid, cheapest first; what comes meanwhile counts in the next round."""
+        """Queue all bidders, cheapest first; later bids count in the next round."""
         self._queue = sorted(self._collected.items(), key=self._rank_of)
         self._collected = BoundedMap(BIDS_KEPT)
 
     def next(self) -> Offer | None:
-        """Whom to ask now; None when nobody is left."""
+        """The next bidder to ask; None when the queue is empty."""
         return self._queue.pop(0) if self._queue else None
 
     def left_over(self) -> tuple[Offer, ...]:
-        """Those who bid and were never asked, cheapest first."""
+        """Bidders that were never asked, cheapest first."""
         return tuple(sorted((*self._queue, *self._collected.items()), key=self._rank_of))
 
     def _rank_of(self, offer: Offer) -> tuple[float, float, str]:
@@ -112,7 +112,7 @@ class Bids:
 
 
 class Stage(Enum):
-    """How far an auction is; the picture is above."""
+    """The stages of an auction; the module docstring has the diagram."""
 
     COLLECTING = "collecting"
     ASKING = "asking"
@@ -121,18 +121,18 @@ class Stage(Enum):
 
 
 class Auction:
-    """One auction, from the first announcement until somebody has accepted.
+    """One auction, from its first announcement until a bidder has accepted.
 
     Args:
-        coordinator: who asks.
-        terms: what for.
-        place: where the circle of those who are asked has its middle.
-        audience: the bus keys that reach everybody within a radius (m).
-        rules: patience and reach.
-        assessor: what is asked of a bid beside its price.
-        candidates: bids to ask before announcing anything, cheapest first.
-        numbers: of its awards; by default from 1 on.
-        waits: what the coordinator knows of waits at the places of some work, at a time (s).
+        coordinator: the coordinator's id.
+        terms: the task and its conditions.
+        place: the centre of the announcement radius.
+        audience: the bus keys that reach all agents within a radius (m).
+        rules: time-outs and radius.
+        assessor: checks bids and adds surcharges.
+        candidates: bids to ask before the first announcement, cheapest first.
+        numbers: of its awards; from 1 by default.
+        waits: the coordinator's known waits at the places of a work, at a time (s).
     """
 
     def __init__(
@@ -154,12 +154,12 @@ class Auction:
         self.stage = Stage.RESTING
         self.wake_at_s = NEVER_S
         self.winner = ""
-        """Who accepted; empty until the stage is DECIDED."""
+        """The bidder that accepted; empty until the stage is DECIDED."""
         self.number = 0
-        """Of the newest award; 0 before the first."""
+        """Number of the newest award; 0 before the first."""
         self.winning_bid: Bid | None = None
         self.left_over: tuple[Offer, ...] = ()
-        """Those who bid and were never asked, cheapest first, once it is DECIDED."""
+        """Bidders that were never asked, cheapest first, once the stage is DECIDED."""
         self._place = place
         self._audience = audience
         self._waits = waits
@@ -169,21 +169,21 @@ class Auction:
         self._bids = Bids(candidates)
         self._span_s = self._opened_s = 0.0
         self.needed_s = terms.deadline_s
-        """By when it is wanted, as it counts against what else waits (plant clock)."""
+        """Time by which the task is needed, for its urgency against other tasks (plant clock)."""
         self._behind = False
-        """Nobody was asked in this round: something more urgent waits for the same vehicles."""
+        """This round was not announced: a more urgent task waits for the same vehicles."""
         self.asked = ""
-        """Whose answer to an award is awaited; empty while nobody's is."""
+        """The bidder whose answer to an award is awaited; empty if none is."""
         self._rank = 0
         self._numbers = count(1) if numbers is None else numbers
         self._vain = 0
-        """Rounds that have found nobody."""
+        """Rounds that ended without a winner."""
         self.found_nobody = False
-        """Everybody was asked in vain at least once; later rounds change nothing of that."""
+        """A round at full radius has failed. Later rounds do not clear this."""
 
     @property
     def has_asked(self) -> bool:
-        """Whether anybody was asked: all by an announcement, or a candidate before that."""
+        """Whether an announcement was sent, or a candidate was asked."""
         return self.round > 0 or self.number > 0
 
     @property
@@ -193,16 +193,16 @@ class Auction:
 
     @property
     def span_s(self) -> float:
-        """How much time is given to who begins now: more after each round in vain."""
+        """Time for a task that begins now (s); it grows after each failed round."""
         return min(self._span_s * min(1 + self._vain, SPANS_MAX), SPAN_MAX_S)
 
     @property
     def radius_m(self) -> float:
-        """How far the present round reaches."""
+        """The radius of the present round (m)."""
         return min(self._rules.radius_in_m(self.round), self._place.reach_m)
 
     def open(self, now_s: float) -> None:
-        """Begin: ask the candidates if there are any, else announce."""
+        """Ask the candidates if there are any, else announce."""
         self._begin(now_s)
         if self._bids.is_queued:
             self.stage = Stage.ASKING
@@ -211,7 +211,7 @@ class Auction:
             self._announce(now_s)
 
     def open_later(self, at_s: float, *, tell: bool = False) -> None:
-        """Begin at `at_s`, unless it is cancelled before; `tell` where nobody has told of the task yet."""
+        """Begin at `at_s`, unless it is cancelled before; `tell` records the opening of the task."""
         self._begin(at_s)
         self.stage, self.wake_at_s = Stage.RESTING, at_s
         if tell:
@@ -219,25 +219,25 @@ class Auction:
 
     @property
     def has_candidates(self) -> bool:
-        """Whether somebody is to be asked before anything is announced."""
+        """Whether candidates are to be asked before the first announcement."""
         return self._bids.is_queued
 
     def is_due(self, now_s: float) -> bool:
-        """Whether its next round is to begin now."""
+        """Whether the next round is to begin now."""
         return self.stage is Stage.RESTING and now_s >= self.wake_at_s
 
     @property
     def waits(self) -> bool:
-        """Whether everybody was asked in vain, for this or for what is more urgent, and the next round is still to come."""
+        """Whether a full-radius round failed or a more urgent task has precedence, and the next round is to come."""
         return self.was_in_vain or (self._behind and self.stage is Stage.RESTING)
 
     @property
     def was_in_vain(self) -> bool:
-        """Whether everybody was asked for this in vain, and the next round is still to come."""
+        """Whether a round at full radius failed, and the next round is still to come."""
         return self.stage is Stage.RESTING and self._vain > 0 and self.radius_m >= self._place.reach_m
 
     def stand_behind(self, now_s: float) -> None:
-        """Announce nothing for now: a more urgent task waits for the same vehicles; free ones ask for work."""
+        """Announce nothing for now: a more urgent task waits for the same vehicles, and free vehicles ask for work."""
         if not self.round:
             self._begin(now_s)
             self.round = 1
@@ -246,13 +246,13 @@ class Auction:
         self.stage, self.wake_at_s = Stage.RESTING, now_s + self._rules.rest_aged_max_s
 
     def offer(self, bidder: str, now_s: float) -> None:
-        """Announce what waits to one who asks for it; it may bid once more in this round."""
+        """Announce a waiting task to a vehicle that asks for work; it may bid again in this round."""
         self._move_deadline(now_s)
         self._bids.let_bid_again(bidder)
         self._life.send(bidder, self._announcement(self.wake_at_s, now_s))
 
     def on_bid(self, bidder: str, bid: Bid, now_s: float) -> None:
-        """Note a bid, if it can be true. One of a later round replaces the same bidder's first."""
+        """Note a plausible bid. A bid of a later round replaces the same bidder's earlier one."""
         if objection := self._objection(bidder, bid):
             self._life.ignore(objection)
             return
@@ -278,11 +278,11 @@ class Auction:
             )
         )
         if self.stage is Stage.RESTING:
-            # It came after its window: on a link like that nothing is won by waiting longer.
+            # The bid came after its window: on such a slow link waiting longer gains nothing.
             self._close_window(now_s)
 
     def on_accepted(self, bidder: str, answer: Accepted) -> None:
-        """The contract stands, if this bidder is the one that was asked."""
+        """Conclude the contract if this bidder was asked."""
         if bidder == self.winner:
             self._life.ignore("accepted twice")
             return
@@ -298,7 +298,7 @@ class Auction:
         self.left_over = self._bids.left_over()
 
     def on_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
-        """Ask the next one, if this bidder is the one that was asked."""
+        """Ask the next bidder if this one was asked."""
         if bidder != self.asked or answer.number != self.number:
             self._life.ignore("declined without being asked")
             return
@@ -307,14 +307,14 @@ class Auction:
         self._ask_next(now_s)
 
     def cancel(self) -> None:
-        """End it without a winner; whoever was asked is released."""
+        """End the auction without a winner; an asked bidder is released."""
         if self.asked:
             self._release(self.asked, self.number, Reason.WITHDRAWN)
             self.asked = ""
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
 
     def wake(self, now_s: float) -> None:
-        """The alarm has come: close the bidding window, give up an unanswered award, or begin the next round."""
+        """Handle the alarm: close the window, give up an unanswered award, or begin the next round."""
         if now_s < self.wake_at_s:
             return
         if self.stage is Stage.COLLECTING:
@@ -328,7 +328,7 @@ class Auction:
             self._announce(now_s)
 
     def _objection(self, bidder: str, bid: Bid) -> str:
-        """Why a bid counts for nothing, whatever it says; empty when it is to be looked at."""
+        """Why a bid is ignored without further checks; empty if it is to be checked."""
         if self.stage is Stage.DECIDED or bidder == self.asked:
             return "a bid after the award"
         return self._bids.objection(bidder, bid, self.round)
@@ -348,7 +348,7 @@ class Auction:
     def _begin(self, now_s: float) -> None:
         self._opened_s = now_s
         self._span_s = self.terms.span_s(now_s)
-        # What nothing presses must not stand back for ever behind what always presses.
+        # A task without urgency must not wait for ever behind tasks that are always urgent.
         self.needed_s = min(self.terms.deadline_s, now_s + PATIENCE_S)
 
     def _tell_opened(self, until_s: float) -> None:
@@ -386,7 +386,7 @@ class Auction:
         )
 
     def _move_deadline(self, now_s: float) -> None:
-        # A deadline that nobody could keep would be refused for ever: late is better than never.
+        # All bidders would refuse an impossible deadline for ever: late is better than never.
         if self._rules.moves_deadline:
             self.terms = self.terms.until(now_s + self.span_s)
 
@@ -404,12 +404,12 @@ class Auction:
         bidder, bid = offer
         terms = self.terms
         if isinstance(terms.work, Transport) and bid.source and bid.source not in terms.work.sources:
-            # It has bid when there was more to choose from.
+            # The bid was made when there were more sources.
             bid = msgspec.structs.replace(bid, source=terms.work.sources[0])
         self.asked, self.winning_bid = bidder, bid
         self._rank += 1
         self.number = next(self._numbers)
-        # Who asks for what waits is answered without a new round: what was asked in vain has made us patient all the same.
+        # The answer timeout grows with failed rounds too, because `offer()` starts no round.
         self.wake_at_s = now_s + self._rules.answer_in_s(max(self.round, 1 + self._vain))
         fact = AwardGiven(task=terms.task, epoch=terms.epoch, role=terms.role, bidder=bidder, rank=self._rank)
         award = Award(
@@ -427,12 +427,12 @@ class Auction:
 
     def _rest(self, now_s: float) -> None:
         reaches_all = self.radius_m >= self._place.reach_m
-        # A wider circle has not been asked yet, so there is nothing to wait for.
+        # A wider radius was not announced yet, so there is no need to rest.
         rest_s = self._rules.rest_in_s(self.round, now_s - self._opened_s) if reaches_all else 0.0
         self.stage = Stage.RESTING
         self.wake_at_s = now_s + rest_s
         self.winning_bid = None
-        # Also when somebody has bid: who bids and takes nothing must not keep a deadline that nobody else can meet.
+        # Counts rounds with bids too: a bidder that always declines must not keep an impossible deadline.
         self._vain += 1
         self.found_nobody = self.found_nobody or reaches_all
         terms = self.terms

@@ -1,4 +1,4 @@
-"""The auctions of one coordinator: how they are set up, and when they want to be woken."""
+"""The auctions of one coordinator: their set-up and their alarms."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 AWARDS_PER_LIFE = 1_000_000
-"""Numbers of awards, so that an answer to an earlier life's is recognised: more than one life gives."""
+"""Award numbers per incarnation, more than one uses. They reveal answers to an earlier life's awards."""
 
 
 class Auctions:
     """What all auctions of one coordinator share.
 
     Args:
-        coordinator: who asks.
+        coordinator: its id.
         place: where it stands.
-        audience: for a task's work and a radius (m), the bus keys of those to ask.
-        arrivals: how heartbeats arrive at the coordinator; None where it follows nobody.
+        audience: for a task's work and a radius (m), the bus keys of the agents to ask.
+        arrivals: arrival statistics of heartbeats; None if the coordinator follows nobody.
         incarnation: how often the coordinator was started.
-        assessor: what is asked of bids beside their price.
+        assessor: checks bids and adds surcharges.
     """
 
     def __init__(
@@ -48,14 +48,14 @@ class Auctions:
         self._numbers = count((incarnation - 1) * AWARDS_PER_LIFE + 1)
         self._assessor = assessor
         self.waits: Callable[[Work, float], tuple[Wait, ...]] = lambda _work, _now_s: ()
-        """What the coordinator knows of waits at the places of some work, at a time (s)."""
+        """The coordinator's known waits at the places of a work, at a time (s)."""
 
     def prepare(
         self, terms: Terms, rules: AuctionRules, candidates: tuple[tuple[str, Bid], ...] = ()
     ) -> Auction:
-        """An auction that is not open yet; `candidates` are asked before anything is announced.
+        """An auction that is not open yet; `candidates` are asked before the first announcement.
 
-        On links that are known to be slow it is patient from the beginning.
+        On links that are known to be slow its time-outs are long from the first round.
         """
         if self._arrivals is not None:
             rules = rules.on_links(self._arrivals.delay_s, self._arrivals.deviation_s)
@@ -77,7 +77,7 @@ class Auctions:
         )
 
     def arm(self, kind: str, auction: Auction) -> None:
-        """Set or clear the alarm ``(kind, task)`` as the auction wants it now."""
+        """Set or clear the alarm ``(kind, task)`` to match the auction."""
         name = (kind, auction.terms.task)
         if auction.wake_at_s < NEVER_S:
             self._life.alarm(name, auction.wake_at_s)

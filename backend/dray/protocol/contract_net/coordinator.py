@@ -1,7 +1,7 @@
 """The coordinator of tasks: announced, contracted, closed; several at a time.
 
-A machine coordinates its transports (`transports`), the strategist its goals (`goal_auctions`). What they have in
-common is here; what becomes of a task while its contractor works at it is left to them.
+A machine coordinates its transports (`transports`), the strategist its goals (`goal_auctions`). This class has
+their common part; it leaves the contractor's progress on a task to them.
 
     AUCTION --accepted--> CONTRACTED --delivered, withdrawn--> closed
 """
@@ -39,7 +39,7 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
 
 CLOSED_KEPT = 1024
-"""Closed tasks that late questions are still answered for: a day of one machine's work."""
+"""Closed tasks for which late questions are answered: a day of one machine's work."""
 
 PRIMARY_AUCTION = "primary auction"
 
@@ -50,16 +50,16 @@ class Coordinator:
     Args:
         agent: the coordinator's id.
         place: where it stands.
-        audience: for a task's work and a radius (m), the bus keys of those to ask.
-        rules: the auction's patience and reach.
-        life: its agent's; its alarms are named ``(PRIMARY_AUCTION, task)``.
-        contracted: called when a task has got its contractor.
-        assessor: what it asks of bids beside their price.
-        arrivals: how heartbeats arrive at the agent; None where it follows nobody.
+        audience: for a task's work and a radius (m), the bus keys of the agents to ask.
+        rules: the auctions' time-outs and radius.
+        life: the agent's life; alarms are named ``(PRIMARY_AUCTION, task)``.
+        contracted: called when a task has a contractor.
+        assessor: checks bids and adds surcharges.
+        arrivals: arrival statistics of heartbeats; None if the agent follows nobody.
         incarnation: how often the agent was started.
 
     Attributes:
-        alarms: what its agent calls when an alarm of this class has come, with (task, now_s).
+        alarms: handlers of this class's alarms, called with (task, now_s).
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Coordinator:
 
     @property
     def awaits_answers(self) -> bool:
-        """Whether a contractor is sought for any task, and somebody may be about to answer."""
+        """Whether an answer to any task's auction may still arrive."""
         return any(task.auction.awaits_answers for task in self)
 
     def get(self, task: str) -> OpenTask | None:
@@ -111,7 +111,7 @@ class Coordinator:
         return opened
 
     def close(self, task: OpenTask, outcome: Outcome) -> None:
-        """End a task; whoever is bound by it, except a contractor that has delivered, is let go."""
+        """End a task; release its contractors, except one that has delivered."""
         contract = task.contract
         carrier = contract.primary
         task.auction.cancel()
@@ -132,7 +132,7 @@ class Coordinator:
         del self._open[task.id]
         self._closed[task.id] = ClosedTask(carrier, task.epoch, outcome)
 
-    # --- what is heard ---
+    # --- messages ---
 
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
@@ -149,7 +149,7 @@ class Coordinator:
         elif answer.role is not Role.PRIMARY:
             return
         elif task.primary == sender:
-            # The contract stands, whichever life of either side has made it: a restarted carrier says so again.
+            # The contract stands across restarts of either side: a restarted carrier accepts again.
             self._life.ignore("accepted twice")
         elif task.primary:
             self._release(sender, answer, Reason.ANOTHER_CARRIES)
@@ -171,18 +171,18 @@ class Coordinator:
             task.auction.on_declined(sender, answer, now_s)
             self._auctions.arm(PRIMARY_AUCTION, task.auction)
 
-    # --- what else follows from a contract ---
+    # --- hooks after a contract ---
 
     def _bound(self, task: OpenTask, runners_up: tuple[tuple[str, Bid], ...], now_s: float) -> None:
-        """A task has got its contractor, for which `runners_up` have bid too, cheapest first."""
+        """Called when a task has a contractor; `runners_up` are the other bids, cheapest first."""
 
     def _let_go(self, task: OpenTask, reason: Reason) -> None:
         """Release every contractor that is bound by a task."""
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _present(self, message: Bid | Accepted | Declined) -> OpenTask | None:
-        """The open task that a message names, if the message has its present epoch; else None."""
+        """The open task of a message of the present epoch; else None."""
         task = self._open.get(message.task)
         return task if task is not None and task.epoch == message.epoch else None
 
@@ -210,15 +210,15 @@ class Coordinator:
     def _contract(self, task: OpenTask, contractor: str, answer: Accepted, now_s: float) -> None:
         auction = task.auction
         bid = auction.winning_bid
-        # What was bid long ago, to watch, tells nothing of ways from where the contractor is now.
+        # An old bid for the watch says nothing of the ways from where the contractor is now.
         fresh = bid if auction.round else None
         source = bid.source if bid is not None else ""
         promised_s = self._assessor.believed_s(task.work, fresh, answer.finish_s, now_s)
         task.assign(CarrierContract(contractor, source, promised_s, now_s))
         if source and isinstance(task.work, Transport):
-            # From now on the load is there and nowhere else: whoever takes over fetches it there, too.
+            # From now on the load is there and nowhere else: a successor fetches it there, too.
             task.work = replace(task.work, sources=(source,))
-        # Whoever is awarded a task by this life loads under its eyes, whatever an earlier life may have missed.
+        # This life sees the loading itself, even if an earlier life missed something.
         task.witnessed = True
         self._life.cancel((PRIMARY_AUCTION, task.id))
         self._bound(task, auction.left_over, now_s)

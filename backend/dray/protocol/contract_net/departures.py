@@ -1,19 +1,19 @@
-"""Vehicles that may still be at a dock though they are not wanted there any more: the dock stays open until each has left.
+"""Vehicles that may still be at a dock after their transport ended there: the dock stays open until each has left.
 
-A transport is cancelled, or taken over, while its vehicle loads or unloads. A dock that makes itself safe (`Door.answers`) must not be given back
-to its controller then: the vehicle's forks may be inside. Its heartbeat tells when it is done. It is at it as long as it stands at the node of the
-dock and loads, unloads, or has just been told to bring its load back. A vehicle that is silent is still there, for all that anybody knows; one that
-people have carried away is not.
+A transport is cancelled or taken over while its vehicle loads or unloads. A dock that makes itself safe
+(`Door.answers`) must then stay locked: the vehicle's forks may be inside. The vehicle's heartbeat tells when it is
+done. It is inside while it stands at the dock's node and loads, unloads, or has just been told to return its load.
+A silent vehicle is assumed to be inside; one that people carried away is not.
 
-What it has put down or taken meanwhile lies there, or lies there no more, whoever its transport belongs to by now. A body that does not count is
-told so (`Book`).
+Its load is booked by what the heartbeats show, whichever carrier has the transport by then. A body that does not
+count is told of it (`Book`).
 
     it names the task, brings back or has its load on board    it has taken it, or not put it down
     it names the task, without                                 it has put it down, or not taken it
-    it names the task no more, and was heard at it until then  the same: nobody ends a task with its load on board
-    it has brought its load back, and was not let in           it has put nothing down, whoever has taken its load off it
-    it names the task no more, after a time in which it was    nobody knows where it has been: what it might have taken is booked
-    not heard                                                  out, what it might have brought is not booked in
+    it names the task no more, and was heard at it until then  the same: no vehicle ends a task with its load on board
+    it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
+    it names the task no more, after a time in which it was    where it has been is unknown: a load to take is booked out,
+    not heard                                                  a load to bring is not booked in
 """
 
 from __future__ import annotations
@@ -32,22 +32,22 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 UNHEARD_S = 8.0
-"""No vehicle takes a load away, puts it down elsewhere and ends its task within this; several heartbeats of one that works come."""
+"""Too short for a vehicle to unload elsewhere and end its task; long enough for several heartbeats."""
 
 HEARD_KEPT = 256
-"""Vehicles of which it is known when they were heard last: more than any dock has to do with at a time."""
+"""Vehicles whose last heartbeat time is kept: more than any dock serves at a time."""
 
 _MAY_BE_INSIDE = frozenset({Phase.LOADING, Phase.UNLOADING, Phase.RETURNING})
 
 
 class Departures:
-    """Of one dock.
+    """The departures of one dock.
 
     Args:
         node: where vehicles stand at it.
-        subscriptions: whose heartbeats are heard.
-        bookings: what its body is told.
-        left: called with a vehicle that has left, and the task for which it was watched; empty where nobody knows for which.
+        subscriptions: for following vehicles' heartbeats.
+        bookings: reports to its body.
+        left: called with a vehicle that has left, and the task it was watched for; empty if that is unknown.
     """
 
     def __init__(
@@ -61,23 +61,23 @@ class Departures:
         self._node, self._subscriptions, self._life = node, subscriptions, life
         self._bookings, self._left = bookings, left
         self._leaving: dict[str, DepartureMemory] = {}
-        """By vehicle, what it may have moved."""
+        """By vehicle: the load that it may have moved."""
         self._newest: BoundedMap[str, tuple[int, int]] = BoundedMap(HEARD_KEPT)
-        """By vehicle, incarnation and number of its newest heartbeat."""
+        """By vehicle: incarnation and number of its newest heartbeat."""
         self._at_task: BoundedMap[str, tuple[str, int, float]] = BoundedMap(HEARD_KEPT)
-        """By vehicle, the task and the epoch that it has named last, and when."""
+        """By vehicle: the task and epoch of its last heartbeat, and when it came."""
 
     def watch(self, load: DepartureMemory) -> None:
-        """A vehicle is not wanted any more, and may be inside. Harmless when that is known."""
+        """Follow a vehicle that may be inside until it leaves. Repeating this is harmless."""
         if load.vehicle not in self._leaving:
             self._subscriptions.follow(load.vehicle)
             self._leaving[load.vehicle] = load
             self._life.commit()
 
     def take_back(self, load: DepartureMemory, now_s: float) -> None:
-        """A vehicle that has its load on board stands here to put it down, once it is let in (`note_let_in`).
+        """Watch a vehicle that returns its load here, once it is let in (`note_let_in`).
 
-        Harmless when that is known; of what it was watched for before nothing was put down.
+        Repeating this is harmless. What it was watched for before was not put down.
         """
         known = self._leaving.get(load.vehicle)
         load = replace(load, let_in=False, returns=True)
@@ -90,21 +90,21 @@ class Departures:
         self.watch(load)
 
     def waits_for(self, vehicle: str) -> bool:
-        """Whether a vehicle may still be inside, and the dock is shut once it has left."""
+        """Whether a vehicle may still be inside; the dock is shut once it has left."""
         return vehicle in self._leaving
 
     def note_let_in(self, vehicle: str, task: str, epoch: int) -> None:
-        """The dock was opened for a vehicle: it may put down what it has brought back. Harmless when it was not watched for that."""
+        """The dock was opened for a vehicle, which may put down its returned load. Others are ignored."""
         load = self._leaving.get(vehicle)
         if load is not None and (load.task, load.epoch) == (task, epoch) and not load.let_in:
             self._leaving[vehicle] = replace(load, let_in=True)
             self._life.commit()
 
     def note_done(self, vehicle: str, now_s: float, *, aboard: bool) -> None:
-        """A vehicle stands here for something else, and is done with what it was watched for. Harmless when it was not watched.
+        """A vehicle that stands here for another task has done what it was watched for. Ignored if not watched.
 
         Args:
-            vehicle: which.
+            vehicle: its id.
             now_s: the present time.
             aboard: whether it has a load on board.
         """
@@ -112,17 +112,17 @@ class Departures:
             self._end(load, aboard=aboard or not self._was_heard(load, now_s))
 
     def on_put_down(self, vehicle: str, task: str, epoch: int, quantity: int) -> None:
-        """A vehicle says that its load is down, so many pieces of it. Harmless when it was not watched for them.
+        """A vehicle reports `quantity` pieces as put down. Ignored if it was not watched for them.
 
-        Its own word counts though it was not heard for a while: nobody says this of a load that lies elsewhere.
+        Its report counts even after silence: no vehicle reports this of a load that lies elsewhere.
         """
         load = self._leaving.get(vehicle)
         if load is not None and (load.task, load.epoch) == (task, epoch) and load.change > 0:
-            # No vehicle brings more than it was given.
+            # A vehicle brings at most what it was given.
             self._end(replace(load, change=min(load.change, quantity)), aboard=False)
 
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """A vehicle tells where it is, and what it does."""
+        """Handle a vehicle's heartbeat."""
         said = (heartbeat.incarnation, heartbeat.seq)
         if said <= self._newest.get(heartbeat.atv, (-1, 0)):
             return
@@ -141,28 +141,28 @@ class Departures:
             self._at_task[heartbeat.atv] = (carries.task, carries.epoch, now_s)
 
     def on_carried_away(self, vehicle: str) -> None:
-        """People have carried a vehicle away: what it has put down before nobody knows, and nothing is booked."""
+        """People have carried a vehicle away. What it put down before is unknown, so nothing is booked."""
         if vehicle in self._leaving:
             self._close(vehicle)
 
     # --- over a restart ---
 
     def memories(self) -> tuple[DepartureMemory, ...]:
-        """For the next life, which hears the vehicle in this one's place."""
+        """The watched vehicles, for the next life."""
         return tuple(self._leaving.values())
 
     def restore(self, memories: Iterable[DepartureMemory]) -> None:
-        """Go on listening to whom an earlier life has waited for."""
+        """Go on watching the vehicles of an earlier life."""
         for load in memories:
             self.watch(load)
 
     def _was_heard(self, load: DepartureMemory, now_s: float) -> bool:
-        """Whether a vehicle has named the task until now."""
+        """Whether a vehicle has named the task in its recent heartbeats."""
         task, epoch, at_s = self._at_task.get(load.vehicle, ("", 0, -NEVER_S))
         return (task, epoch) == (load.task, load.epoch) and now_s - at_s < UNHEARD_S
 
     def _end(self, load: DepartureMemory, *, aboard: bool) -> None:
-        """A vehicle has left; `aboard`: with its load, or nobody knows."""
+        """A vehicle has left; `aboard`: with its load, or that is unknown."""
         if load.let_in and load.change and aboard is (load.change < 0):
             self._bookings.say(load)
         self._close(load.vehicle)

@@ -1,7 +1,7 @@
-"""Docks: where vehicles stand at the places of a transport, and the door that opens for one vehicle and one load.
+"""Docks: where vehicles stand to load or unload, and the door that opens for one vehicle and one load.
 
-Who may load or unload is for the dock's owner to know: whoever receives a load asks its contracts
-(`transports.dock`), whoever gives one its reservations (`transports.issuing`).
+The dock's owner decides which vehicle may load or unload: a receiver asks its contracts (`transports.dock`), a
+giver its reservations (`transports.issuing`).
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ def dock_of(plant: Plant, work: Transport, place: str) -> str:
     """The node where vehicles dock at a source or at the destination of a transport.
 
     Args:
-        plant: as the plant file has it.
-        work: the transport; one of a joining machine tells where that stands.
-        place: a place of it.
+        plant: the plant file's plant.
+        work: the transport; it gives the position of a joining machine.
+        place: one of its places.
 
     Returns:
-        A node; empty when nobody knows the place.
+        A node; empty if the place is unknown.
     """
     if plant.has_place(place):
         return plant.node_of(place)
@@ -38,15 +38,15 @@ def dock_of(plant: Plant, work: Transport, place: str) -> str:
 
 
 SAFE_WITHIN_S = 60.0
-"""A dock at which nothing moves any more is made safe within this: a door shuts, a conveyor runs empty."""
+"""Time to make an idle dock safe (s): shut a door, run a conveyor empty."""
 
 
 def ready_within_s(plant: Plant, place: str) -> float:
-    """How long a dock may take to get ready before somebody should look: what is being made there may be ended first.
+    """Time for a dock to get ready before a person should look (s); a running cycle may end first.
 
     Args:
-        plant: as the plant file has it.
-        place: whose dock.
+        plant: the plant.
+        place: the dock's place.
     """
     spec = plant.machines.get(place)
     return (
@@ -55,37 +55,39 @@ def ready_within_s(plant: Plant, place: str) -> float:
 
 
 NOT_READY = "the dock is not ready yet"
-"""To a vehicle, while whoever makes the dock safe has not said that it is."""
+"""Reason for a vehicle to wait until the controller has made the dock safe."""
 
 
 class Entry(NamedTuple):
-    """What a vehicle has asked the dock for, and is let in for."""
+    """The transfer that a vehicle has asked the dock for, or is let in for."""
 
     task: str
     epoch: int
     item: str
     comes: bool
-    """It unloads; else it loads."""
+    """True if it unloads, false if it loads."""
 
     def is_of(self, load: DepartureMemory) -> bool:
-        """Whether a load is what it is let in for."""
+        """Whether the vehicle is let in for this load."""
         return (self.task, self.epoch) == (load.task, load.epoch)
 
 
 OF_EARLIER_LIFE = Entry("", 0, "", comes=False)
-"""For what an earlier life has let somebody in: not known."""
+"""The entry of a vehicle that an earlier life let in: its purpose is unknown."""
 
 
 class Door:
     """The door of one dock.
 
     Args:
-        patience_s: so long the body may take to open it.
+        patience_s: how long the body may take to open it.
         departures: of this dock.
-        is_told_of: whether it is still waited for what a vehicle has to tell of a load that it was let in to take, though it is not wanted any more.
+        is_told_of: whether a vehicle that was let in to take a load, and is not wanted any more, is still to report
+            on it.
 
     Attributes:
-        answers: whether the body says when it has opened (`dray.body.WorkcellState`); else it is open as soon as it is told to.
+        answers: whether the body reports when it has opened (`dray.body.WorkcellState`); otherwise it is open at
+            once.
         counts: whether the body counts what vehicles bring and take.
     """
 
@@ -99,18 +101,18 @@ class Door:
         self._life, self._patience_s, self._departures = life, patience_s, departures
         self._is_told_of = is_told_of
         self._asked: dict[str, tuple[Docked, Entry]] = {}
-        """By vehicle, what it has asked for and waits to be opened."""
+        """By vehicle: its request that waits for the dock to open."""
         self._since_s: dict[str, float] = {}
-        """Since when each of them is the next one."""
+        """By vehicle: since when it is the next one (plant clock, s)."""
         self._inside: dict[str, Entry] = {}
-        """Those that were let in: they may be at it."""
+        """Vehicles that were let in and may be inside."""
         self.answers = False
         self.counts = True
 
     def open(
         self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float, *, comes: bool
     ) -> None:
-        """Let a vehicle that stands here unload (`comes`) or load, once; it waits where the body has to make the dock ready for it."""
+        """Let a vehicle unload (`comes`) or load, once; it waits while the body makes the dock ready."""
         self._life.instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity))
         entry = Entry(asked.task, asked.epoch, item, comes)
         if self.answers:
@@ -122,51 +124,51 @@ class Door:
             self.agree(vehicle, asked)
 
     def is_opening(self, vehicle: str) -> bool:
-        """Whether a vehicle waits for the body to open."""
+        """Whether a vehicle waits for the body to open the dock."""
         return vehicle in self._asked
 
     def wait(self, now_s: float) -> DockWait | UnsetType:
-        """Who has waited for too long for the body to open, the longest of them."""
+        """The vehicle that has waited longest for the dock to open, if longer than `patience_s`."""
         vehicle = min(self._since_s, key=self._since_s.__getitem__, default="")
         if not vehicle or now_s - self._since_s[vehicle] <= self._patience_s:
             return UNSET
         return DockWait(vehicle=vehicle, since_s=self._since_s[vehicle])
 
     def on_ready(self, vehicle: str, now_s: float) -> bool:
-        """The body has opened the dock for a vehicle; whether that has waited for it here."""
+        """The body has opened the dock for a vehicle; returns whether that vehicle waited here."""
         waited = self._forget(vehicle)
         if waited is None:
             return False
         asked, entry = waited
         self._let_in(vehicle, entry)
         self.agree(vehicle, asked)
-        # It gets ready: whoever waits behind this one has waited for that one's turn.
+        # The body works, and the other vehicles have only waited for their turn: restart their clocks.
         self._since_s = dict.fromkeys(self._since_s, now_s)
         return True
 
     def agree(self, vehicle: str, asked: Docked) -> None:
-        """Tell a vehicle that it may load or unload, without opening a dock: it is not this agent's."""
+        """Tell a vehicle that it may load or unload at a dock that is not this agent's to open."""
         self._life.send(vehicle, DockOpened(task=asked.task, epoch=asked.epoch, station=asked.station))
 
     def hold(self, vehicle: str, asked: Docked, reason: str) -> None:
-        """Let it wait."""
+        """Tell a vehicle to wait."""
         held = DockHeld(task=asked.task, epoch=asked.epoch, station=asked.station, reason=reason)
         self._life.send(vehicle, held)
 
     def restore(self, opened: Iterable[str]) -> None:
-        """Go on with a dock that an earlier life has opened."""
+        """Continue with the vehicles that an earlier life let in."""
         if self.answers or not self.counts:
             self._inside.update(dict.fromkeys(opened, OF_EARLIER_LIFE))
 
     def shut(self, vehicle: str, task: str, load: DepartureMemory | None = None) -> None:
-        """A vehicle is not wanted any more: end a transfer that it has begun without effect, or let it leave where it may be inside.
+        """Withdraw a vehicle's permit: end a transfer without effect, or wait for it to leave.
 
-        Harmless where it stands here for another task, whose own end shuts the dock.
+        Ignored if the vehicle stands here for another task; that task's end shuts the dock.
 
         Args:
-            vehicle: which.
-            task: for which it is not wanted; empty for any.
-            load: what it may move meanwhile, and nobody else would book; None for nothing.
+            vehicle: its id.
+            task: its ended task; empty for any.
+            load: what it may move meanwhile and nobody else would book; None for nothing.
         """
         asked, let_in = self._asked.get(vehicle), self._inside.get(vehicle)
         waits_for_another = bool(task) and asked is not None and asked[1].task != task
@@ -182,21 +184,22 @@ class Door:
             if let_in is not None:
                 self._watch(vehicle, let_in, load)
             if not self._departures.waits_for(vehicle):
-                # Also when this life has not opened it: an earlier one may have.
+                # An earlier life may have opened it.
                 self._life.instruct(CloseDock(vehicle=vehicle))
             return
-        # Nothing moves that could hurt it: the permit goes at once, and only what it moves is waited for. Said twice, it has left.
+        # No moving dock can hurt the vehicle: close at once, and wait only for its load. A second call means
+        # it has left.
         if let_in is not None or not is_left_to:
             self._life.instruct(CloseDock(vehicle=vehicle))
         if let_in is not None and not self.counts and (load is not None or not self._is_told_of(vehicle)):
             self._watch(vehicle, let_in, load)
 
     def _watch(self, vehicle: str, let_in: Entry, load: DepartureMemory | None) -> None:
-        """Wait until it has left, for what it was let in for."""
+        """Watch a vehicle until it has left."""
         if load is not None and let_in.is_of(load):
             self._departures.watch(load)
         elif load is not None and let_in == OF_EARLIER_LIFE:
-            # Whether for this load nobody knows: in doubt it is booked out, and never in.
+            # Whether it was let in for this load is unknown: book it out if in doubt, never in.
             self._departures.watch(replace(load, change=min(load.change, 0)))
         else:
             self._departures.watch(DepartureMemory(vehicle))
@@ -208,11 +211,11 @@ class Door:
         self.shut(vehicle, task)
 
     def note_moved(self, report: StockChanged, word: DepartureMemory | None = None) -> None:
-        """What a vehicle has moved is booked: it is inside no more, unless it was let in for something else since. What it has asked for still waits.
+        """The body has booked a vehicle's load: it is outside, unless it was let in for another load since.
 
         Args:
-            report: what the body has booked.
-            word: what its agent had told the body of it; None where the body has counted it by itself, or has answered before.
+            report: the body's booking.
+            word: the agent's report to the body; None if the body has counted by itself, or has answered before.
         """
         let_in = self._inside.get(report.vehicle)
         if let_in is None:
@@ -227,7 +230,7 @@ class Door:
             del self._inside[report.vehicle]
 
     def note_left(self, vehicle: str) -> None:
-        """A vehicle that was let in to load has left without, and tells no more of it: a body that waits for its word is told."""
+        """A vehicle has left without the load it was let in for: tell a body that waits for its report."""
         if (
             not self.answers
             and not self.counts
@@ -237,16 +240,16 @@ class Door:
             self._life.instruct(CloseDock(vehicle=vehicle))
 
     def on_departed(self, vehicle: str, task: str) -> None:
-        """A vehicle has left that was watched for a task, empty where nobody knows for which: it waits for nothing of that any more.
+        """A watched vehicle has left; forget its request for that task (empty if the task is unknown).
 
-        What it has asked for since still waits.
+        Its later requests stay.
         """
         self._inside.pop(vehicle, None)
         if vehicle in self._asked and self._asked[vehicle][1].task == task:
             self._forget(vehicle)
 
     def on_carried_away(self, vehicle: str) -> None:
-        """People have carried a vehicle away: it waits for nothing here any more."""
+        """People have carried a vehicle away: forget its requests."""
         self._inside.pop(vehicle, None)
         self._forget(vehicle)
 

@@ -1,11 +1,11 @@
-"""Who is expected at docks, as vehicles with right of way tell, and when the next one can be there. Pure arithmetic.
+"""Expected vehicles at docks, as vehicles with right of way report them, and free times of docks. Pure arithmetic.
 
-Whoever hires vehicles for a place hears when they come (`DockExpected`), works out how they will follow one another, and tells that in
-its announcements; a bidder counts whoever comes before it. How long a dock takes from one vehicle to the next is learned from vehicles
-that were waiting when the one before them was done.
+An agent that hires vehicles for a place receives their arrival times (`DockExpected`). It computes their order and
+publishes it in its announcements; a bidder counts the vehicles before it. The changeover time of a dock is learned
+from vehicles that were waiting when the one before them was done.
 
-A hint: whoever is not where it said to be makes others' promises worse, and holds nobody up. Of each vehicle only its newest word about
-a place counts, and no stay of more than STAY_MAX_S.
+This is a hint: a vehicle that is not where it said makes other promises worse, and blocks nobody. Only the newest
+report of each vehicle about a place counts, and no stay of more than STAY_MAX_S.
 """
 
 from __future__ import annotations
@@ -17,28 +17,28 @@ from dray.messages.contract import DOCK_TIMES_MAX
 from dray.protocol.runtime.bounded_map import BoundedMap
 
 STAY_MAX_S = 120.0
-"""Nobody counts for longer, however long it says to stay: a slow handling."""
+"""Maximum stay that counts (s): a slow handling."""
 
 AHEAD_MAX_S = 1800.0
-"""Nobody is counted on earlier: no way is longer."""
+"""Maximum time ahead (s): no way is longer."""
 
 GONE_AFTER_S = 120.0
-"""One that should have left so long ago has done something else, or its word was lost."""
+"""Time after which an overdue vehicle is dropped (s): it does something else, or its report was lost."""
 
 TURN_S, TURN_MAX_S = 12.0, 60.0
-"""From one vehicle that is done to the next one that stands at the dock: what nobody has seen yet, and what is no turn any more."""
+"""Time from one vehicle's end to the next one's docking (s): initial value, and maximum that counts as a changeover."""
 
 SOON_S = 2.5
-"""Of two that come within so little of one another either may be the first: about what ways to a dock are foreseen to."""
+"""Arrival times closer than this have no sure order (s): about the accuracy of foreseen ways to a dock."""
 
 TURN_GAIN = 0.3
 """Weight of the newest turn."""
 
 DOCKS_MAX = 256
-"""Docks: more than one agent has to do with in an hour."""
+"""Maximum docks: more than one agent deals with in an hour."""
 
 VEHICLES_MAX = 64
-"""Vehicles that are expected at one dock: more than can be there in an hour."""
+"""Maximum expected vehicles per dock: more than can come in an hour."""
 
 
 class _Dock:
@@ -50,10 +50,10 @@ class _Dock:
         self.expected: dict[str, DockExpected] = {}
         self.turn_s = TURN_S
         self.done_s = float("-inf")
-        """When the last one was done there."""
+        """When the last vehicle was done there (plant clock, s)."""
 
     def note(self, atv: str, said: DockExpected, now_s: float) -> None:
-        """A vehicle has told when it will be there, that it is, or that it is done."""
+        """A vehicle has reported its arrival time, its docking, or its end."""
         before = self.expected.pop(atv, None)
         if not said.stays_s:
             self.done_s = now_s
@@ -65,7 +65,7 @@ class _Dock:
             del self.expected[next(iter(self.expected))]
 
     def times(self, now_s: float, besides: str = "") -> Iterable[DockTime]:
-        """Who is there when, one behind the other; `besides` is not among them."""
+        """The vehicles' times at the dock in their order, without `besides`."""
         free_s = float("-inf")
         for atv, said in sorted(
             self.expected.items(), key=lambda each: (not each[1].docked, each[1].comes_s)
@@ -79,13 +79,13 @@ class _Dock:
 
 
 class DockQueues:
-    """What one agent that hires vehicles knows of docks."""
+    """One agent's knowledge of docks."""
 
     def __init__(self) -> None:
         self._docks: BoundedMap[str, _Dock] = BoundedMap(DOCKS_MAX)
 
     def on_expected(self, sender: str, said: DockExpected, now_s: float) -> None:
-        """A vehicle tells of a place; what cannot be counts for nothing."""
+        """Handle a vehicle's report of a place; an impossible one is ignored."""
         if not 0.0 <= said.stays_s <= STAY_MAX_S or said.comes_s > now_s + AHEAD_MAX_S:
             return
         dock = self._docks.get(said.place)
@@ -94,32 +94,32 @@ class DockQueues:
         dock.note(sender, said, now_s)
 
     def __bool__(self) -> bool:
-        """Whether any vehicle tells when it comes: they do where they take up room."""
+        """Whether any vehicle reports arrival times: vehicles that occupy space do."""
         return len(self._docks) > 0
 
     def of(self, place: str, atv: str) -> DockExpected | None:
-        """What a vehicle has told of itself at a place; None where it has not, or is done there."""
+        """A vehicle's report of itself at a place; None if there is none, or it is done there."""
         dock = self._docks.get(place)
         return None if dock is None else dock.expected.get(atv)
 
     def wait_s(self, place: str, comes_s: float, atv: str, now_s: float) -> float:
-        """How long a vehicle that comes at a time will stand before a place, behind all others."""
+        """How long a vehicle that arrives at `comes_s` will wait before a place (s)."""
         dock = self._docks.get(place)
         return 0.0 if dock is None else wait_s(dock.times(now_s, atv), comes_s, atv)
 
     def told(self, place: str, now_s: float) -> tuple[DockTime, ...]:
-        """What bidders are told of a place: who is there next, and when the dock is free again."""
+        """Dock times for bidders: the next vehicles at a place, and when the dock is free again."""
         dock = self._docks.get(place)
         return () if dock is None else tuple(dock.times(now_s))[:DOCK_TIMES_MAX]
 
 
 def wait_s(times: Iterable[DockTime], comes_s: float, me: str) -> float:
-    """How long a vehicle will stand before a dock: behind all that come before it, or with it.
+    """How long a vehicle will wait before a dock, behind all that come before it or with it (s).
 
     Args:
-        times: as they were told with the announcement.
-        comes_s: when it would be there (plant clock).
-        me: the vehicle: its own word does not count.
+        times: the announcement's dock times.
+        comes_s: arrival time (plant clock).
+        me: the vehicle's own id; its own report does not count.
     """
     free_s = (time.leaves_s for time in times if time.atv != me and time.comes_s <= comes_s + SOON_S)
     return max(max(free_s, default=comes_s) - comes_s, 0.0)

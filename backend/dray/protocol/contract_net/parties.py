@@ -1,8 +1,8 @@
-"""Whose word counts on a contract: what a coordinator alone may say of it is taken from that coordinator alone.
+"""Which messages about a contract count: those of its coordinator only.
 
-A contractor asks here before anything else is done; what is said of a dock is taken from whose dock it
-is, a machine or the station of a storage (`atv`). Coordinators hear the words of contractors, and of those
-who believe to be one, themselves: a stranger's is answered there, for it may be a carrier that was replaced.
+A contractor checks each message here first. Messages about a dock count from the dock's owner, a machine or a
+storage's station (`atv`). Coordinators check messages of contractors themselves: they answer an unknown sender,
+because it may be a replaced carrier.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ from dray.messages import (
 )
 
 NO_PARTY = "the word of somebody who is no party to the contract that it is about"
-"""Why a message is ignored."""
+"""Reason for ignoring a message."""
 
 Word = Award | Confirmed | GoalClosed | GoalRevised | HandoverAccepted | Release | Superseded | Withdrawn
-"""What a coordinator says to its contractor. An award counts if its task is in the receiver's hands already."""
+"""A coordinator's messages to its contractor. An award counts if the receiver has its task already."""
 
 
 def objection(sender: str, message: Message, coordinator_of: Callable[[str, Role], str]) -> str:
-    """Why a contractor ignores a word about a contract of its own; empty when it may hear it.
+    """Why a contractor ignores a message about its own contract; empty if it may handle it.
 
     Args:
-        sender: whose word it is.
-        message: what was said.
-        coordinator_of: for a task and a role, who has given that contract; empty where there is none.
+        sender: the sender's id.
+        message: the message.
+        coordinator_of: for a task and a role, the coordinator of that contract; empty if there is none.
     """
     contract = contract_of(message)
     return NO_PARTY if contract is not None and coordinator_of(*contract) not in ("", sender) else ""
 
 
 def contract_of(message: Message) -> tuple[str, Role] | None:
-    """The contract that a coordinator speaks of: its task or goal, and the role in it; None for any other message."""
+    """The contract that a coordinator's message is about: task or goal, and role; None for other messages."""
     if not isinstance(message, Word):
         return None
     if isinstance(message, GoalClosed):

@@ -1,6 +1,6 @@
-"""What a contractor answers: a bid or why there is none, an acceptance or a refusal. The words alone.
+"""A contractor's answers: a bid or a reason for none, an acceptance or a refusal. Messages only.
 
-Vehicles (`bidding`, `atv`) and machines (`goal_bidding`) decide each in their way, and say it alike.
+Vehicles (`bidding`, `atv`) and machines (`goal_bidding`) decide in their own ways and answer alike.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from dray.protocol.runtime.events import Effect, Record, Send
 from dray.protocol.runtime.life import Life
 
 REFUSALS_KEPT = 256
-"""Tasks that one contractor has refused lately: more are not announced around it at one time."""
+"""Maximum remembered refusals of one contractor: more tasks are not announced around it at a time."""
 
 
 def offer(
@@ -39,12 +39,12 @@ def offer(
     """Bid for what was announced.
 
     Args:
-        announced: what, and by whom.
+        announced: the announcement.
         cost: the price with its parts.
         finish_s: when it would be done (plant clock).
         now_s: the present time.
         source: where the load would be fetched; empty for a goal.
-        battery_reckoned: the level of the bidder's battery is not measured.
+        battery_reckoned: whether the bidder's battery level is estimated, not measured.
     """
     bid = Bid(
         task=announced.task,
@@ -62,15 +62,15 @@ def offer(
 
 
 class Refusals:
-    """Why one contractor did not bid, put on record once: the coordinator is not bothered with it.
+    """Records why a contractor did not bid, once per reason; the coordinator is not told.
 
-    A task is announced until somebody takes it. Who goes on refusing it for the same reason has said so.
+    A task is announced until a contractor takes it, so the same refusal would recur every round.
     """
 
     def __init__(self, life: Life) -> None:
         self._life = life
         self._said: BoundedMap[tuple[str, Role], tuple[int, Refusal]] = BoundedMap(REFUSALS_KEPT)
-        """By task and role: the epoch and the reason of the last refusal."""
+        """By task and role: epoch and reason of the last refusal."""
 
     def note(self, announced: TaskAnnounced, reason: Refusal, detail: str) -> None:
         """Record why there is no bid for this announcement, once per reason."""
@@ -83,12 +83,12 @@ class Refusals:
             self._life.record(refused)
 
     def forget(self, announced: TaskAnnounced) -> None:
-        """There is a bid for this now: another refusal would be news."""
+        """Forget the refusal after a bid, so that the next refusal is recorded."""
         self._said.pop((announced.task, announced.role), None)
 
 
 def accept(coordinator: str, award: Award, finish_s: float, now_s: float) -> Effect:
-    """Take what was awarded, and promise when it will be done (plant clock)."""
+    """Accept an award, and promise a finish time (plant clock)."""
     accepted = Accepted(
         task=award.task,
         epoch=award.epoch,
@@ -101,7 +101,7 @@ def accept(coordinator: str, award: Award, finish_s: float, now_s: float) -> Eff
 
 
 def decline(coordinator: str, award: Award, reason: Refusal) -> Effect:
-    """Decline an award: the circumstances may have changed since the bid."""
+    """Decline an award: circumstances may have changed since the bid."""
     declined = Declined(
         task=award.task, epoch=award.epoch, role=award.role, reason=reason, number=award.number
     )

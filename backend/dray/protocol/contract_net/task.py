@@ -1,4 +1,4 @@
-"""A coordinator's tasks: what it knows of each while it is open, and after it has ended."""
+"""A coordinator's tasks: its record of each while it is open, and after it has ended."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ _AT_THE_END = frozenset({Phase.UNLOADING, Phase.HANDING_OVER})
 
 
 class Receipt:
-    """What a carrier says of its load's end, and what the coordinator has counted of it."""
+    """A carrier's report of the delivery, and what the coordinator counted of it."""
 
     __slots__ = ("booked", "counted", "said", "said_s")
 
     def __init__(self) -> None:
         self.counted = 0
-        """Pieces that the coordinator has seen put down in its own buffer."""
+        """Pieces that the coordinator saw put down in its own buffer."""
         self.said, self.said_s = 0, NEVER_S
-        """Pieces that its carrier says to have put down, and when it has said so first."""
+        """Pieces that the carrier reports as put down, and when it first reported them."""
         self.booked = False
-        """A body that does not count was told of it, on the carrier's word."""
+        """Whether a body that does not count was told of it, on the carrier's report."""
 
 
 class CarrierContract:
     """The contract with a task's primary, as its coordinator knows it.
 
     Args:
-        primary: who has it; empty for nobody.
-        source: where the load is fetched; empty where that is not known, and for goals.
-        promised_s: when the primary has promised to be done.
-        bound_s: since when it has the contract.
+        primary: the primary's id; empty for none.
+        source: where the load is fetched; empty if unknown, and for goals.
+        promised_s: promised finish.
+        bound_s: begin of the contract.
     """
 
     __slots__ = (
@@ -67,19 +67,19 @@ class CarrierContract:
         self.bound_s = bound_s
         self.first_promised_s = self.promised_s = promised_s
         self.detector: FailureDetector | None = None
-        """Of the primary, while it is followed."""
+        """Failure detector of the primary, while it is followed."""
         self.progress: Progress | None = None
-        """How the primary comes on, while it is followed."""
+        """Progress of the primary, while it is followed."""
         self.unnamed_s = NEVER_S
-        """Since when the primary does not name the task in its heartbeat."""
+        """Since when the primary's heartbeat does not name the task."""
         self.forgotten_aboard = False
-        """The primary has forgotten it, and had its thing on board then."""
+        """Whether the primary has forgotten the task with its thing on board."""
         self.phase: Phase | None = None
-        """How far the primary had come when it was heard last; None before it has said so."""
+        """The primary's last reported phase; None before its first report."""
         self.phase_s = 0.0
-        """Since when it has been heard in that phase."""
+        """Since when the primary has been in that phase."""
         self.held_s = NEVER_S
-        """Since when it stands at the coordinator's dock and finds no room, or nothing to fetch."""
+        """Since when it stands at the coordinator's dock without room, or without a load to fetch."""
         self.receipt = Receipt()
 
 
@@ -87,10 +87,10 @@ class StandbyContract:
     """The contract with a task's secondary, as its coordinator knows it.
 
     Args:
-        secondary: who watches; empty for nobody.
-        number: of the award by which it watches.
-        bid: what it would carry the task for, when it was asked to watch; None if an earlier life has asked it.
-        detector: of the secondary; None for nobody.
+        secondary: the secondary's id; empty for none.
+        number: of the award for the watch.
+        bid: its bid to carry the task, made when it was asked to watch; None if an earlier life asked it.
+        detector: failure detector of the secondary; None for none.
     """
 
     __slots__ = ("bid", "detector", "number", "secondary", "unnamed_s")
@@ -107,7 +107,7 @@ class StandbyContract:
         self.bid = bid
         self.detector = detector
         self.unnamed_s = NEVER_S
-        """Since when the secondary does not name the watch in its heartbeat."""
+        """Since when the secondary's heartbeat does not name the watch."""
 
 
 class OpenTask:
@@ -115,9 +115,9 @@ class OpenTask:
 
     Args:
         task: its id.
-        work: what is to be done.
-        auction: for its primary.
-        opened_s: when it was announced first.
+        work: the work to do.
+        auction: the auction for its primary.
+        opened_s: time of the first announcement.
     """
 
     __slots__ = (
@@ -146,9 +146,9 @@ class OpenTask:
         self.work = work
         self.states = States("a task", TRANSITIONS, TaskState.UNASSIGNED)
         self.epoch = auction.terms.epoch
-        """Rises whenever the carrier changes; whatever comes with a lower one is refused."""
+        """Epoch: rises whenever the carrier changes; messages with a lower one are refused."""
         self.least_epoch = 0
-        """A carrier was told that no epoch below this one is right any more."""
+        """A carrier was told that epochs below this one are invalid."""
         self.auction = auction
         self.watch: Auction | None = None
         """The auction for a secondary, while one is sought."""
@@ -156,25 +156,26 @@ class OpenTask:
         self.standby = StandbyContract()
         self.opened_s = opened_s
         self.due_s = auction.terms.deadline_s
-        """The first deadline; that of the auction moves when nobody could keep it."""
+        """The first deadline; the auction's deadline moves when no bidder can keep it."""
         self.recovered = False
-        """Taken up on its carrier's word alone: which epochs it has had is in notes that are lost, so it never gets
-        another one. Without its carrier it is withdrawn, and what is still needed is announced under another name."""
+        """Whether the task was recovered from its carrier's report alone. Its earlier epochs are lost with the notes, so it
+        never gets a new epoch. Without its carrier it is withdrawn, and remaining demand is announced under another id.
+        """
         self.witnessed = True
-        """This life of the coordinator has seen all of it: what a carrier says of the load is compared with that."""
+        """Whether this life of the coordinator saw all of it, so that the carrier's reports can be checked."""
         self.trouble: Reason | None = None
-        """Why it does not go on; None when all is well."""
+        """Why the task does not progress; None if it does."""
         self.detail = ""
-        """Which problem its carrier reports."""
+        """The problem that its carrier reports."""
         self.disputes = 0
-        """How often its carrier has handed over and nothing was counted, since a person has looked last."""
+        """Handovers without a counted load since a person last looked."""
         self.left = False
-        """While it is held: its goods had left their machine."""
+        """While the task is held: its goods had left their machine."""
         self.stranded: StrandedGoods | None = None
-        """Its goods were left with a carrier that has failed, and no other one has them on board yet."""
+        """Goods left on board of a failed carrier that no other carrier has yet."""
 
     def clear_trouble(self) -> None:
-        """It goes on."""
+        """The task progresses again."""
         self.trouble, self.detail = None, ""
 
     def assign(self, contract: CarrierContract) -> None:
@@ -196,23 +197,23 @@ class OpenTask:
 
     @property
     def is_loaded(self) -> bool:
-        """Whether goods, or a thing, are on board of its carrier, whether or not that can go on."""
+        """Whether its load is on board of its carrier, even if the carrier is stranded."""
         return self.state in (TaskState.IN_TRANSIT, TaskState.STRANDED)
 
     @property
     def lies_at_source(self) -> bool:
-        """Whether its load waits where it was made: on board of nobody, and in nobody's hands."""
+        """Whether its load waits at its source: not on board, and not handed to a person."""
         elsewhere = self.is_loaded or self.left
         return not elsewhere and not (isinstance(self.work, Transport) and self.work.handed_at)
 
     @property
     def is_held(self) -> bool:
-        """Whether a person is to look whether its load is there, before anybody carries it again."""
+        """Whether a person must look for the load before a vehicle carries it again."""
         return self.state is TaskState.HELD
 
     @property
     def is_counted(self) -> bool:
-        """Whether its load was seen put down, and not handed over yet."""
+        """Whether its load was counted but not handed over yet."""
         return self.state is TaskState.COUNTED
 
     @property
@@ -221,12 +222,12 @@ class OpenTask:
 
     @property
     def is_of_goods(self) -> bool:
-        """Whether products are carried away, of which each piece exists once."""
+        """Whether it carries products away, of which each piece exists once."""
         return isinstance(self.work, Transport) and bool(self.work.goal)
 
     @property
     def exists_once(self) -> bool:
-        """Whether nobody could fetch its load again while it is on board: products that are carried away, and a thing without master data."""
+        """Whether its load is irreplaceable while on board: products carried away, and a thing without master data."""
         return self.is_of_goods or self.is_thing
 
     @property
@@ -236,7 +237,7 @@ class OpenTask:
 
     @property
     def is_changing_hands(self) -> bool:
-        """Whether its carrier takes goods, puts material down or hands over, as it has told last."""
+        """Whether its carrier last reported taking goods, unloading or handing over."""
         last = self.contract.detector.last if self.contract.detector is not None else None
         brief = last.task if last is not None else None
         if brief is None or brief.task != self.id:
@@ -245,11 +246,11 @@ class OpenTask:
 
     @property
     def work_item(self) -> str:
-        """What is carried, or made."""
+        """The carried item, or the product."""
         return self.work.item if isinstance(self.work, Transport) else self.work.product
 
     def brief(self) -> TaskBrief:
-        """What the heartbeat tells of a transport."""
+        """The transport's entry in the heartbeat."""
         work = cast(Transport, self.work)
         return TaskBrief(
             task=self.id,
@@ -268,7 +269,7 @@ class OpenTask:
         )
 
     def memory(self) -> TaskMemory:
-        """A transport for its machine's next life."""
+        """The transport's record for its machine's next life."""
         return TaskMemory(
             task=self.id,
             epoch=self.epoch,
@@ -296,12 +297,12 @@ class OpenTask:
 
     @property
     def is_offered(self) -> bool:
-        """Whether anybody was asked to carry it in its present epoch: all by an announcement, or its secondary."""
+        """Whether the present epoch was announced, or offered to the secondary."""
         return self.auction.has_asked
 
 
 class ClosedTask:
-    """What must still be known of a task that has ended."""
+    """The record of an ended task."""
 
     __slots__ = ("carrier", "epoch", "outcome")
 

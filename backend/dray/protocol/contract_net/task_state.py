@@ -1,6 +1,6 @@
-"""The states of a task, as its coordinator knows it, and every change that may be between them.
+"""The states of a task, as its coordinator knows it, and their transitions.
 
-A transport has all of them. Of a production goal a coordinator knows only whether somebody has it.
+A transport has all of them. A production goal is only unassigned, assigned, or closed.
 """
 
 from __future__ import annotations
@@ -11,22 +11,22 @@ from dray.states import Transitions
 
 
 class TaskState(StrEnum):
-    """What becomes of a task."""
+    """The state of a task."""
 
     UNASSIGNED = "unassigned"
-    """Nobody has it: it is up for auction, or will be."""
+    """No contractor: it is up for auction, or will be."""
     ASSIGNED = "assigned"
-    """A primary has it."""
+    """A primary has the contract."""
     SUSPECTED = "suspected"
-    """Its primary has failed; its secondary has a moment to take over."""
+    """Its primary has failed; its secondary may take over for a moment."""
     IN_TRANSIT = "in_transit"
-    """Goods have left with its primary: nobody else could fetch them again."""
+    """Goods have left with its primary: no other vehicle could fetch them."""
     STRANDED = "stranded"
-    """Its primary has failed with the goods on board: they wait for a person's word (`takeover.stranded`)."""
+    """Its primary has failed with the goods on board: they wait for a person's decision (`takeover.stranded`)."""
     HELD = "held"
-    """Its handover was disputed twice: nobody carries it before a person has looked (`transports.held`)."""
+    """Its handover was disputed twice: no vehicle carries it before a person has looked (`transports.held`)."""
     COUNTED = "counted"
-    """The coordinator has seen the load in its own buffer; the handover is still to come."""
+    """The coordinator has counted the load in its own buffer; the handover is still to come."""
     DELIVERED = "delivered"
     WITHDRAWN = "withdrawn"
 

@@ -1,4 +1,4 @@
-"""What is put up for auction, and from where."""
+"""The terms of a task that is put up for auction."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import msgspec
 from dray.messages import Role, Work
 
 SPAN_MIN_S = 60.0
-"""What is late already is given as much time as a quick transport takes, round after round more."""
+"""Minimum time for an overdue task (s), about a quick transport; it grows each round."""
 
 SPAN_MAX_S = 7 * 86_400.0
-"""What has weeks is not refused for its deadline. One that is years away must not move beyond what can be said."""
+"""Maximum time of a task (s). A longer deadline attracts no more bids, and must not move beyond the message's range."""
 
 SPANS_MAX = 10
-"""After so many rounds it is not the deadline that keeps bidders away."""
+"""Maximum factor of the time span: after so many rounds the deadline is not what keeps bidders away."""
 
 
 class Terms(msgspec.Struct, frozen=True):
-    """What is put up for auction."""
+    """The terms of a task that is put up for auction."""
 
     task: str
     epoch: int
@@ -25,14 +25,14 @@ class Terms(msgspec.Struct, frozen=True):
     work: Work
     deadline_s: float
     primary: str = ""
-    """Whom to watch, when the role is SECONDARY."""
+    """The primary to watch, if the role is SECONDARY."""
 
     def span_s(self, now_s: float) -> float:
-        """How much time a bidder has that begins now."""
+        """Time for a bidder that begins now (s)."""
         return min(max(self.deadline_s - now_s, SPAN_MIN_S), SPAN_MAX_S)
 
     def until(self, deadline_s: float) -> Terms:
-        """The same with a later deadline; an earlier one changes nothing."""
+        """The terms with a later deadline; an earlier one changes nothing."""
         return msgspec.structs.replace(self, deadline_s=max(deadline_s, self.deadline_s))
 
 
@@ -42,4 +42,4 @@ class Place(msgspec.Struct, frozen=True):
     x_m: float
     y_m: float
     reach_m: float
-    """The radius beyond which there is nobody."""
+    """The radius beyond which there is no agent."""

@@ -1,6 +1,6 @@
-"""How long vehicles wait at a place beyond the handling itself (`dray.protocol.runtime.durations`).
+"""Vehicles' waiting times at a place beyond the handling itself (`dray.protocol.runtime.durations`).
 
-What nobody has measured lately is no wait.
+A place without recent measurements has no wait.
 """
 
 from __future__ import annotations
@@ -11,38 +11,38 @@ from dray.messages import Wait
 from dray.protocol.runtime.durations import Durations
 
 QUANTILE = 0.8
-"""A promise that four of five keep, before anything else is added to it."""
+"""Four of five vehicles keep such a promise, before any slack."""
 
 HALF_LIFE_S = 900.0
-"""A refill, a shift's rush: what was so a quarter of an hour ago counts half."""
+"""A refill, or a shift's rush: a quarter of an hour halves a measurement's weight."""
 
 WAIT_MAX_S = 600.0
-"""Longer than that nobody waits: it gives its task back."""
+"""Maximum wait (s): a vehicle gives its task back then."""
 
 
 class Waits:
-    """What one agent has learned of waits at places."""
+    """One agent's knowledge of waits at places."""
 
     def __init__(self) -> None:
         self._durations = Durations(QUANTILE, HALF_LIFE_S, WAIT_MAX_S)
 
     def note(self, place: str, witness: str, waited_s: float, now_s: float) -> None:
-        """Note how long a vehicle has waited at a place.
+        """Note a vehicle's wait at a place.
 
         Args:
-            place: where.
-            witness: who has told it; an empty name for what the agent has measured itself, all of which counts.
-            waited_s: beyond the handling; what cannot be counts as the nearest that can.
+            place: the place.
+            witness: the reporting agent; empty for the agent's own measurements, which all count.
+            waited_s: beyond the handling; an impossible value is clamped.
             now_s: the present time.
         """
         self._durations.note(place, witness, waited_s, now_s)
 
     def expect_s(self, place: str, now_s: float) -> float:
-        """How long the next one there will have to wait, most probably at most."""
+        """Expected wait of the next vehicle there, as an upper quantile (s)."""
         return self._durations.usual_s(place, now_s)
 
     def told(self, places: Iterable[str], now_s: float) -> tuple[Wait, ...]:
-        """What others are told of these places: of those of which anything is known."""
+        """Known waits at these places, for other agents."""
         return tuple(
             Wait(place=place, wait_s=self.expect_s(place, now_s))
             for place in places

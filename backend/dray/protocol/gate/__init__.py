@@ -1,1 +1,1 @@
-"""The gate of the delivery warehouses: counts what arrives, and lets one strategist hold each order."""
+"""The gate of the delivery warehouses: it counts arrivals, and lets one strategist hold each order."""

@@ -1,4 +1,4 @@
-"""The goals at the gate: how many pieces of each may get in, how many have, and who has to hear of them."""
+"""The goals at the gate: admitted and arrived pieces of each, and the strategist that has to hear of them."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from dray.messages import Brought
 from dray.protocol.runtime.events import Commit
 
 KEPT_GOALS = 4096
-"""How many goals it keeps in mind. The large plant works on some hundred at a time and closes thousands
-in a day, so a finished goal is remembered for hours, and goods are on the road for minutes."""
+"""Maximum remembered goals. The large plant works on some hundred at a time and closes thousands in a day. So a finished
+goal is remembered for hours, and goods are on the road for minutes."""
 
 
 class Admissions:
-    """Those of one gate, the quietest first.
+    """The goals of one gate, the longest unchanged first.
 
-    Invariant: what has arrived of a goal never falls. A full memory forgets the goal that was quiet the longest, a finished one first,
-    and one of which all was heard before any other.
+    Invariant: the count of a goal never falls. A full memory forgets the goal that was unchanged longest, a
+        finished one first, and
+    among these one whose count was acknowledged.
 
     Args:
-        kept: how many goals it keeps in mind.
+        kept: maximum number of remembered goals.
     """
 
     def __init__(self, kept: int = KEPT_GOALS) -> None:
@@ -34,23 +35,23 @@ class Admissions:
         return iter(list(self._goals.values()))
 
     def get(self, goal: str) -> GateGoal | None:
-        """What is known of a goal."""
+        """The record of a goal."""
         return self._goals.get(goal)
 
     def restore(self, memory: Memory) -> None:
-        """Take up what earlier lives have noted."""
+        """Restore the notes of earlier lives."""
         for note in memory.values():
             if isinstance(note, GateGoal):
                 self._goals[note.goal] = note
 
     def commits(self) -> list[Commit]:
-        """What has changed since this was asked for last."""
+        """The changes since the last call."""
         commits = [Commit(self._goals.get(goal), f"{goal} at the gate") for goal in self._unwritten]
         self._unwritten.clear()
         return commits
 
     def put(self, goal: GateGoal) -> None:
-        """Something has changed of a goal, or it is new."""
+        """Store a new or changed goal."""
         self._goals.pop(goal.goal, None)
         self._goals[goal.goal] = goal
         self._unwritten[goal.goal] = None
@@ -58,7 +59,7 @@ class Admissions:
             self._forget_one()
 
     def count(self, goal: GateGoal, arrived: int, vehicle: str) -> GateGoal:
-        """More of a goal has arrived; returns it as it is now."""
+        """Note a higher count of a goal; returns the changed goal."""
         brought = {each.vehicle: each.pieces for each in goal.brought}
         if vehicle:
             brought[vehicle] = brought.get(vehicle, 0) + arrived - goal.arrived

@@ -1,16 +1,16 @@
-"""The gate of the delivery warehouses: says what has arrived, lets in what it was told to, and lets one strategist hold each order.
+"""The gate of the delivery warehouses: it reports arrivals, enforces admissions, and lets one strategist hold each order.
 
-Its body counts pieces by goal, lets in no more than is admitted, and goes on with that while its agent is away; so no goods wait for a
-process. The agent adds what a strategist has to rely on:
+Its body counts pieces by goal, admits no more than allowed, and goes on while its agent is down; so no goods wait
+for a process. The agent adds what a strategist relies on:
 
-- every piece is told once: counts are totals, noted before they are told, and told again until they were heard; what came in while the agent
-  was away is sensed when it is back, and counted then;
-- a goal is admitted on the word of the strategist alone that holds its order, and an old word about it changes nothing;
-- an order is held by one strategist, with an epoch, over the gate's own lives.
+- every piece is reported once: counts are totals, stored before they are sent, and repeated until they are acknowledged;
+  pieces that came while the agent was down are counted when it is back;
+- only the strategist that holds an order admits its goals, and an old message about a goal changes nothing;
+- an order is held by one strategist, with an epoch, over all lives of the gate.
 
-Where its body is people it passes their words on, with a grant for the area of a delivery warehouse.
+If its body is people, it passes on their reports, with a grant for the area of a delivery warehouse.
 
-It coordinates nothing and hires nobody. Pieces of a goal that is shut stay with whoever has brought them.
+It coordinates no transport. Pieces of a shut goal stay with their carrier.
 """
 
 from __future__ import annotations
@@ -56,22 +56,22 @@ from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 
 COUNT, HOLDER = "count", "holder"
-"""The alarms for telling a count again, by goal, and a lost order, by order."""
+"""Alarms of a repeated count, by goal, and of a lost order, by order."""
 
 NO_PEOPLE = "its controller counts, and nobody else"
-"""What stands beside a refusal, for people."""
+"""Explanation of a refusal, for people."""
 
 
 class DeliveryGate(AgentBase):
     """The agent of one plant's gate.
 
     Args:
-        plant: whose.
+        plant: the plant.
         agent: its id.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
-        kept: how many goals it keeps in mind.
-        trusts: whose word counts when people say what has arrived.
+        kept: maximum number of remembered goals.
+        trusts: the trusted signers of people's reports of arrivals.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class DeliveryGate(AgentBase):
         self._goals = Admissions(kept)
         self._orders = OrderHolders(self._goals)
         self._obeyed: BoundedMap[str, int] = BoundedMap(kept)
-        """By goal, how many the body has said to admit since this life began."""
+        """By goal: the quantity that the body has confirmed to admit in this life."""
         self._counts = Retransmitter(COUNT, self._life)
         self._holders = Retransmitter(HOLDER, self._life)
         self._places_m = tuple(plant.position_of(each) for each in plant.delivery_warehouses)
@@ -135,11 +135,11 @@ class DeliveryGate(AgentBase):
         self._life.beat_soon(now_s)
 
     def _take_up(self, goal: GateGoal, arrived: dict[str, int], now_s: float) -> None:
-        """Count what has come while the agent was away; the body is told again what it may not have heard."""
+        """Count what came while the agent was down, and repeat to the body what it may have missed."""
         if arrived.get(goal.goal, 0) > goal.arrived:
             goal = self._count(goal, arrived[goal.goal], "")
         if goal.arrived < goal.admitted:
-            # A controller that has forgotten what is in would let it in again; people's gate is told it.
+            # A controller without its count would admit the pieces again; a gate of people is told the count.
             if goal.goal in arrived or not goal.arrived or self._people:
                 self._admit(goal)
         elif not goal.admitted:
@@ -186,7 +186,7 @@ class DeliveryGate(AgentBase):
     # --- goods ---
 
     def _on_arrived(self, report: GoodsArrived, now_s: float) -> None:
-        """Something is in, or the body has heard how much may get in."""
+        """Goods have arrived, or the body has confirmed an admission."""
         goal = self._goals.get(report.goal)
         if goal is None:
             self._life.ignore("goods of a goal that nobody has asked for")
@@ -204,7 +204,7 @@ class DeliveryGate(AgentBase):
         return self._goals.count(goal, arrived, vehicle)
 
     def _tell(self, goal: GateGoal, admitted: int, now_s: float) -> None:
-        """Tell the strategist of a goal what is in; what it has not heard is told again."""
+        """Report the count of a goal to its strategist; an unacknowledged count is repeated."""
         obeyed = self._obeyed.get(goal.goal) == goal.admitted
         counted = GoodsCounted(
             goal.goal,
@@ -230,7 +230,7 @@ class DeliveryGate(AgentBase):
         if goal.heard == goal.arrived:
             self._counts.settle(goal.goal)
 
-    # --- what is let in ---
+    # --- admissions ---
 
     def _on_admission(self, sender: str, asked: AdmissionAsked, _now_s: float) -> None:
         goal = self._goals.get(asked.goal)
@@ -264,10 +264,10 @@ class DeliveryGate(AgentBase):
         self._admit(goal)
 
     def _admit(self, goal: GateGoal) -> None:
-        """Tell the body how much may get in."""
+        """Tell the body the admitted quantity."""
         self._life.instruct(Admit(goal.goal, goal.admitted, arrived=goal.arrived if self._people else 0))
 
-    # --- who holds what ---
+    # --- orders and their holders ---
 
     def _on_claimed(self, sender: str, claimed: OrderClaimed, now_s: float) -> None:
         told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over)
@@ -278,11 +278,11 @@ class DeliveryGate(AgentBase):
         self._life.send(sender, HolderReported(told))
 
     def _hand_over(self, order: str, holder: str) -> None:
-        """What is known of an order is told to its new holder, and to the old one no more."""
+        """Redirect the counts of an order to its new holder."""
         for goal in self._goals.of_order(order):
             if goal.asker != holder:
                 self._counts.settle(goal.goal)
-                # The count is in what the holder is told of the order.
+                # The new holder's report of the order includes the count.
                 self._goals.put(replace(goal, asker=holder, incarnation=0, number=0, heard=goal.arrived))
 
     def _say_lost(self, order: str, by: str, now_s: float) -> None:
@@ -302,14 +302,14 @@ class DeliveryGate(AgentBase):
         self._life.send(sender, GateReported(asked.after, held, more, self._since))
 
     def _is_shut_for(self, strategist: str) -> bool:
-        """Shut the gate for all goals of a strategist's earlier lives; returns whether it is."""
+        """Shut the gate for all goals of a strategist's earlier lives; returns whether it is shut."""
         is_shut = True
         for goal in self._goals:
             if goal.asker != strategist or 0 < goal.admitted <= goal.arrived:
                 continue
             shut = goal
             if goal.admitted:
-                # Whatever was said about it before is old from now on.
+                # Earlier messages about it are old from now on.
                 shut = replace(goal, admitted=0, number=goal.number + 1)
                 self._goals.put(shut)
                 self._obeyed.pop(goal.goal, None)
@@ -320,7 +320,7 @@ class DeliveryGate(AgentBase):
 
 
 def _refuse(_command: MachineCommand, _grant: Grant, _now_s: float) -> CommandRefusal:
-    """A gate has no commands but words."""
+    """A gate has no commands but people's reports."""
     return CommandRefusal.NOT_SUPPORTED
 
 

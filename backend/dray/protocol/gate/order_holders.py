@@ -1,4 +1,4 @@
-"""Who holds which order, where a plant has several strategists: one of them, and another one only with a higher epoch (invariant 26)."""
+"""The holder of each order with several strategists: one, and another only with a higher epoch (invariant 26)."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from dray.protocol.gate.admissions import Admissions
 from dray.protocol.runtime.events import Commit
 
 KEPT_ORDERS = 65_536
-"""Orders whose holders and counts it keeps in mind: more than a strategist takes (`order_book.ORDERS_MAX`)."""
+"""Maximum remembered orders: more than a strategist takes (`order_book.ORDERS_MAX`)."""
 
 
 class OrderHolders:
-    """For one gate.
+    """The holders of one gate's orders.
 
     Args:
-        goals: those at the gate.
-        kept: how many orders it keeps in mind; the oldest is forgotten first.
+        goals: the goals at the gate.
+        kept: maximum number of remembered orders; the oldest is forgotten first.
     """
 
     def __init__(self, goals: Admissions, kept: int = KEPT_ORDERS) -> None:
@@ -28,28 +28,28 @@ class OrderHolders:
         self._unwritten: dict[str, None] = {}
 
     def restore(self, memory: Memory) -> None:
-        """Take up what earlier lives have noted."""
+        """Restore the notes of earlier lives."""
         for note in memory.values():
             if isinstance(note, GateOrder):
                 self._orders[note.order] = note
 
     def commits(self) -> list[Commit]:
-        """What has changed since this was asked for last."""
+        """The changes since the last call."""
         commits = [Commit(self._orders.get(order), f"{order} held") for order in self._unwritten]
         self._unwritten.clear()
         return commits
 
     def lost(self) -> tuple[GateOrder, ...]:
-        """Orders of which somebody has not heard yet that another one holds them."""
+        """Orders whose former holder has not heard of the new one yet."""
         return tuple(order for order in self._orders.values() if order.lost_by)
 
     def loser(self, order: str) -> str:
-        """Who has not heard yet that another one holds an order; empty for nobody."""
+        """The former holder of an order that has not heard of the new one yet; empty for none."""
         known = self._orders.get(order)
         return "" if known is None else known.lost_by
 
     def claim(self, strategist: str, order: str, epoch: int, over: int = 0) -> OrderHeld:
-        """Let a strategist hold an order, unless another one has it with as high an epoch; returns who holds it now."""
+        """Claim an order for a strategist, unless another one has it with as high an epoch; returns the holder."""
         known = self._orders.get(order)
         if known is None:
             known = GateOrder(order, strategist, epoch)
@@ -62,9 +62,9 @@ class OrderHolders:
         return self.told(order, strategist)
 
     def refusal(self, strategist: str, order: str, epoch: int) -> OrderHeld | None:
-        """Who holds an order, where this strategist may not speak for it, or has said so before it lost it and got it again; else None.
+        """The holder of an order if this strategist may not act for it, or used an epoch before its loss; else None.
 
-        An order of which nothing is known (the notes were lost) is held by whoever speaks for it first.
+        An unknown order (lost notes) is held by the first strategist that acts for it.
         """
         known = self._orders.get(order)
         if known is None:
@@ -75,7 +75,7 @@ class OrderHolders:
         return self.told(order, strategist)
 
     def count(self, order: str, item: int, pieces: int) -> None:
-        """Pieces of an item have arrived."""
+        """Count arrived pieces of an item."""
         known = self._orders.get(order)
         if known is not None:
             arrived = [*known.arrived, *([0] * (item + 1 - len(known.arrived)))]
@@ -83,7 +83,7 @@ class OrderHolders:
             self._put(replace(known, arrived=tuple(arrived)))
 
     def heard(self, strategist: str, order: str, epoch: int) -> bool:
-        """A strategist has heard that another one holds an order with this epoch; returns whether there is no need to say it again."""
+        """A strategist has heard of the new holder with this epoch; returns whether repetition can stop."""
         known = self._orders.get(order)
         if known is None or known.lost_by != strategist or epoch < known.epoch:
             return False
@@ -91,7 +91,7 @@ class OrderHolders:
         return True
 
     def held_by(self, strategist: str, after: str) -> tuple[tuple[HeldOrder, ...], bool]:
-        """What a strategist holds that has not ended, or has a goal that is known, in parts by name: one part, and whether more follows."""
+        """One part by name of a strategist's orders that are open or have a known goal, and whether more follow."""
         known = {goal.of.order for goal in self._goals if goal.of is not None}
         names = sorted(
             order.order
@@ -103,7 +103,7 @@ class OrderHolders:
         return part, len(left) > HELD_TOLD
 
     def told(self, order: str, to: str) -> OrderHeld:
-        """Who holds an order, for this strategist: with all that is known of it when that one does."""
+        """The holder of an order, for this strategist; with all details if it is the holder."""
         known = self._orders[order]
         if known.holder != to:
             return OrderHeld(order, known.holder, known.epoch, over=known.over)

@@ -1,9 +1,9 @@
-"""The failure detector of a contracted vehicle, and the heartbeats that it goes by.
+"""The failure detector of a contracted vehicle, and the heartbeats it uses.
 
 The machine follows its primary and its secondary, the secondary follows the primary (paper, 4.1 and
-Figure 3). A vehicle has failed when nothing is heard of it past the bound, on the WLAN and through the
-radio mesh alike, or when it says itself that it cannot go on and the time for help is over (paper,
-cases 3 and 4). What follows from that is decided by whoever watches.
+Figure 3). A vehicle has failed when it is silent past the bound, on the WLAN and on the radio mesh alike. It has
+also failed when it reports an error and the time for help is over (paper, cases 3 and 4). The observer decides what
+follows.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 UNNAMED_S = 5.0
-"""Somebody who is contracted and does not say so for this long has lost the contract: many times the
-latency of a good link, so that the contract has reached it and its heartbeat has come back."""
+"""A contractor that does not name its contract for this long has lost it (s). This is many times the latency of a
+good link: the contract has reached it, and its heartbeat has come back."""
 
 
 class FailureDetector:
-    """What was last heard of one vehicle, and how long it may still go on like this.
+    """The last heartbeat of one vehicle, and its time until failure.
 
     Args:
         subject: the vehicle.
-        interval_s: how often it is expected to beat before the first heartbeat is heard.
-        now_s: when the detector begins.
-        prior: how heartbeats arrive at the agent that watches; it learns from this detector too.
+        interval_s: its expected interval before the first heartbeat.
+        now_s: begin of the detection.
+        prior: arrival statistics of the observing agent; this detector updates them.
     """
 
     __slots__ = (
@@ -50,7 +50,7 @@ class FailureDetector:
         self.subject = subject
         self.begun_s = now_s
         self._prior = prior if prior is not None else ArrivalStatistics()
-        # The first heartbeat that can be heard is said only now, and may be under way for as long as others are.
+        # The first heartbeat is sent only now, and may take as long as others do.
         self.heard_s = now_s + (self._prior.delay_s if self._prior.heard else LATENESS_MAX_S)
         self.last: AtvHeartbeat | None = None
         """The newest heartbeat; None before the first."""
@@ -59,25 +59,25 @@ class FailureDetector:
         self._last = (0, 0)
         self._help_until_s = NEVER_S
         self._deaf_s = self._prior.deaf_s
-        """How long the agent that watches had been deaf when it heard the subject last."""
+        """Time for which the observer had been deaf when it last heard the subject (s)."""
 
     @property
     def _silent_at_s(self) -> float:
-        """When it counts as silent: time in which nobody could have been heard is no silence."""
+        """When it counts as silent; time in which the observer was deaf does not count."""
         return self.heard_s + self.bound_s + self._prior.deaf_s - self._deaf_s
 
     @property
     def delay_s(self) -> float:
-        """How long its heartbeats are under way, on average."""
+        """Mean delay of its heartbeats (s)."""
         return self._arrivals.delay_s
 
     @property
     def fails_at_s(self) -> float:
-        """When it counts as failed, if nothing more is heard."""
+        """When it counts as failed without another heartbeat."""
         return min(self._silent_at_s, self._help_until_s)
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
-        """Note a heartbeat; False for one that was overtaken by a newer one: it tells nothing."""
+        """Note a heartbeat; False if a newer one has overtaken it."""
         order = (heartbeat.incarnation, heartbeat.seq)
         if order <= self._last:
             return False
@@ -91,7 +91,7 @@ class FailureDetector:
         self.heard_s, self._deaf_s = now_s, self._prior.deaf_s
         self.bound_s = silence_bound_s(heartbeat, self._arrivals)
         if heartbeat.help is not None:
-            # By its own clock, which may be another one: what is left of the time counts, not the time.
+            # Its clock may differ, so the remaining time counts, not the time of day.
             left_s = heartbeat.help.until_s - heartbeat.at_s
             self._help_until_s = now_s + min(left_s, PROMISE_MAX_S)
         else:
@@ -99,28 +99,28 @@ class FailureDetector:
         return True
 
     def failure(self, now_s: float) -> Reason | None:
-        """Why it has failed by now: `SILENT` or `IN_ERROR`; None while it has not."""
+        """Why it has failed: `SILENT` or `IN_ERROR`; None if it has not."""
         if now_s >= self._silent_at_s:
             return Reason.SILENT
         return Reason.IN_ERROR if now_s >= self._help_until_s else None
 
     def heard_lately(self, now_s: float) -> bool:
-        """Whether it was heard in the newer half of the bound: then its silence is somebody else's trouble."""
+        """Whether it was heard within half of the bound: then its silence elsewhere is another agent's problem."""
         return self.last is not None and now_s - self.heard_s < self.bound_s / 2
 
 
 EVERYBODY = "*"
-"""Instead of an agent: whoever beats, of the kind that is followed."""
+"""Wildcard for all agents of the followed kind."""
 
 
 class HeartbeatSubscriptions:
-    """Whose heartbeats an agent listens to, counted, since one may matter for two reasons.
+    """The heartbeats that an agent follows, counted, because there may be several reasons for one.
 
     Args:
         key_of: the bus key of an agent's heartbeats.
 
     Attributes:
-        hearing: how heartbeats have arrived so far, over all that were followed.
+        arrivals: arrival statistics over all followed agents.
     """
 
     __slots__ = ("_count", "_key_of", "_life", "arrivals")
@@ -132,14 +132,14 @@ class HeartbeatSubscriptions:
         self._count: dict[str, int] = {}
 
     def follow(self, agent: str) -> None:
-        """Subscribe to this agent's heartbeats, or to those of `EVERYBODY`, and count the reason."""
+        """Subscribe to an agent's heartbeats, or to those of `EVERYBODY`, and count the reason."""
         count = self._count.get(agent, 0)
         self._count[agent] = count + 1
         if not count:
             self._life.subscribe(self._key_of(agent))
 
     def unfollow(self, agent: str) -> None:
-        """Drop one reason; unsubscribe when it was the last."""
+        """Drop one reason; unsubscribe after the last."""
         count = self._count.pop(agent)
         if count > 1:
             self._count[agent] = count - 1

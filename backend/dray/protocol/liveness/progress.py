@@ -1,14 +1,14 @@
-"""The progress deadline of a contract: a carrier that lives, and does not come nearer, has failed too.
+"""The progress deadline of a contract: a carrier that lives without progress has failed too.
 
-Its heartbeats say how far it is. Two things must be so:
+Its heartbeats tell its progress. Two conditions must hold:
 
     STALLED   it moves, or its phase goes on, at least every STALL_S and the longest handling of the plant
     OVERDUE   it is done by its own promise and SLACK_FRAC of the time that it had, at least SLACK_MIN_S
 
-Whoever only tells of ways and phases runs into the second one. What keeps an honest vehicle counts
-for neither: its coordinator holds the dock, the station of its source does not answer, a person has stopped it or
-limits its speed, it is in error and asks for help. All of that together is at most EXCUSED_MAX_S in one contract, for
-most of it is said by the carrier itself.
+A carrier that only claims progress runs into the second one. Time beyond an honest vehicle's control counts for
+neither. Its coordinator may hold the dock, or its source's station may not answer. A person may have stopped it or
+limit its speed, or it is in error and asks for help. All excused time is at most EXCUSED_MAX_S per contract,
+because the carrier itself reports most of it.
 """
 
 from __future__ import annotations
@@ -18,33 +18,33 @@ from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.runtime.events import NEVER_S
 
 STALL_S = 30.0
-"""Beside the longest handling: a question that is asked again three times, a manoeuvre that is tried again."""
+"""Time without progress beside the longest handling (s): three repeated questions, or a repeated manoeuvre."""
 
 MOVED_M = 0.5
-"""Less than this is a vehicle that stands; at a twelfth of its speed it drives as much in five seconds."""
+"""Less movement than this counts as standing (m); at a twelfth of its speed a vehicle moves as far in 5 s."""
 
 SLACK_FRAC = 0.5
 SLACK_MIN_S = 60.0
-"""What chance adds to a way: handshakes on a bad link, a dock that is busy."""
+"""Random delays on the way: handshakes on a bad link, a busy dock."""
 
 EXCUSED_MAX_S = PROMISE_MAX_S
-"""As long as a person who has promised to come is waited for."""
+"""As long as the system waits for a person who has promised to come (s)."""
 
 _RANK = {phase: rank for rank, phase in enumerate(Phase)}
 
 
 class Progress:
-    """How one carrier comes on with one task.
+    """One carrier's progress with one task.
 
     Args:
-        promised_s: when it is believed to be done (plant clock).
+        promised_s: its credible finish (plant clock).
         stall_s: how long it may stand.
-        now_s: when the contract begins.
+        now_s: begin of the contract.
 
     Attributes:
-        heard_s: when it was heard last.
-        failed_s: since when it has failed; `NEVER_S` while it has not.
-        blamed: it was noted that it has dropped its contract.
+        heard_s: time of its last heartbeat.
+        failed_s: since when it has failed; `NEVER_S` if it has not.
+        blamed: whether the dropped contract was noted.
     """
 
     __slots__ = (
@@ -78,12 +78,12 @@ class Progress:
 
         Args:
             heartbeat: the newest.
-            phase: how far the task has come.
-            held: its coordinator keeps it waiting, or a station that does not answer.
+            phase: the task's phase.
+            held: whether its coordinator, or an unresponsive station, keeps it waiting.
             now_s: the present time.
 
         Returns:
-            `STALLED` or `OVERDUE`; None while it comes nearer.
+            `STALLED` or `OVERDUE`; None while it makes progress.
         """
         if held or heartbeat.help is not None or heartbeat.speed_limit_frac < 1.0:
             self._excuse(heartbeat, held, now_s - self.heard_s)
@@ -102,18 +102,18 @@ class Progress:
         return failure
 
     def allow(self, promised_s: float) -> None:
-        """It may be done later than it has promised itself: others stand before it at a dock."""
+        """Extend its deadline to a later promise: other vehicles are before it at a dock."""
         later_s = max(promised_s - self._promised_s, 0.0)
         self._promised_s += later_s
         self._due_s += later_s
 
     def stands_long(self, phase: Phase, now_s: float) -> bool:
-        """Whether it has been in this phase, and has not come on, for longer than any handling takes."""
+        """Whether it has been in this phase without progress for longer than any handling takes."""
         return _RANK[phase] <= self._rank and now_s > self._moved_s + self._stall_s - STALL_S
 
     @property
     def late_s(self) -> float:
-        """How much later than promised it was heard last, without what it could not help; negative before that."""
+        """How much later than promised it was last heard, without excused time; negative if early."""
         return self.heard_s - self._promised_s
 
     def _excuse(self, heartbeat: AtvHeartbeat, held: bool, elapsed_s: float) -> None:

@@ -1,16 +1,16 @@
 """When silence becomes failure: pure arithmetic.
 
-An agent says itself how often it speaks (by its status), so its silence can be judged by anybody
-who hears it. The bound follows from how its heartbeats have arrived so far:
+An agent's status tells how often it sends heartbeats, so any receiver can judge its silence. The bound depends on
+how its heartbeats have arrived so far:
 
     bound_s = misses * interval_s + lateness_s
 
-    misses       so many losses in a row that chance alone makes them once in 1 / FALSE_ALARM
-                 heartbeats, at the loss that was seen: 3 up to 4.6 % loss, 6 at 20 %, 11 at 40 %
+    misses       losses in a row that chance causes once in 1 / FALSE_ALARM heartbeats,
+                 at the measured loss: 3 up to 4.6 % loss, 6 at 20 %, 11 at 40 %
     lateness_s   four mean deviations of the delay, as in RFC 6298, and never below JITTER_S
 
-On a good link a working vehicle is suspected after 3.5 s. No link is so bad that the bound exceeds
-MISSES_MAX intervals and LATENESS_MAX_S: what is worse than that is no link.
+On a good link a working vehicle is suspected after 3.5 s. The bound never exceeds MISSES_MAX intervals and
+LATENESS_MAX_S: a worse link is no link.
 """
 
 from __future__ import annotations
@@ -25,14 +25,13 @@ WORKING_INTERVAL_S = 1.0
 """A working agent beats at 1 Hz: a takeover is due within a few seconds of its death."""
 
 IDLE_INTERVAL_S = 5.0
-"""An idle one at 0.2 Hz: nobody waits for it, so it need not load the network (paper, 3.2)."""
+"""An idle agent beats at 0.2 Hz: no agent waits for it, so it need not load the network (paper, 3.2)."""
 
 FALSE_ALARM = 1e-4
-"""One heartbeat in so many may be followed by a silence that looks like death: at 1 Hz, nearly three
-hours of work between two takeovers for nothing."""
+"""Accepted rate of false suspicions per heartbeat: at 1 Hz one unnecessary takeover in nearly three hours of work."""
 
 MISSES = 3
-"""Allowed on a link that loses nothing, too: the first losses come unannounced."""
+"""Minimum losses allowed, even on a link without losses so far."""
 
 MISSES_MAX = 12
 
@@ -46,27 +45,27 @@ GAIN = 1.0 / 32.0
 """Weight of the newest heartbeat: half a minute of work is remembered, and one loss changes little."""
 
 DEVIATIONS = 4.0
-"""Mean deviations by which a message may be later than on average (RFC 6298)."""
+"""Allowed lateness of a message in mean deviations (RFC 6298)."""
 
 BREAKDOWN_S = 600.0
-"""How long a machine may be broken and keep its goals. A technician mends most breakdowns in less, and
-what was made before is carried away meanwhile."""
+"""How long a broken machine may keep its goals (s). A technician mends most breakdowns in less, and finished pieces are
+carried away meanwhile."""
 
 GOAL_SILENCE_S = 15.0
-"""How long a machine may not name a goal before it has lost it. A machine that holds goals beats at 1 Hz,
-so fifteen heartbeats are missing in a row; and its software starts again in less."""
+"""How long a machine may omit a goal before it has lost it (s). A machine with goals beats at 1 Hz, so fifteen heartbeats
+are missing in a row; a restart of its software takes less."""
 
 CLEAN_FRAC = 0.04
-"""A link that loses no more needs no arithmetic: so many losses in a row as `MISSES` are rare enough."""
+"""Up to this loss `MISSES` losses in a row are rare enough, without arithmetic."""
 
 AnyHeartbeat = AtvHeartbeat | MachineHeartbeat | StationHeartbeat
 
 
 def interval_s(heartbeat: AnyHeartbeat) -> float:
-    """How long after this heartbeat the next one is due.
+    """Time until the next heartbeat after this one (s).
 
-    Whoever holds a task or goals is relied on, also while all that is left of them is on the way; and who needs somebody
-    is waited for by people, who want to see at once when it is over, or gets worse. Nobody is called to one out of service.
+    Others rely on an agent with a task or goals, even while the last goods are on the way. People wait for news of
+    an agent that needs help. An agent out of service calls nobody.
     """
     match heartbeat:
         case AtvHeartbeat():
@@ -79,12 +78,12 @@ def interval_s(heartbeat: AnyHeartbeat) -> float:
 
 
 def _needs_somebody(heartbeat: AtvHeartbeat | MachineHeartbeat) -> bool:
-    """Whether it tells of a problem for which somebody is called."""
+    """Whether it reports a problem for which a person is called."""
     return bool(heartbeat.problem) and heartbeat.out_of_service is UNSET
 
 
 def allowed_misses(loss_frac: float) -> int:
-    """How many heartbeats in a row may be lost without a suspicion, when this part of them is lost."""
+    """Losses in a row without a suspicion, at this loss fraction."""
     if loss_frac <= CLEAN_FRAC:
         return MISSES
     if loss_frac >= 1.0:
@@ -93,11 +92,11 @@ def allowed_misses(loss_frac: float) -> int:
 
 
 def bound_s(interval_s: float, loss_frac: float = 0.0, deviation_s: float = 0.0) -> float:
-    """How long somebody who beats every `interval_s` may be silent without being suspected.
+    """How long an agent that beats every `interval_s` may be silent without a suspicion (s).
 
     Args:
         interval_s: between two heartbeats.
-        loss_frac: the part of the heartbeats that is lost.
+        loss_frac: the fraction of heartbeats that is lost.
         deviation_s: the mean deviation of their delays.
     """
     lateness_s = DEVIATIONS * deviation_s
@@ -110,11 +109,11 @@ def bound_s(interval_s: float, loss_frac: float = 0.0, deviation_s: float = 0.0)
 
 
 def silence_bound_s(heartbeat: AnyHeartbeat, arrivals: ArrivalStatistics) -> float:
-    """How long an agent may be silent after this heartbeat before it counts as failed.
+    """How long an agent may be silent after this heartbeat before it counts as failed (s).
 
     Args:
         heartbeat: its newest.
-        arrivals: how its heartbeats have arrived so far at whoever judges.
+        arrivals: arrival statistics of its heartbeats at the observer.
     """
     if isinstance(heartbeat, MachineHeartbeat) and heartbeat.goals:
         return GOAL_SILENCE_S
@@ -122,19 +121,19 @@ def silence_bound_s(heartbeat: AnyHeartbeat, arrivals: ArrivalStatistics) -> flo
 
 
 def gone_s(every_s: float) -> float:
-    """How long somebody must be silent so that no link explains it, however bad.
+    """Silence that no link explains, however bad (s).
 
     Args:
-        every_s: how often that one speaks.
+        every_s: the agent's interval.
     """
     return MISSES_MAX * every_s + LATENESS_MAX_S
 
 
 class ArrivalStatistics:
-    """How heartbeats arrive: running estimates of their loss and their delay.
+    """Running estimates of the loss and the delay of heartbeats.
 
     Args:
-        prior: what to begin with: how others' heartbeats arrive at the same agent.
+        prior: initial values: the same agent's statistics of others' heartbeats.
     """
 
     __slots__ = ("deaf_s", "delay_s", "deviation_s", "heard", "loss_frac")
@@ -144,20 +143,20 @@ class ArrivalStatistics:
         """Heartbeats so far."""
         self.loss_frac: float = 0.0 if prior is None else prior.loss_frac
         self.delay_s: float = 0.0 if prior is None else prior.delay_s
-        """The mean delay."""
+        """The mean delay (s)."""
         self.deviation_s: float = 0.0 if prior is None else prior.deviation_s
-        """The mean deviation from it."""
+        """The mean deviation of the delay (s)."""
         self.deaf_s = 0.0
-        """How long the agent that listens was held up itself, all told: silence in that time is its own."""
+        """Total time in which the listening agent itself was held up (s): silence in that time does not count."""
 
     def note(self, missed: int, delay_s: float) -> None:
         """Update the estimates by one heartbeat.
 
         Args:
-            missed: how many before it have not.
-            delay_s: how long it was under way, by the plant's clock.
+            missed: heartbeats lost before this one.
+            delay_s: its delay by the plant's clock.
         """
-        # Beyond these bounds it is not the link: one of two clocks is wrong.
+        # Beyond these bounds one of two clocks is wrong, not the link.
         if delay_s < 0.0:
             delay_s = 0.0
         elif delay_s > LATENESS_MAX_S:

@@ -1,4 +1,4 @@
-"""Whether what people have closed leaves a machine's dock without a way, and until when: then its goods cannot leave, and nothing comes."""
+"""Whether closures leave a machine's dock without a way, and until when: then its goods cannot leave, and nothing comes."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ SHUT = "what is closed leaves no way to it"
 
 
 class ClosedIn(ClosureListener):
-    """Of one machine; it drives nowhere, so the word of a gateway is enough for it.
+    """The closures around one machine. It does not move, so a gateway's unsigned message is enough for it.
 
     Args:
-        machine: whose dock.
+        machine: the machine with the dock.
         floor: as the machine knows it.
-        changed: called with now_s when the floor is another.
-        timers, out: as of every listener.
+        changed: called with now_s after a change of the floor.
+        life: as of every listener.
 
     Attributes:
-        until_s: when the first way leads to the dock and from there again, as far as closures end by themselves (plant clock);
-            `NEVER_S` where none of them does that; -`NEVER_S` while there is a way.
+        until_s: when the first way to and from the dock opens, as far as closures end by themselves (plant clock);
+            `NEVER_S` if none does; -`NEVER_S` while there is a way.
     """
 
     def __init__(self, machine: str, floor: KnownFloor, changed: Callable[[float], None], life: Life) -> None:
@@ -34,11 +34,11 @@ class ClosedIn(ClosureListener):
         self.until_s = -NEVER_S
 
     def keeps_late(self, deadline_s: float) -> bool:
-        """Whether what is to be done by then is late, whatever the machine does."""
+        """Whether closures make a deadline impossible."""
         return deadline_s < self.until_s
 
     def objection(self, deadline_s: float) -> str:
-        """Why it takes nothing that is to be done by then; empty when it does."""
+        """Why the machine refuses work with this deadline; empty if it does not."""
         return SHUT if self.keeps_late(deadline_s) else ""
 
     def _follow(self, now_s: float) -> None:
@@ -60,7 +60,7 @@ class ClosedIn(ClosureListener):
 
     @property
     def _type(self) -> str:
-        """Whose ways are looked at: closures are the same for all."""
+        """The vehicle type whose ways are used: closures are the same for all."""
         return next(iter(self._floor.vehicle_types))
 
     def _is_reached(self, routes: Routes) -> bool:

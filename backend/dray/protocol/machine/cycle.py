@@ -1,6 +1,6 @@
-"""A machine's cycle: one piece at a time, for the most urgent goal whose material is at hand.
+"""A machine's cycle: one piece at a time, for the most urgent goal whose material is available.
 
-None begins while the machine rests by its working time; what has begun is finished.
+No cycle begins outside the machine's working time; a running cycle is finished.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ class Cycle:
     """The running cycle of one machine, if there is one.
 
     Args:
-        goals: what is to be made.
-        supply: what is at hand.
-        documents: what is known of what is to be made.
+        goals: the machine's goals.
+        supply: its stock.
+        documents: the documents of its goals.
 
     Attributes:
-        product: what is being made; empty for nothing.
-        rests: whether the machine does not work now, by its working time.
-        blocked: whether a piece could be made now, had it room.
+        product: the product in work; empty for none.
+        rests: whether the machine rests by its working time.
+        blocked: whether only room is missing for the next piece.
     """
 
     def __init__(self, goals: GoalBook, supply: Supply, documents: GoalDocuments, life: Life) -> None:
@@ -39,23 +39,23 @@ class Cycle:
         self._documents = documents
         self._life = life
         self.goal: Goal | None = None
-        """What the piece is for; None for a cycle that an earlier life of this machine has begun."""
+        """The goal of the running cycle; None for a cycle of an earlier life."""
         self.product = ""
         self.rests = False
         self.blocked = False
 
     def look(self, now_s: float) -> None:
-        """Work or rest as the clock says, and look again when that changes."""
+        """Update work or rest by the clock, and set the alarm of the next change."""
         working_time = self._goals.working_time
         if not working_time.is_always:
             self.rests = not working_time.is_on(now_s)
             self._life.alarm(WORKING_TIME, working_time.next_change_s(now_s))
 
     def start(self, has_room: Callable[[Production], bool]) -> None:
-        """Begin the next one, unless one runs, the machine rests or nothing can be made.
+        """Begin the next cycle, unless one runs, the machine rests or no piece can be made.
 
         Args:
-            has_room: whether a piece finds room among the goods.
+            has_room: whether there is room for a piece among the goods.
         """
         self.blocked = False
         if self.product or self.rests:
@@ -73,11 +73,11 @@ class Cycle:
         self._life.instruct(StartCycle(product=self.product, bill=bill, cycle_s=cycle_s))
 
     def done(self, product: str, seq: int, *, bad: bool = False) -> None:
-        """A piece has come out; it is spare when its goal has ended meanwhile, or if it is for whoever fetches it."""
+        """A piece is done. It is spare if its goal has ended, or if it is a part."""
         if not self._supply.change(product, 0 if bad else 1, seq):
-            return  # It lay there at the start, when all that did was counted.
+            return  # It was in the initial count.
         if self.product and product != self.product:
-            # People have made something else meanwhile: what is being made goes on.
+            # People have made another product meanwhile: the running cycle goes on.
             if bad:
                 self._life.record(PieceScrapped(product))
             else:
@@ -98,11 +98,11 @@ class Cycle:
             self._life.record(SparePieceMade(product))
 
     def failed(self) -> None:
-        """It has ended without a piece; the senses tell what has become of its material."""
+        """The cycle has ended without a piece; the body's stock shows what became of its material."""
         self.goal, self.product = None, ""
 
     def share_spare(self) -> None:
-        """Finished pieces of goals that ended early serve the next ones."""
+        """Give spare pieces of ended goals to the next ones."""
         for goal in self._goals.at_work():
             if self._goals.use_spare(goal, self.goal):
                 self._note_made(goal, from_stock=True)

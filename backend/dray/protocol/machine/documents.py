@@ -1,8 +1,8 @@
 """The documents of a machine's goals: each is verified before a piece is made by it (paper, 4.1: CAD and CAM data).
 
-The machine's body fetches them, since it is the one that uses them. Of a document that cannot be used all pieces wait that need it,
-and no others; it is fetched again after a while, so whoever puts right what lies at its address has to do no more. What is
-verified counts until no goal needs it: the next goal that does has it verified again.
+The machine's body fetches them, because it uses them. A document that cannot be used holds up only the pieces that
+need it. It is fetched again after a while, so a person only has to correct the file at its address. A verified
+document counts until no goal needs it; the next goal has it verified again.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from dray.protocol.runtime.life import Life
 from dray.states import States, Transitions
 
 AGAIN_S = 60.0
-"""After so long what could not be used, or was not answered, is asked for again: a person who puts it right waits no longer."""
+"""Interval for fetching an unusable or unanswered document again (s): the longest wait after its correction."""
 
 READ_AGAIN = "read again"
-"""The alarm for that, with the document."""
+"""Alarm of the next fetch, with the document."""
 
 _S = DocumentState
 
@@ -40,30 +40,30 @@ TRANSITIONS: Transitions[DocumentState] = {
 
 
 class GoalDocuments:
-    """What one machine has to know to make its goals.
+    """The documents that one machine needs for its goals.
 
     Args:
-        goals: what it makes.
-        life: its agent's; its alarm is named `READ_AGAIN`.
+        goals: the machine's goals.
+        life: the agent's life; its alarm is named `READ_AGAIN`.
         changed: called with the time when a document has been read.
 
     Attributes:
-        reports, alarms: what to call with a report, or an alarm.
+        reports, alarms: handlers for the agent's tables.
     """
 
     def __init__(self, goals: GoalBook, life: Life, changed: Callable[[float], None]) -> None:
         self._goals, self._life, self._changed = goals, life, changed
         self._states: dict[Document, States[DocumentState]] = {}
-        """Of every document that a goal needs."""
+        """State of every document that a goal needs."""
         self._found: dict[Document, str] = {}
-        """In words, of those that cannot be used."""
+        """Reasons of unusable documents, in words."""
         self.reports: dict[type[Report], Callable[[DocumentRead, float], None]] = {
             DocumentRead: self._on_read
         }
         self.alarms = {READ_AGAIN: self._again}
 
     def update(self, now_s: float) -> None:
-        """Have read what goals need, and forget what none needs any more."""
+        """Have needed documents read, and forget others."""
         needed = {document for _, document in self._needed()}
         for document in [each for each in self._states if each not in needed]:
             self._life.cancel((READ_AGAIN, document))
@@ -76,11 +76,11 @@ class GoalDocuments:
                 self._read(document, now_s)
 
     def ready(self, work: Production) -> bool:
-        """Whether all that is to be known of a goal's product is verified."""
+        """Whether all documents of a goal's product are verified."""
         return all(self._is(document, DocumentState.VERIFIED) for document in work.definition.documents)
 
     def briefs(self) -> tuple[DocumentBrief, ...]:
-        """What the heartbeat tells of them."""
+        """The documents' entries in the heartbeat."""
         told = {}
         for product, document in self._needed():
             if (state := self._states.get(document)) is not None:
@@ -89,7 +89,7 @@ class GoalDocuments:
         return tuple(islice(told.values(), DOCUMENTS_TOLD))
 
     def hindrance(self) -> str:
-        """What keeps goals from being made, in words; empty for nothing."""
+        """What keeps goals from being made, in words; empty for none."""
         for brief in self.briefs():
             if brief.state is not DocumentState.VERIFIED:
                 found = f" ({brief.detail})" if brief.detail else ""

@@ -1,7 +1,7 @@
-"""A machine's finished goods: what lies there, what is sent away, and what becomes of pieces that get lost.
+"""A machine's finished goods: its stock, its shipments, and lost pieces.
 
-Every piece exists once. It is ready for its goal, waits for a vehicle, is on board, has arrived, or is
-spare because its goal has ended. What vanishes on the way is made once more.
+Every piece exists once. It is ready for its goal, waits for a vehicle, is on board, has arrived, or is spare
+because its goal has ended. A piece that is lost on the way is made once more.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ class FinishedGoods:
     """The goods of one machine.
 
     Args:
-        machine: whose goods.
-        plant: lots, and where the delivery warehouses are.
-        goals: what is made.
-        supply: what lies there.
+        machine: the machine's id.
+        plant: lots, and delivery warehouses.
+        goals: the machine's goals.
+        supply: its stock.
         tasks: the machine's transports.
         send: announces a transport; called with (work, deadline_s, now_s).
-        lose: called with a goal some of whose pieces will not arrive, and now_s.
+        lose: called with a goal that has lost pieces, and now_s.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class FinishedGoods:
         self._capacity = plant.machines[machine].goods_capacity
         self._products = goals.products
         self._counted: tuple[dict[str, int] | None, dict[str, int]] = None, {}
-        """The stock, and what of it belongs to no goal, from which `_levels` follow."""
+        """The stock and the spare pieces from which `_levels` were computed."""
         self._levels: tuple[BufferLevel, ...] = ()
         self._delivery = plant.closest(plant.node_of(machine), plant.delivery_warehouses, 1)[0]
 
@@ -65,15 +65,15 @@ class FinishedGoods:
 
     @property
     def room(self) -> int:
-        """Pieces that still find room."""
+        """Pieces for which there is room."""
         stock = self._supply.stock
         return self._capacity - sum(stock[item] for item in stock if self._products.is_goods(item))
 
     def has_room_for(self, work: Production) -> bool:
-        """Whether a piece of a goal finds room.
+        """Whether there is room for a piece of a goal.
 
-        Parts wait here for whoever needs them. So a part leaves room for a container of every other product of this
-        machine, or for an equal share where all are too many: what uses it may lack one of those, and would fetch no more of it.
+        Parts wait here until they are fetched. So a part leaves room for a container, or an equal share, of every
+        other product of this machine. Otherwise a user of parts could lack one product and stop fetching the other.
         """
         if not work.part_of:
             return not self.full
@@ -88,7 +88,7 @@ class FinishedGoods:
         return self.room > sum(max(0, pieces) for pieces in lack.values())
 
     def levels(self) -> tuple[BufferLevel, ...]:
-        """What lies there of every product, for the heartbeat. Put together again only after a change."""
+        """Stock of every product, for the heartbeat; computed only after a change."""
         stock, spares = self._supply.stock, self._goals.spares
         if stock != self._counted[0] or spares != self._counted[1]:
             self._counted = dict(stock), dict(spares)
@@ -105,14 +105,14 @@ class FinishedGoods:
         return self._levels
 
     def count(self) -> None:
-        """At the start: what lies there and belongs to nothing is spare."""
+        """At the start, count unclaimed pieces as spare."""
         for product in self._products:
             self._goals.add_spare(product, max(0, self._supply.level(product) - self._claimed(product)))
 
     def recount(self, now_s: float) -> None:
-        """Put the books right by what lies there: what is gone is made anew, what is left over is spare.
+        """Correct the books by the stock: missing pieces are made anew, surplus pieces are spare.
 
-        A lot that waits for its vehicle is there as a whole, or it has gone with another one.
+        A lot that waits for its vehicle is either complete, or has left with another vehicle.
         """
         gone: list[OpenTask] = []
         for product in self._products:
@@ -132,10 +132,10 @@ class FinishedGoods:
             self._tasks.close(task, "withdrawn")
             self.lost(task, now_s)
 
-    # --- sending them away ---
+    # --- shipping ---
 
     def dispatch(self, now_s: float) -> None:
-        """Announce transports for pieces that are ready."""
+        """Announce transports for ready pieces."""
         for goal in self._goals:
             self._dispatch(goal, now_s)
         if self.full:
@@ -143,7 +143,7 @@ class FinishedGoods:
 
     def _dispatch(self, goal: Goal, now_s: float) -> None:
         lot, ability = goal.work.definition.lot, goal.work.definition.ability
-        # Finished goods of goals that more urgent ones have interrupted must not fill the machine for ever.
+        # Finished goods of interrupted goals must not fill the machine for ever.
         whole = goal.to_make > 0 and goal.given_back_s is None and not self.full
         while goal.ready >= lot or (goal.ready > 0 and not whole):
             quantity = min(goal.ready, lot)
@@ -152,7 +152,7 @@ class FinishedGoods:
             self._send(self._way_out(goal.work.product, ability, quantity, goal.id), deadline_s, now_s)
 
     def _clear_spare(self, now_s: float) -> None:
-        """Pieces that no goal wants must not fill the machine for ever: they are set aside."""
+        """Ship spare pieces away when the machine is full."""
         parts = self._products.parts()
         for product in self._products:
             if product in parts:
@@ -174,10 +174,10 @@ class FinishedGoods:
             goal=goal,
         )
 
-    # --- what becomes of them ---
+    # --- progress ---
 
     def lack(self, task: OpenTask) -> bool:
-        """Whether the load of a transport does not lie there, though nobody has fetched it."""
+        """Whether the load of a transport is missing, although no vehicle has fetched it."""
         work = cast(Transport, task.work)
         if not self._products.is_goods(work.item) or not task.lies_at_source:
             return False
@@ -191,7 +191,7 @@ class FinishedGoods:
             self._came_back(report, now_s)
 
     def lost(self, task: OpenTask, now_s: float) -> None:
-        """A transport has ended, and its pieces will not arrive: they are made anew."""
+        """A transport has ended without delivery: its pieces are made anew."""
         work = cast(Transport, task.work)
         goal = self._goals.get(work.goal)
         if goal is not None:
@@ -199,7 +199,7 @@ class FinishedGoods:
         self._lose(goal, now_s)
 
     def keep_unwanted(self) -> None:
-        """Pieces that nobody wants any more and nobody has fetched yet stay here, as spare."""
+        """Keep unfetched pieces of ended goals here, as spare."""
         for task in list(self._tasks):
             work = cast(Transport, task.work)
             if work.goal and task.lies_at_source and self._goals.get(work.goal) is None:
@@ -216,13 +216,13 @@ class FinishedGoods:
         self.recount(now_s)
 
     def _came_back(self, report: StockChanged, now_s: float) -> None:
-        """A person has brought them, from a vehicle that has failed."""
+        """A person has brought pieces back from a failed vehicle."""
         for task in list(self._tasks):
             work = cast(Transport, task.work)
             if task.lies_at_source or work.item != report.item or work.quantity != report.change:
                 continue
             if not task.primary:
-                # Everybody is being asked to fetch them elsewhere, where they are no more: they serve their goal from here.
+                # The open task names a place where the pieces are no more: they serve their goal from here.
                 self._goals.add_spare(report.item, report.change)
                 self._tasks.give_up(task, now_s)
                 return
@@ -233,10 +233,10 @@ class FinishedGoods:
         self._goals.add_spare(report.item, report.change)
 
     def _waiting(self, product: str) -> list[OpenTask]:
-        """Transports of a product whose load has not been fetched."""
+        """Transports of a product whose load was not fetched yet."""
         return [task for task in self._tasks if task.lies_at_source and task.work_item == product]
 
     def _claimed(self, product: str) -> int:
-        """Pieces in the goods that belong to a goal or wait for a vehicle."""
+        """Pieces among the goods that belong to a goal or wait for a vehicle."""
         ready = sum(goal.ready for goal in self._goals if goal.work.product == product)
         return ready + sum(cast(Transport, task.work).quantity for task in self._waiting(product))

@@ -1,4 +1,4 @@
-"""One production goal of a machine: how far it is."""
+"""One production goal of a machine, and its progress."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from dray.messages import Confirmed, GoalBrief, Production
 from dray.protocol.runtime.events import NEVER_S
 
 GOODS_LEAVE_S = 180.0
-"""How long a goal that is given back waits until what was made of it is in: some transports. Then it is made again."""
+"""How long a returned goal waits for the delivery of its finished pieces (s): some transports. Then they are made again."""
 
 
 class Goal:
     """One production goal of a machine. `delivered + lost_in_transit <= committed <= made` at all times.
 
     Args:
-        goal: its name.
-        work: what is to be made.
-        deadline_s: when it should be done (plant clock).
-        strategist: who has given it out.
-        epoch, number: of the contract, and of the award by which it was made.
+        goal: its id.
+        work: its product and quantity.
+        deadline_s: its deadline (plant clock).
+        strategist: the strategist that has given it.
+        epoch, number: epoch of the contract, and number of its award.
     """
 
     __slots__ = (
@@ -62,32 +62,32 @@ class Goal:
         self.epoch = epoch
         self.number = number
         self.held = 1
-        """With which epoch its order is held by `strategist`: another one has taken it over as often as it is higher."""
+        """Epoch with which `strategist` holds its order; it rises with each takeover of the order."""
         self.given_back_s: float | None = None
-        """Since when others may make what is missing of it; None while the machine works at it."""
+        """Since when others may make its missing pieces; None while the machine works at it."""
         self.confirmed = False
-        """Whether the strategist has heard that it was accepted; nothing is begun before."""
+        """Whether the strategist has confirmed the acceptance; no piece is begun before."""
         self.made = 0
         self.committed = 0
-        """Pieces that a transport was announced for."""
+        """Pieces for which a transport was announced."""
         self.delivered = 0
         """Pieces that were handed over at the delivery warehouse."""
         self.lost_in_transit = 0
         """Pieces that were sent and will not arrive: they are made once more."""
         self.arrived = 0
-        """Pieces that the gate has counted, by the strategist's last word."""
+        """Pieces counted by the gate, by the strategist's last message."""
         self.brought: dict[str, int] = {}
-        """The same by vehicle, as far as the gate has told."""
+        """Arrived pieces by vehicle, as far as the gate has reported."""
         self.by_people = False
-        """People count at the gate, later than goods come: its carriers are let go on their word."""
+        """Whether people count at the gate, later than goods come: carriers are released on their report."""
         self.credited: dict[str, int] = {}
-        """Pieces of handovers that this life has accepted, by vehicle."""
+        """Pieces of handovers accepted in this life, by vehicle."""
         self.heard_s = -NEVER_S
-        """When the strategist has last told what has arrived."""
+        """When the strategist last reported arrivals."""
         self.disputes = 0
-        """Handovers of its pieces, one after the other, of which the gate has counted nothing."""
+        """Successive handovers of its pieces without a counted piece."""
         self.stranded = 0
-        """Pieces on board of failed vehicles, which wait for a person's word."""
+        """Pieces on board of failed vehicles, which wait for a person's decision."""
 
     @property
     def to_make(self) -> int:
@@ -95,11 +95,11 @@ class Goal:
 
     @property
     def is_of_parts(self) -> bool:
-        """Whether its pieces stay here for whoever fetches them: each is delivered with its making."""
+        """Whether its pieces are parts that stay here until they are fetched: each counts as delivered when it is made."""
         return bool(self.work.part_of)
 
     def note_made(self, pieces: int) -> None:
-        """Pieces were made, or were there."""
+        """Pieces were made, or taken from stock."""
         self.made += pieces
         if self.is_of_parts:
             self.committed += pieces
@@ -107,7 +107,7 @@ class Goal:
 
     @property
     def ready(self) -> int:
-        """Finished pieces that no transport was announced for."""
+        """Finished pieces without an announced transport."""
         return self.made - self.committed
 
     @property
@@ -116,7 +116,7 @@ class Goal:
         return self.committed - self.delivered - self.lost_in_transit
 
     def is_offered(self, now_s: float) -> bool:
-        """Whether others may make what is missing: what was made has left, or that takes too long."""
+        """Whether others may make its missing pieces: finished ones have left, or that takes too long."""
         if self.given_back_s is None or self.to_make <= 0:
             return False
         if self.stranded:
@@ -124,11 +124,11 @@ class Goal:
         return not (self.ready or self.on_the_way) or now_s >= self.given_back_s + GOODS_LEAVE_S
 
     def lose(self, pieces: int) -> None:
-        """Pieces on the way will not arrive."""
+        """Count pieces on the way that will not arrive."""
         self.lost_in_transit += pieces
 
     def on_count(self, confirmed: Confirmed, now_s: float) -> None:
-        """The strategist tells what the gate has counted; counts only ever grow."""
+        """Handle the strategist's report of the gate's count; counts only grow."""
         if confirmed.arrived >= self.arrived:
             self.arrived = confirmed.arrived
             self.brought = {each.vehicle: each.pieces for each in confirmed.brought}
@@ -136,9 +136,9 @@ class Goal:
         self.heard_s = now_s
 
     def arrived_by(self, vehicle: str) -> int:
-        """Pieces of a vehicle that have arrived and belong to no handover that was accepted.
+        """Arrived pieces of a vehicle that no accepted handover has used.
 
-        What the gate cannot name a vehicle for may be anybody's.
+        Pieces without a named vehicle may be any vehicle's.
         """
         named = self.brought.get(vehicle, 0) - self.credited.get(vehicle, 0)
         unnamed = self.arrived - sum(self.brought.values())
@@ -147,24 +147,24 @@ class Goal:
         return max(0, min(max(0, named) + max(0, unnamed - used), self.arrived - self.delivered))
 
     def deliver(self, vehicle: str, sent: int, counted: int) -> None:
-        """A handover was accepted: so many of the pieces that were sent have arrived."""
+        """A handover was accepted with `counted` of `sent` pieces."""
         self.delivered += counted
         self.lost_in_transit += sent - counted
         self.credited[vehicle] = self.credited.get(vehicle, 0) + counted
 
     def note_arrived(self, arrived: int) -> int:
-        """Believe the gate's count where it is not the machine's own.
+        """Take over the gate's count if it differs from the machine's.
 
-        While something is on the way the two may differ, and nothing is changed.
+        While pieces are on the way the counts may differ, and nothing is changed.
 
         Returns:
-            Ready pieces that are not needed for this goal any more.
+            Ready pieces that this goal does not need any more.
         """
         if self.on_the_way or arrived == self.delivered or self.is_of_parts:
             return 0
         if self.by_people and arrived < self.delivered:
             return 0
-        # Whatever was sent has either arrived or will not: no piece is in between.
+        # All sent pieces have either arrived or will not: none is on the way.
         self.delivered = min(arrived, self.committed)
         self.lost_in_transit = self.committed - self.delivered
         surplus = min(self.ready, max(0, -self.to_make))
@@ -172,7 +172,7 @@ class Goal:
         return surplus
 
     def brief(self, now_s: float, cycling: bool) -> GoalBrief:
-        """What the heartbeat tells of it.
+        """Its entry in the heartbeat.
 
         Args:
             now_s: the present time.
@@ -193,7 +193,7 @@ class Goal:
 
     @property
     def reported_made(self) -> int:
-        """Pieces that were made, those that got lost not counted twice."""
+        """Pieces made, without counting replaced ones twice."""
         return min(self.made, self.work.quantity)
 
     def memory(self) -> GoalMemory:

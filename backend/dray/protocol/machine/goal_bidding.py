@@ -1,4 +1,4 @@
-"""A machine as a contractor of the strategist: hear of goals, quote them, take them, give them back."""
+"""A machine as a contractor of the strategist: it quotes goals, takes them, and gives them back."""
 
 from __future__ import annotations
 
@@ -35,26 +35,26 @@ from dray.protocol.runtime.retransmission import Retransmitter
 CONFIRM = "confirm"
 
 QUOTES_KEPT = 64
-"""Bids for goals whose award may still come: more than a strategist has open at a time."""
+"""Maximum bids whose award may still come: more than a strategist has open at a time."""
 
 GOALS_MAX = 4096
-"""Goals of one machine at a time: weeks of work. Beyond that somebody gives out what no order asks for."""
+"""Maximum goals of one machine: weeks of work. More are not from orders."""
 
 QUOTE_TOLERANCE_S = 60.0
-"""How much later than it bid a machine may end and still take an award."""
+"""Maximum lateness against its bid with which a machine still takes an award (s)."""
 
 
 class GoalBidder:
     """Bids for one machine.
 
     Args:
-        goals: what it has taken.
-        supply: what is at hand.
-        probation: of the machine. A goal of one container is short: more is not spoilt by a bad one.
-        life: its agent's; its alarms are named ``(CONFIRM, goal)``.
+        goals: its goals.
+        supply: its stock.
+        probation: the machine's probation. A goal of one container is short: a fault spoils no more.
+        life: the agent's life; alarms are named ``(CONFIRM, goal)``.
 
     Attributes:
-        alarms: what to call when an alarm of this class has come, with (goal, now_s).
+        alarms: handlers of this class's alarms, called with (goal, now_s).
         message_handlers: for the machine's table.
     """
 
@@ -65,25 +65,25 @@ class GoalBidder:
         self._life = life
         self._refusals = Refusals(life)
         self._quoted_s: BoundedMap[str, float] = BoundedMap(QUOTES_KEPT)
-        """By goal: when it was promised to be done."""
+        """By goal: the promised finish."""
         self._unconfirmed = Retransmitter(CONFIRM, life)
-        """Acceptances, said until their strategist has confirmed the goal. A Release would end it too."""
+        """Acceptances, repeated until their strategist has confirmed the goal or released the machine."""
         self.alarms = {CONFIRM: self._unconfirmed.wake}
         self.message_handlers: dict[type[Message], Callable[..., None]] = {
             HolderChanged: self.on_holder_changed
         }
 
     def coordinator_of(self, task: str, _role: Role) -> str:
-        """Who has given the machine a goal, or has taken its order over; empty where it has no such goal."""
+        """The strategist of a goal, or the one that took its order over; empty without such a goal."""
         goal = self._goals.get(task)
         return "" if goal is None else goal.strategist
 
     def on_announced(self, message: TaskAnnounced, unfit: str, now_s: float) -> None:
-        """Answer an announcement with a bid, or note why not.
+        """Answer an announcement with a bid, or note the refusal.
 
         Args:
             message: the announcement.
-            unfit: why the machine takes no goals at all; empty when it does.
+            unfit: why the machine takes no goals at all; empty if it does.
             now_s: the present time.
         """
         work = message.work
@@ -105,14 +105,14 @@ class GoalBidder:
         self._life.do(*offer(message, cost, finish_s, now_s))
 
     def on_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
-        """Take a goal or decline it; True when it was taken just now."""
+        """Take a goal or decline it; True if it was taken just now."""
         work = award.work
         if not isinstance(work, Production) or not self._is_able(work):
             self._life.do(decline(sender, award, Refusal.ABILITY))
             return False
         known = self._goals.get(award.task)
         if known is not None:
-            # Its first answer was lost, or the strategist has lost it with an earlier life.
+            # Its first answer was lost, or the strategist has lost it by a restart.
             if award.epoch >= known.epoch:
                 known.epoch, known.number = award.epoch, award.number
                 self._life.commit()
@@ -132,7 +132,7 @@ class GoalBidder:
         return True
 
     def ask(self, goal: Goal, now_s: float) -> None:
-        """Say that a goal was taken until it is confirmed; whether it still is this machine's, and what has arrived."""
+        """Repeat the acceptance until it is confirmed. The answer tells if the goal is valid, and what has arrived."""
         accepted = Accepted(
             task=goal.id,
             epoch=goal.epoch,
@@ -143,11 +143,11 @@ class GoalBidder:
         self._unconfirmed.say(goal.id, Send(goal.strategist, accepted), now_s)
 
     def on_confirmed(self, message: Confirmed, now_s: float) -> bool:
-        """The contract stands on both sides; True when that, or what has arrived, is news."""
+        """The strategist confirms the goal; True if that, or the count of arrivals, is new."""
         goal = self._goals.get(message.task)
         if goal is None:
             return False
-        # Also when it was confirmed before: a doubled award has made the machine ask again.
+        # Also after an earlier confirmation: a doubled award has made the machine ask again.
         self._unconfirmed.settle(goal.id)
         before = (goal.confirmed, goal.delivered, goal.lost_in_transit)
         goal.confirmed = True
@@ -159,17 +159,17 @@ class GoalBidder:
         return True
 
     def on_revised(self, sender: str, message: GoalRevised, running: Goal | None) -> bool:
-        """Make less of a goal, or make it at another time; what was begun is kept. True when anything changes.
+        """Reduce a goal, or change its deadline; begun pieces are kept. True after a change.
 
         Args:
-            sender: who hears what is kept.
-            message: what is wanted now.
-            running: the goal whose piece is being made.
+            sender: the strategist, which hears what is kept.
+            message: the new quantity and deadline.
+            running: the goal of the running cycle.
         """
         goal = self._goals.get(message.task)
         if goal is None or message.epoch != goal.epoch:
-            return False  # Its strategist hears by the heartbeat that there is no such goal here.
-        # Too late to spare is what was made and not lost, or is being made.
+            return False  # Its strategist learns from the heartbeat that there is no such goal here.
+        # Pieces in work, or made and not lost, cannot be saved.
         begun = max(goal.made - goal.lost_in_transit + (goal is running), goal.delivered, goal.arrived)
         kept = min(max(begun, message.quantity), goal.work.quantity)
         is_news = self._goals.revise(goal, kept, message.deadline_s)
@@ -179,11 +179,12 @@ class GoalBidder:
         return is_news
 
     def on_over(self, message: Release | Withdrawn) -> Goal | None:
-        """The goal is not this machine's any more: it stops, and what is ready is spare.
+        """The goal is not this machine's any more: it stops, and ready pieces are spare.
 
         Returns:
-            The goal, if it was known; None for words that change nothing. A Release answers a machine
-            that asks: to one whose goal is confirmed, or was given by another award, it comes too late.
+            The goal, if it was known; None for ignored messages. A Release answers a machine that asks: it is too
+            late for a
+                confirmed goal, or for one with another award.
         """
         goal = self._goals.get(message.task)
         if goal is None:
@@ -195,7 +196,7 @@ class GoalBidder:
         return self._end(goal, message.reason)
 
     def on_holder_changed(self, sender: str, message: HolderChanged, now_s: float) -> None:
-        """Another strategist speaks for the goals of an order from now on, unless one is known that has taken it over since."""
+        """Another strategist takes over the goals of an order, unless a later one already has."""
         taken = [goal for goal in self._of_order(message.order) if goal.held < message.epoch]
         for goal in taken:
             goal.strategist, goal.held = sender, message.epoch
@@ -205,7 +206,7 @@ class GoalBidder:
             self._life.commit()
 
     def on_closed(self, message: GoalClosed) -> Goal | None:
-        """All of a goal is delivered: the gate has counted it. Returns the goal, if it was known."""
+        """The gate has counted all of a goal. Returns the goal, if it was known."""
         goal = self._goals.get(message.goal)
         return None if goal is None else self._end(goal, Reason.DELIVERED)
 
@@ -231,7 +232,7 @@ class GoalBidder:
     def _why_not(
         self, sender: str, goal: str, work: Production, deadline_s: float, unfit: str, now_s: float
     ) -> Refusal | None:
-        """A goal that was taken since the bid may have made its promise empty; and another strategist may hold its order by now."""
+        """Why an award is declined: other goals delay the promise, or another strategist holds the order."""
         if unfit or any(each.strategist != sender for each in self._of_order(work.order)):
             return Refusal.NOT_FIT
         if len(self._goals) >= GOALS_MAX:

@@ -1,12 +1,12 @@
 """A production machine: makes goals, orders its own material, has its products carried away (paper, 3.2).
 
-It is a contractor towards the strategist, whose goals it bids for (`goal_bidding`), and the coordinator
-of all its transports (`transports`, `dock`). It watches its buffers (`supply`); everything else
-follows from `_pursue`, which is asked after every change: start the next cycle, order what runs low,
-have finished goods fetched, say so.
+It is a contractor of the strategist, for whose goals it bids (`goal_bidding`), and the coordinator of all its
+transports (`transports`, `dock`). It watches its buffers (`supply`). After every change `pursue` starts the next
+cycle, orders low material, has finished goods fetched, and reports the state.
 
-One that is asked to leave takes no goal and opens no new task. It stays while somebody may be about to answer it, or is at its dock. Its
-goals are its own if its next life speaks within GOAL_SILENCE_S (`strategist.machine_monitor`); the body goes on with its cycle meanwhile.
+A machine that is asked to leave takes no goal and opens no new task. It stays while an answer may come, or a
+vehicle is at its dock. It keeps its goals if its next life speaks within GOAL_SILENCE_S
+(`strategist.machine_monitor`); the body goes on with its cycle meanwhile.
 """
 
 from __future__ import annotations
@@ -76,13 +76,13 @@ class Machine(AgentBase):
         plant: the plant it stands in.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
-        joining: the plant files of others do not know it: it says itself what it is and where it stands.
-        probation: transports to or from it that have to be done well before it takes long goals; 0 for a
-            machine that is known to be good.
-        rules: patience and reach of its auctions.
-        traffic: of the plant; None where vehicles drive without right of way.
-        trusts: whose word counts when people carry vehicles away, or command the machine.
-        running: what can be done with its agent where that runs.
+        joining: whether others' plant files lack it: it then publishes its own data and position.
+        probation: transports to or from it that must be done well before it takes long goals; 0 for a known good
+            machine.
+        rules: time-outs and radius of its auctions.
+        traffic: of the plant; None if vehicles drive without right of way.
+        trusts: the trusted signers of people's removals and commands.
+        running: what its operator can do with its agent's process.
     """
 
     def __init__(
@@ -225,14 +225,15 @@ class Machine(AgentBase):
         self.pursue(now_s)
 
     def _restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
-        """Go on with what an earlier life was bound by."""
+        """Continue an earlier life's contracts."""
         for booked in memory.goals:
-            # It goes on with them: the strategist may be away, and the gate knows what may still get in.
+            # The machine goes on with them: the strategist may be away, and the gate knows what may still
+            # come in.
             self._bidder.ask(self._goals.restore(booked), now_s)
         self._supply.goals_changed()
         self._flow.restore(memory, notes, now_s)
         self._commands.restore(memory)
-        # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
+        # Tasks without a carrier have a higher epoch now, which no later life may reuse.
         self._life.commit()
 
     def _memory(self) -> Note:
@@ -256,7 +257,7 @@ class Machine(AgentBase):
         if isinstance(body, WorkcellState) and self._commands.sense(body):
             self._life.beat_soon(now_s)
         if not isinstance(body, WorkcellState) or self._cycle.product not in ("", body.cycling):
-            return  # A body elsewhere may not have heard of the cycle yet, whose material is used up here.
+            return  # The body may not have heard of the cycle yet, whose material is already subtracted here.
         if self._supply.sense(body.stock, body.seq):
             self.pursue(now_s)
 
@@ -286,7 +287,7 @@ class Machine(AgentBase):
         self.pursue(now_s)
 
     def _cycle_failed(self, _report: CycleFailed, now_s: float) -> None:
-        # The senses put the stock right at the next beat; then it is tried again.
+        # The next heartbeat corrects the stock by the senses; then the cycle is tried again.
         self._cycle.failed()
         self._life.beat_soon(now_s)
 
@@ -313,14 +314,14 @@ class Machine(AgentBase):
         self._changed(now_s)
 
     def _changed(self, now_s: float) -> None:
-        """Something is known now, or decided, that the next life must know and others should."""
+        """Store a new state, act on it, and publish it."""
         self._life.commit()
         self.pursue(now_s)
         self._life.beat_soon(now_s)
 
     @property
     def speed_frac(self) -> float:
-        """At which part of its speed it works."""
+        """Speed as a fraction of its full speed."""
         return self._goals.speed_frac
 
     @speed_frac.setter
@@ -329,12 +330,12 @@ class Machine(AgentBase):
         self._supply.goals_changed()
 
     def leave(self, now_s: float, *, update: bool) -> None:
-        """Shut down gracefully, to be started again."""
+        """Shut down gracefully for a restart."""
         self._last_word = Leave(again=True, update=update)
         self._on_leaving(now_s)
 
     def pursue(self, now_s: float) -> None:
-        """Do whatever the present state asks for."""
+        """Do what the present state requires."""
         self._sharing.decide(now_s)
         in_service = self._commands.service.out is None and not self._shutdown.begun
         self._breakdown.update_call(now_s, expected=in_service)
@@ -358,17 +359,17 @@ class Machine(AgentBase):
     # --- when material moves (`dray.protocol.machine.material_flow.Owner`) ---
 
     def note_done(self) -> None:
-        """A transport came to its good end."""
+        """A transport was delivered."""
         self._probation.note_done()
 
     def ask_for_count(self, goal: Goal, now_s: float) -> None:
-        """The gate may have counted more of a goal than is known."""
+        """Ask for a newer gate count of a goal."""
         self._bidder.ask(goal, now_s)
 
     def miss_goods(self, goal: Goal | None, now_s: float) -> None:
-        """Pieces of a goal are lost, or nobody knows where they are."""
+        """Pieces of a goal are lost or missing."""
         if goal is not None:
-            # They may have arrived all the same: the gate has the last word.
+            # They may have arrived all the same: the gate decides.
             self._bidder.ask(goal, now_s)
         self._goals_changed(now_s)
         self._life.commit()
@@ -383,7 +384,7 @@ class Machine(AgentBase):
         return objection(sender, message, self._bidder.coordinator_of)
 
     def _unfit(self, asked: TaskAnnounced | Award) -> str:
-        """Why it does not take a goal, whatever that is; empty when it does."""
+        """Why it takes no goals; empty if it does."""
         out = "out of service" if self._commands.service.out is not None else ""
         why = self._breakdown.problem or out or ("draining" if self._shutdown.begun else "")
         return why or self._closures.objection(asked.deadline_s)

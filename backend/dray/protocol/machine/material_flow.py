@@ -1,8 +1,8 @@
-"""A machine's material flow: what it orders itself, and its goods, besides all else that is brought to it.
+"""A machine's material flow: its own orders and its goods, besides all other transports to it.
 
-Its transports are those of every place (`dray.protocol.transports.transport_flow`); the material that it sees to itself is in
-`supply`, the goods in `finished_goods`, what others have taken away from its buffers in `issuing`. Here these parts are joined.
-What the machine does when something has moved is its own affair.
+Its transports are those of every place (`dray.protocol.transports.transport_flow`). Its own orders are in `supply`,
+its goods in `finished_goods`, loads that others fetch from its buffers in `issuing`. This class joins them; the
+machine decides what follows from a movement.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ from dray.protocol.transports.transport_flow import FlowOwner, TransportFlow
 
 
 class Owner(FlowOwner, Protocol):
-    """What a machine does when its material moves."""
+    """The machine, as its material flow needs it."""
 
     def note_done(self) -> None:
-        """A transport came to its good end."""
+        """A transport was delivered."""
 
     def ask_for_count(self, goal: Goal, now_s: float) -> None:
-        """The gate may have counted more of a goal than is known."""
+        """Ask for a newer gate count of a goal."""
 
     def miss_goods(self, goal: Goal | None, now_s: float) -> None:
-        """Pieces of a goal are lost, or nobody knows where they are."""
+        """Pieces of a goal are lost or missing."""
 
     @property
     def is_draining(self) -> bool:
@@ -54,19 +54,19 @@ class MaterialFlow(TransportFlow):
 
     Args:
         machine: its id in the plant.
-        plant: the plant it stands in.
+        plant: its plant.
         keys: the plant's bus keys.
-        goals: what it makes.
+        goals: its goals.
         supply: its buffers and goods.
-        rules: patience and reach of its auctions.
+        rules: time-outs and radius of its auctions.
         owner: the machine.
         incarnation: how often it has been started.
-        tells_node: others' plant files do not know where it stands: every transport says so.
+        tells_node: whether every transport names its node, because others' plant files lack it.
 
     Attributes:
-        task_count: how many tasks of its own were named, over all lives.
-        goods: those that wait to be fetched.
-        put_away: parts that nobody here needs.
+        task_count: number of its own task names, over all lives.
+        goods: its finished goods.
+        put_away: parts that no goal here needs.
         cycling: the product of the running cycle; empty for none.
     """
 
@@ -116,12 +116,12 @@ class MaterialFlow(TransportFlow):
     # --- the beginning ---
 
     def take_count(self, body: WorkcellState) -> None:
-        """Take over what the body has counted."""
+        """Take over the body's count."""
         self._supply.take_count(body.stock, body.seq)
         self.take_abilities(body)
 
     def restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
-        """Go on with the transports of an earlier life."""
+        """Restore the transports of an earlier life."""
         self.task_count = memory.task_count
         self.put_away.restore(memory.put_away, memory.put_away_count, now_s)
         self.restore_tasks(memory.tasks, notes, now_s)
@@ -132,18 +132,18 @@ class MaterialFlow(TransportFlow):
             self._book.restore(load, (load.vehicle,), now_s)
 
     def shut_unknown(self, opened: Iterable[str]) -> None:
-        """Shut the dock for vehicles for which an earlier life has opened it, and of which nothing is known any more."""
+        """Shut the dock for vehicles of an earlier life that are unknown now."""
         carriers = {task.primary for task in self.tasks}
         self._issuing.shut_unknown(vehicle for vehicle in opened if vehicle not in carriers)
 
-    # --- what the machine asks and tells ---
+    # --- requests and reports of the machine ---
 
     @property
     def is_held(self) -> bool:
         return super().is_held or self._issuing.is_held
 
     def announce_needs(self, product: str, now_s: float) -> None:
-        """Have material brought for what is made and for what is to come, and goods fetched."""
+        """Have needed material brought, and goods fetched."""
         self.called.pursue(now_s)
         for need in list(self.sourcing):
             if not self.called.has(need.task) and not self._supply.needs(need.work.item, product):
@@ -156,13 +156,13 @@ class MaterialFlow(TransportFlow):
         self.called.review(now_s)
 
     def give_back(self, now_s: float) -> None:
-        """Nothing is to be brought any more for what is not made here, unless it is on board, or somebody has asked for it."""
+        """Withdraw transports of unneeded material that are not on board, unless they were ordered."""
         for task in unneeded(self.tasks, self._supply):
             if not self.called.has(task.id):
                 self.withdraw(task, now_s)
 
     def note_stock(self, now_s: float) -> None:
-        """What lies in the buffers may be other than before: what others count on follows from it."""
+        """The stock may have changed: update reservations."""
         self._review_stranded()
         for part in self._goals.products.parts():
             self._book.keep(part, self._plant.machines[self._place].goods_capacity)
@@ -172,7 +172,7 @@ class MaterialFlow(TransportFlow):
         self._issuing.settle(now_s)
 
     def _to_give(self, item: str) -> int:
-        """Pieces that others may fetch: goods that belong to no goal, parts that no goal here takes, and any material."""
+        """Pieces that others may fetch: spare goods, parts that no goal here takes, and any material."""
         if self._goals.products.is_goods(item):
             return self._goals.spare(item)
         if item in self._plant.parts:
@@ -209,17 +209,17 @@ class MaterialFlow(TransportFlow):
             self.goods.recount(now_s)
 
     def on_goal_counted(self, goal: str, now_s: float) -> None:
-        """The gate's count of a goal is known anew."""
+        """The gate's count of a goal was updated."""
         self._handovers.on_goal_counted(goal, now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _send_goods(self, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have goods fetched."""
         self._announce(self._next_task(), self._docked_here(work), deadline_s, now_s)
 
     def _review_stranded(self) -> None:
-        """Tell each goal how many of its pieces wait for a word: nobody else makes them meanwhile."""
+        """Update each goal's pieces that wait for a person: no other machine makes them meanwhile."""
         waiting = [task for task in self.tasks if task.stranded is not None or task.left]
         works = [cast(Transport, task.work) for task in waiting]
         for goal in self._goals:
@@ -231,7 +231,7 @@ class MaterialFlow(TransportFlow):
 
     def _on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         if message.station == self._place and message.item and not self.knows(message.task):
-            # Another place's transport: what it fetches here is taken away.
+            # Another place's transport fetches its load here.
             self._book.assume(self._to_give)
             self._issuing.on_docked(sender, message, now_s)
             self.note_let_in(self._issuing.opened_for(message.task), now_s)
@@ -285,7 +285,7 @@ class MaterialFlow(TransportFlow):
             self._supply.ordered(work)
 
     def _on_recovered(self, now_s: float) -> None:
-        # What had left before this life began, its carrier has told by now.
+        # Carriers have reported by now what left before this life.
         self.goods.recount(now_s)
 
     def _lacks(self, task: OpenTask) -> bool:
@@ -304,7 +304,7 @@ class MaterialFlow(TransportFlow):
 
 
 def unneeded(tasks: Iterable[OpenTask], supply: Supply) -> list[OpenTask]:
-    """Transports of material that no goal takes any more, and that nobody has on board, as far as is known."""
+    """Transports of material that no goal takes any more, and that are not on board as far as is known."""
     return [
         task
         for task in tasks

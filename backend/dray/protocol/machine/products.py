@@ -1,4 +1,4 @@
-"""What a machine can make: what it was set up for, and what goals tell of other products."""
+"""The products that a machine can make: its own, and those defined by goals."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 
 BROUGHT_KEPT = 1000
-"""Products that goals have brought: more than lie in the goods of one machine."""
+"""Maximum products defined by goals: more than lie in the goods of one machine."""
 
 
 class Products:
     """The products of one machine.
 
-    A goal in work brings its own definition; what is kept here is for pieces that belong to no goal.
+    A goal has its own definition; those kept here are for pieces without a goal.
 
     Args:
         machine: its id in the plant.
-        plant: what it was set up for, and the materials that can be had.
+        plant: the plant with the machine's products, and available materials.
 
     Attributes:
-        own: the products that it was set up for.
+        own: the products of its plant file.
     """
 
     def __init__(self, machine: str, plant: Plant) -> None:
@@ -35,42 +35,42 @@ class Products:
         self._known = self.own
 
     def __iter__(self) -> Iterator[str]:
-        """All that it knows: its own, then those that goals have brought."""
+        """All known products: its own, then those defined by goals."""
         return iter(self._known)
 
     def note(self, product: str, definition: ProductDefinition) -> None:
-        """Goals bring definitions; the last one counts for pieces that belong to none."""
+        """Keep a goal's definition; the last one counts for pieces without a goal."""
         self._brought[product] = definition
         self._known = (*self.own, *(name for name in self._brought if name not in self._cycle_s))
 
     def restore(self, memory: Sequence[ProductMemory]) -> None:
-        """Know what an earlier life was brought; before pieces are counted, for what is made here lies in no buffer."""
+        """Restore an earlier life's definitions, before the stock is counted, because products have no buffer."""
         for known in memory:
             self.note(known.product, known.definition)
 
     def container(self, product: str) -> tuple[int, str]:
-        """Pieces in a container, and what a vehicle must be able to carry, of a product that it knows."""
+        """Pieces per container and required ability of a known product."""
         known = self._brought.get(product) or self._plant.products[product]
         return known.lot, known.ability
 
     def is_goods(self, item: str) -> bool:
-        """Whether something is made here, rather than used."""
+        """Whether an item is made here, not used."""
         return item in self._cycle_s or item in self._brought or item not in (THING, *self._plant.materials)
 
     def parts(self) -> tuple[str, ...]:
-        """What it makes of which others make something."""
+        """Products from which others make something."""
         return tuple(product for product in self if product in self._plant.parts)
 
     def can_make(self, work: Production) -> bool:
-        """Whether it was set up for the product of a goal, or the goal names it."""
+        """Whether the product is its own, or the goal names this machine."""
         return work.product in self._cycle_s or self._told_s(work) is not None
 
     def can_make_by_itself(self, product: str) -> bool:
-        """Whether it was set up for a product."""
+        """Whether a product is its own."""
         return product in self._cycle_s
 
     def objection(self, work: Production) -> str:
-        """Why it can never make a goal's product, in words; empty when it can."""
+        """Why it can never make a goal's product, in words; empty if it can."""
         if work.product in self._plant.materials and work.product not in self._plant.parts:
             return f"{work.product} is a material"
         if work.product in self._plant.materials_of(self._machine):
@@ -92,10 +92,10 @@ class Products:
         return ""
 
     def cycle_s(self, work: Production) -> float:
-        """Seconds for one piece at full speed: the machine's own word, else the goal's.
+        """Cycle time at full speed (s): the machine's own, else the goal's.
 
         Raises:
-            KeyError: neither says it; see `can_make`.
+            KeyError: if neither is known; see `can_make`.
         """
         told_s = self._cycle_s.get(work.product, self._told_s(work))
         if told_s is None:
@@ -103,7 +103,7 @@ class Products:
         return told_s
 
     def memories(self, level: Callable[[str], int]) -> tuple[ProductMemory, ...]:
-        """What the next life must know of pieces that lie here and that it was not set up for."""
+        """Definitions for the next life, of pieces that lie here and are not its own products."""
         return tuple(
             ProductMemory(product, definition)
             for product, definition in self._brought.items()
@@ -116,10 +116,10 @@ class Products:
 
 
 def per_piece(work: Production, material: str) -> int:
-    """Pieces of a material that one piece of a goal takes."""
+    """Pieces of a material per piece of a goal."""
     return sum(line.quantity for line in work.definition.bill if line.material == material)
 
 
 def at_hand(work: Production, stock: Mapping[str, int]) -> bool:
-    """Whether all lies there that one piece of a goal takes."""
+    """Whether all material for one piece of a goal is in stock."""
     return all(stock.get(line.material, 0) >= line.quantity for line in work.definition.bill)

@@ -1,8 +1,8 @@
-"""Parts that lie at a machine and that nobody here needs: a storage is asked to have them fetched.
+"""Parts that lie unneeded at a machine: a storage is asked to have them fetched.
 
-Made parts wait at their machine for whoever needs them. They go to a storage when nothing more of them is made here, or little room is left
-for another piece; so does what lies in a buffer and no goal of this machine takes any more. The storage's station coordinates that
-transport as any other that somebody has asked for (`transports.called`).
+Made parts wait at their machine until they are fetched. They go to a storage when no more of them is made here, or
+when little room is left. Parts in a buffer that no goal of this machine takes go there too. The storage's station
+coordinates that transport like any other order (`transports.called`).
 """
 
 from __future__ import annotations
@@ -25,25 +25,25 @@ from dray.protocol.runtime.running import life_mark
 PUT_AWAY = "put away"
 
 AGAIN_S = 30.0
-"""A station is asked so often how far it is; it tells nothing by itself."""
+"""Interval for asking a station (s), which reports nothing by itself."""
 
 GIVEN_UP_S = 300.0
-"""A storage that has not fetched anything by then has no room, or others have fetched it: another one is asked, if there is still need.
-Whoever has nothing to do hears of nothing else that makes it look, so it looks `AGAIN_S` later."""
+"""Time after which a storage without a fetch is given up (s): it has no room, or others have fetched the parts. Then
+another one is asked if needed. An idle machine has no other occasion, so it checks again after `AGAIN_S`."""
 
 
 class PutAway:
-    """For one machine: at most one transport of each part at a time.
+    """The put-away of one machine: at most one transport of each part at a time.
 
     Args:
-        machine: whose parts.
-        plant: the storages, and their sizes of containers.
-        life: its agent's; its alarms are named ``(PUT_AWAY, transport)``.
-        look: called with now_s a while after a storage has fetched something, or has not: there may be more of it.
+        machine: the machine's id.
+        plant: the storages, and their container sizes.
+        life: the agent's life; alarms are named ``(PUT_AWAY, transport)``.
+        look: called with now_s a while after a transport has ended: there may be more parts.
         incarnation: how often the machine was started.
 
     Attributes:
-        alarms: what to call when an alarm of this class has come, with (transport, now_s).
+        alarms: handlers of this class's alarms, called with (transport, now_s).
     """
 
     def __init__(
@@ -53,28 +53,28 @@ class PutAway:
         self._look = look
         self._life, self._mark = life, life_mark(incarnation)
         self._asked: dict[str, PutAwayMemory] = {}
-        """By part."""
+        """By part: the open request."""
         self._since_s: dict[str, float] = {}
-        """By transport, when it was asked for, or this life began."""
+        """By transport: when it was requested, or this life began."""
         self._state: dict[str, TransportState] = {}
         self._turn: dict[str, int] = {}
-        """By part, which of its storages is asked next, the closest first."""
+        """By part: index of the next storage to ask, the closest first."""
         self.count = 0
         self.alarms: dict[str, Callable[[Any, float], None]] = {PUT_AWAY: self._again}
 
     def restore(self, asked: Sequence[PutAwayMemory], count: int, now_s: float) -> None:
-        """Go on with what an earlier life has asked for."""
+        """Continue an earlier life's requests."""
         self.count = count
         for each in asked:
             self._asked[each.part] = each
             self._begin(each, now_s)
 
     def memories(self) -> tuple[PutAwayMemory, ...]:
-        """For the next life."""
+        """The open requests, for the next life."""
         return tuple(self._asked.values())
 
     def offer(self, part: str, pieces: int, now_s: float) -> None:
-        """So many pieces of a part lie here that nobody needs and nobody has asked for."""
+        """Offer unneeded pieces of a part that are not requested."""
         storages = self._plant.storages_of(part)
         if part in self._asked or pieces <= 0 or not storages:
             return
@@ -92,7 +92,7 @@ class PutAway:
         self._begin(asked, now_s)
 
     def on_answered(self, sender: str, answer: TransportAnswered, now_s: float) -> None:
-        """A station tells how far it is."""
+        """Handle a station's report."""
         asked = next((each for each in self._asked.values() if each.transport == answer.transport), None)
         if asked is None or asked.storage != sender:
             self._life.ignore("an answer about a transport that was not asked for")
@@ -102,7 +102,7 @@ class PutAway:
             del self._asked[asked.part], self._since_s[asked.transport], self._state[asked.transport]
             if answer.state is TransportState.CANCELLED:
                 self._turn[asked.part] = self._turn.get(asked.part, 0) + 1
-            # More of it may lie there, or still the same.
+            # There may be more of it, or the same pieces.
             self._life.alarm((PUT_AWAY, asked.transport), now_s + AGAIN_S)
             self._life.commit()
 

@@ -1,9 +1,9 @@
-"""When a machine asks for what, and how early: pure arithmetic.
+"""When, and how early, a machine orders material: pure arithmetic.
 
     reorder point = use per second * lead time * SAFETY + one cycle
 
-so that a machine that goes on at full speed gets the next load before it runs dry (paper, 4.1 and
-case 3: what the bidding takes is part of the lead time and is ordered ahead).
+so that a machine at full speed gets the next load before it runs out (paper, 4.1 and case 3: the bidding time is
+part of the lead time, and is ordered ahead).
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ SAFETY = 1.5
 """Lead times vary by about a third around their mean; half as much again covers 9 of 10."""
 
 LEAD_TIME_WEIGHT = 0.2
-"""Of the newest lead time in the running mean: about the last ten count."""
+"""Weight of the newest lead time in the running mean: about the last ten count."""
 
 
 def reorder_point(use_per_s: float, lead_time_s: float, per_cycle: int, ceiling: int) -> int:
-    """The level at which to ask for more.
+    """The level at which to order more.
 
     Args:
         use_per_s: pieces used per second at full speed.
         lead_time_s: from the announcement to the material in the buffer.
         per_cycle: pieces that one cycle takes.
-        ceiling: a level that the point must not pass: above it a whole lot would find no room.
+        ceiling: maximum level: above it a whole lot would find no room.
     """
     wanted = math.ceil(use_per_s * lead_time_s * SAFETY) + per_cycle
     return max(per_cycle, min(wanted, ceiling))
 
 
 def order_quantity(*, level: int, on_order: int, need: int, point: int, lot: int, capacity: int) -> int:
-    """How many pieces to ask for now; 0 for none.
+    """Pieces to order now; 0 for none.
 
     Args:
         level: pieces in the buffer.
@@ -55,10 +55,10 @@ def runs_out_at_s(now_s: float, expected: int, use_per_s: float, working_time: W
 
 
 class LeadTime:
-    """A running mean of how long a replenishment takes.
+    """A running mean of the lead time of replenishments.
 
     Args:
-        first_guess_s: from the plant's ways, before anything was delivered.
+        first_guess_s: an estimate from the plant's ways, before any delivery.
     """
 
     __slots__ = ("mean_s",)
@@ -67,5 +67,5 @@ class LeadTime:
         self.mean_s = first_guess_s
 
     def note(self, took_s: float) -> None:
-        """A replenishment has taken this long."""
+        """Note a replenishment's lead time."""
         self.mean_s += LEAD_TIME_WEIGHT * (took_s - self.mean_s)

@@ -1,4 +1,4 @@
-"""What a machine tells everybody of itself: its status, and its heartbeat, put together from what its parts know."""
+"""A machine's status and heartbeat, composed from its parts."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _Levels = tuple[BufferLevel, ...] | UnsetType
 
 
 class Owner(Protocol):
-    """What a machine knows of itself beside its parts."""
+    """The machine's own facts beside its parts."""
 
     id: str
     incarnation: int
@@ -49,17 +49,17 @@ class Owner(Protocol):
 
 
 class StatusReport:
-    """Puts a machine's heartbeats together.
+    """Composes a machine's heartbeats.
 
     Args:
         owner: the machine.
         software: the version it runs.
-        joining: what it is, where the plant files of others do not know it.
-        keys: of its plant.
+        joining: its own data, if others' plant files lack it.
+        keys: the plant's bus keys.
         goals, supply, flow, cycle, documents, breakdown, commands, probation, reservation_handling: the machine's parts.
 
     Attributes:
-        status: as it was told last.
+        status: the status last reported.
     """
 
     def __init__(
@@ -96,9 +96,9 @@ class StatusReport:
         self.status = MachineStatus.IDLE
         self._told: Stock | None = None
         self._told_s = 0.0
-        """Which stock was told last, and when."""
+        """The stock last reported, and when."""
         self._had_documents = False
-        """Ever in this life: who never had any does not tell of them."""
+        """Whether this life ever had documents; if not, heartbeats omit them."""
 
     def say(self, now_s: float) -> MachineHeartbeat:
         """Send a heartbeat."""
@@ -135,18 +135,18 @@ class StatusReport:
         return heartbeat
 
     def _stock(self, now_s: float) -> tuple[_Levels, _Levels, tuple[DocumentBrief, ...] | UnsetType]:
-        """What lies here, where the next heartbeat tells it."""
+        """The stock, when the next heartbeat has to report it."""
         documents = self._documents.briefs()
         self._had_documents |= bool(documents)
         stock = self._supply.levels(), self._flow.goods.levels(), documents
-        # A heartbeat early is as good as one late.
+        # Half an interval of tolerance.
         if stock == self._told and now_s - self._told_s < STOCK_EVERY_S - WORKING_INTERVAL_S / 2:
             return UNSET, UNSET, UNSET
         self._told, self._told_s = stock, now_s
         return stock if self._had_documents else (stock[0], stock[1], UNSET)
 
     def update(self, now_s: float) -> None:
-        """Work the status out anew; tell it if it has changed."""
+        """Update the status, and report a change."""
         status, reason = self._present()
         if status is self.status:
             return
@@ -173,7 +173,7 @@ class StatusReport:
 
 
 def introduction(spec: MachineSpec) -> JoiningMachine:
-    """What a machine tells of itself that the plant files of others do not know."""
+    """The data of a machine that others' plant files lack."""
     return JoiningMachine(
         name=spec.name,
         station=spec.station,

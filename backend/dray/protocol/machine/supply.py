@@ -1,4 +1,4 @@
-"""A machine's buffers: what is in them, what is on its way, and what to ask for next."""
+"""A machine's buffers: their levels, open orders, and the next order."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Supply:
     """The materials of one machine.
 
     Args:
-        machine: whose buffers.
-        plant: storages, lots and sizes of buffers.
-        goals: what the machine has to make.
+        machine: the machine's id.
+        plant: storages, lots and buffer sizes.
+        goals: the machine's goals.
     """
 
     def __init__(self, machine: str, plant: Plant, goals: GoalBook) -> None:
@@ -27,7 +27,7 @@ class Supply:
         self._plant = plant
         self._goals = goals
         self._per_cycle = dict.fromkeys(plant.materials_of(machine), 0)
-        """By material, the most that one cycle takes of it."""
+        """By material: the most that one cycle takes of it."""
         for making in plant.machines[machine].makes:
             for line in plant.products[making.product].bill:
                 self._provide(line.material, line.quantity)
@@ -35,30 +35,30 @@ class Supply:
         self._on_order: Counter[str] = Counter()
         self._levels: tuple[BufferLevel, ...] | None = None
         self.stock: dict[str, int] = {}
-        """Pieces at hand of every material and product; only this class changes it."""
+        """Pieces of every material and product; only this class changes it."""
         self._seq = 0
-        """Of the last change that is in `stock` (`dray.body.WorkcellState.seq`)."""
+        """Number of the last change in `stock` (`dray.body.WorkcellState.seq`)."""
 
     @property
     def materials(self) -> Collection[str]:
-        """Those for which it has a buffer: what it was set up for, and what goals have asked for since."""
+        """Materials with a buffer: those of its plant file, and those of later goals."""
         return self._per_cycle.keys()
 
-    # --- what is there ---
+    # --- stock ---
 
     def take_count(self, stock: dict[str, int], seq: int) -> None:
-        """Take the workcell's count at the start, which tells all that was reported to earlier lives, too."""
+        """Take the workcell's initial count, which includes all reports to earlier lives."""
         self.stock, self._seq, self._levels = dict(stock), seq, None
         for item in stock:
-            # What is made here is goods, and told of as such: a part in a buffer as well would be counted twice.
+            # Products are reported as goods: a buffer for a part made here would count it twice.
             if not self._goals.products.is_goods(item):
                 self._provide(item, 1)
 
     def sense(self, stock: dict[str, int], seq: int) -> bool:
-        """Take the workcell's count, unless it is of another moment: what it has reported since is still to come.
+        """Take the workcell's count, unless reports on later changes are still to come.
 
         Returns:
-            True when it is not what was believed.
+            True if it differs from the stock here.
         """
         if seq != self._seq or stock == self.stock:
             return False
@@ -66,10 +66,10 @@ class Supply:
         return True
 
     def change(self, item: str, pieces: int, seq: int) -> bool:
-        """Pieces came, or went if negative, as the workcell reports.
+        """Apply a reported change of pieces, negative for taken ones.
 
         Returns:
-            False when the count at the start told so already, and nothing changes.
+            False if the initial count already includes it.
         """
         if seq <= self._seq:
             return False
@@ -85,7 +85,7 @@ class Supply:
         return self.stock.get(item, 0)
 
     def levels(self) -> tuple[BufferLevel, ...]:
-        """Every material's buffer, for the heartbeat. Counted again only after a change."""
+        """Every material's buffer, for the heartbeat; computed only after a change."""
         if self._levels is None:
             self._levels = tuple(
                 BufferLevel(
@@ -100,17 +100,17 @@ class Supply:
         return self._levels
 
     def room(self, material: str) -> int:
-        """Pieces that the buffer can still take."""
+        """Pieces for which the buffer has room."""
         if material == THING:
             return COUNT_MAX
         return (
             self._plant.materials[material].buffer - self.level(material) if material in self.materials else 0
         )
 
-    # --- what is missing ---
+    # --- orders ---
 
     def next_order(self, cycling: str, now_s: float) -> tuple[Transport, float] | None:
-        """What to ask for now, and by when it is needed (plant clock); None when nothing runs low.
+        """The next order and its deadline (plant clock); None if all levels suffice.
 
         Args:
             cycling: the product of the running cycle; empty for none.
@@ -130,11 +130,11 @@ class Supply:
         return None
 
     def latest_s(self, work: Transport, planned_s: float, now_s: float) -> float:
-        """By when it should be there if it can be fetched only now (plant clock)."""
+        """Deadline of a load that can be fetched only now (plant clock)."""
         return max(planned_s, now_s + self._lead_of(work.item).mean_s)
 
     def needs(self, material: str, cycling: str) -> bool:
-        """Whether any goal still takes some of it."""
+        """Whether any goal still needs the material."""
         return self._goals.need(material, cycling) > 0
 
     def ordered(self, work: Transport) -> None:
@@ -154,22 +154,22 @@ class Supply:
             self._lead_of(work.item).note(took_s)
 
     def longest_lead_s(self, work: Production) -> float:
-        """The longest lead time of what a goal is made of (s)."""
+        """The longest lead time of a goal's materials (s)."""
         return max(self._lead_of(line.material).mean_s for line in work.definition.bill)
 
     def patience_s(self) -> float:
-        """How long a transport may take that nothing presses (s): twice what the slowest material takes."""
+        """Time for a transport without urgency (s): twice the longest lead time."""
         return 2.0 * max(self._lead_of(material).mean_s for material in self.materials)
 
     def goals_changed(self) -> None:
-        """The buffers and their reorder points follow from the goals."""
+        """Update the buffers and their reorder points after a change of goals."""
         self._levels = None
         for goal in self._goals:
             for line in goal.work.definition.bill:
                 self._provide(line.material, line.quantity)
 
     def _provide(self, material: str, per_cycle: int) -> None:
-        """Have a buffer for a material of which a cycle takes so much."""
+        """Have a buffer for a material with this use per cycle."""
         self._per_cycle[material] = max(self._per_cycle.get(material, 0), per_cycle)
 
     def _lead_of(self, material: str) -> LeadTime:
@@ -182,7 +182,7 @@ class Supply:
     def _move(self, item: str, pieces: int) -> None:
         if item == THING:
             return
-        # A workcell that counts wrongly is heard all the same: no level can be told that is below 0.
+        # A workcell may count wrongly: a level is kept between 0 and COUNT_MAX.
         self.stock[item] = min(max(self.stock.get(item, 0) + pieces, 0), COUNT_MAX)
         self._levels = None
 
@@ -197,13 +197,13 @@ class Supply:
             on_order=self._on_order[material],
             need=need,
             point=self._reorder_point(material),
-            # Of parts no more are made than are needed: who has more keeps them from others.
+            # Only needed parts are ordered: surplus would keep them from others.
             lot=min(spec.lot, need - expected) if material in self._plant.parts else spec.lot,
             capacity=spec.buffer,
         )
 
     def _sources_of(self, material: str) -> tuple[str, ...]:
-        """The storages that keep a material, and for a part those who make it."""
+        """The storages of a material, and for a part also its makers."""
         makers = self._plant.machines_for(material) if material in self._plant.parts else ()
         return (*self._plant.storages_of(material), *makers)
 

@@ -1,1 +1,1 @@
-"""An operator on duty: is there for others to see, is asked for help, and answers what the person decides."""
+"""An operator on duty: visible to others, asked for help, and answering by the person's decisions."""

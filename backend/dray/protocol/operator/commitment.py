@@ -5,20 +5,20 @@ from __future__ import annotations
 from dray.messages import CallState, HelpCall
 
 AGAIN_S = 2.0
-"""A word that the caller has not confirmed is said again after this long."""
+"""Interval of repetitions until the caller confirms (s)."""
 
 GIVE_UP_S = 15.0
-"""After this long the person is told that nobody has confirmed, and decides again."""
+"""Time after which the person is told that the caller has not confirmed, and decides again (s)."""
 
 
 class Commitment:
-    """What one operator has promised to whom. Empty at first.
+    """The operator's promise to a caller. Empty at first.
 
     Attributes:
         call, caller, goods: empty for none.
-        until_s: by when it is promised (the operator's clock).
-        waits: whether the caller has yet to confirm what was said last.
-        again_s, give_up_s: when it is said again, and when it is given up, while `waits`.
+        until_s: the promised arrival (the operator's clock).
+        waits: whether the caller has yet to confirm the last message.
+        again_s, give_up_s: times of the next repetition and of giving up, while `waits`.
     """
 
     def __init__(self) -> None:
@@ -31,7 +31,7 @@ class Commitment:
 
     @property
     def subject(self) -> tuple[str, str]:
-        """What it is about; see `HelpCall.subject`."""
+        """The subject of the call; see `HelpCall.subject`."""
         return self.caller, self.goods
 
     @property
@@ -40,7 +40,7 @@ class Commitment:
         return (self.call, self._turn) if self._turn else None
 
     def take(self, call: HelpCall, until_s: float, now_s: float) -> None:
-        """Take it, or promise anew; it waits for the caller's word."""
+        """Take a call, or renew the promise; then wait for the caller's confirmation."""
         if self.call != call.call:
             self._turn, self._told_s = 0, None
         self.call, self.until_s = call.call, until_s
@@ -48,11 +48,11 @@ class Commitment:
         self.waits, self.give_up_s = True, now_s + GIVE_UP_S
 
     def said(self, now_s: float) -> None:
-        """It was said to the caller, once more."""
+        """Set the next repetition after a message to the caller."""
         self.again_s = now_s + AGAIN_S
 
     def confirm(self, call: HelpCall, now_s: float) -> None:
-        """The caller has said that this operator has it, and until when; what was promised anew since may not have come there yet."""
+        """The caller confirms this operator and the time; a newer promise may not have reached it yet."""
         self.call, self._turn = call.call, call.turn
         self.caller, self.goods = call.subject
         self._told_s = None if call.until_s is None else now_s + max(0.0, call.until_s - call.at_s)
@@ -60,19 +60,19 @@ class Commitment:
             self.settle()
 
     def settle(self) -> None:
-        """What the caller has told counts."""
+        """Take over the caller's time."""
         self.until_s, self.waits = self._told_s, False
 
     def loses(self, call: HelpCall) -> bool:
-        """Whether a word of the caller's that names another one, or nobody, ends it.
+        """Whether a caller's message with another operator, or none, ends the commitment.
 
-        What was said before the answer could be heard does not.
+        A message sent before the caller could hear the answer does not.
         """
         if call.state is CallState.ENDED or call.taken_by:
             return True
         return self._turn > 0 and not self.waits
 
     def clear(self) -> None:
-        """It is over."""
+        """Clear the commitment."""
         self.call = self.caller = self.goods = ""
         self.until_s, self.waits, self._turn = None, False, 0

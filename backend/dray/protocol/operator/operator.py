@@ -1,8 +1,9 @@
-"""An operator on duty: tells that somebody is there, hears who calls, and carries the person's answers.
+"""An operator on duty: it shows presence, receives calls, and carries the person's answers.
 
-The agent decides nothing for the person. It keeps what a person would forget: one call at a time, what was promised to whom, that a
-call is over or was taken by somebody else. Its body is the person with a tablet (`dray.body.DutyState`); when the tablet is gone the
-operator is there for a while longer, and then is not. Who has promised to come is expected until then: a tablet sleeps in a pocket.
+The agent decides nothing for the person. It keeps what a person would forget: one call at a time, promises, and
+calls that are over or were taken by another operator. Its body is the person with a tablet (`dray.body.DutyState`).
+Without the tablet the operator stays on duty for a while. An operator who has promised to come is expected until
+then: a tablet sleeps in a pocket.
 """
 
 from __future__ import annotations
@@ -26,22 +27,22 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import BEAT
 
 LINGER_S = 30.0
-"""So long somebody is there whose tablet is not: a page is loaded again, a gateway started, a dead spot crossed in less."""
+"""Time on duty without the tablet (s): enough to reload a page, start a gateway, or cross a dead spot."""
 
 LEAVES_WITHIN_S = 1.0
-"""Nothing holds an operator who goes off duty."""
+"""Nothing delays an operator who goes off duty."""
 
 CALLS_MAX = 64
-"""Calls that are known at a time: more than there are in one plant."""
+"""Maximum known calls: more than there are in one plant."""
 
 CALL_SILENCE_S = 60.0
-"""A call that was not said for so long is over, or its caller is: it is said every few seconds."""
+"""Silence after which a call counts as ended (s): it is repeated every few seconds."""
 
 ANSWERED_MAX = 64
-"""Calls of which it is remembered that they were declined."""
+"""Maximum remembered declined calls."""
 
 LOOK, GONE = "look", "gone"
-"""Alarms: a call has grown old, or its answer is awaited; the tablet has been away for long enough."""
+"""Alarms: a call has expired or its answer is due; the tablet has been away for long enough."""
 
 OVERTAKEN = "a call that was overtaken"
 OVER = "an answer to a call that is over, or concerns somebody else"
@@ -52,9 +53,9 @@ class Operator(AgentBase):
     """One person on duty.
 
     Args:
-        operator: the name on the bus; it begins with `OPERATOR_PREFIX`.
+        operator: its id on the bus; it begins with `OPERATOR_PREFIX`.
         plant: the plant's id.
-        incarnation: grows with each time that this person goes on duty.
+        incarnation: rises each time that this person goes on duty.
     """
 
     def __init__(self, operator: str, plant: str, *, incarnation: int = 1) -> None:
@@ -62,11 +63,11 @@ class Operator(AgentBase):
         self._keys = Keys(plant)
         self._duty = DutyState()
         self._lingers_until_s = 0.0
-        """Of a tablet that is gone."""
+        """End of the time without the tablet (s)."""
         self._calls: BoundedMap[tuple[str, str], tuple[HelpCall, float]] = BoundedMap(CALLS_MAX)
-        """By what is called for: the newest word, and when that was heard."""
+        """By subject: the newest message, and when it was heard."""
         self._declined: BoundedMap[str, bool] = BoundedMap(ANSWERED_MAX)
-        """Calls that the person does not take, or has given back; and whether the caller has yet to hear that."""
+        """Calls that the person has declined or given back, and whether the caller has yet to hear that."""
         self._commitment = Commitment()
         self._shown: tuple[ShownCall, ...] = ()
         self._message_handlers = {HelpCall: self._on_call}
@@ -140,7 +141,7 @@ class Operator(AgentBase):
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
 
-    # --- who calls -------------------------------------------------------------------------------------
+    # --- calls -----------------------------------------------------------------------------------------
 
     def _on_call(self, _sender: str, call: HelpCall, now_s: float) -> None:
         before = self._calls.get(call.subject)
@@ -157,12 +158,12 @@ class Operator(AgentBase):
         elif taken.call == call.call and taken.loses(call):
             self._let_go(now_s)
         elif taken.call and taken.call != call.call and taken.subject == call.subject:
-            # The caller was started again, and asks anew: what was promised holds.
+            # The caller was restarted and asks anew: the promise holds.
             self._renew(call, now_s)
         self._look(None, now_s)
 
     def _expected(self, call: HelpCall, now_s: float) -> None:
-        """The caller counts on this operator."""
+        """The caller expects this operator."""
         taken = self._commitment
         free = not taken.call or taken.subject == call.subject
         if not free or call.call in self._declined:
@@ -180,7 +181,7 @@ class Operator(AgentBase):
             self._take(call, wait_s, now_s)
 
     def _look(self, _about: None, now_s: float) -> None:
-        """Forget what is over, say again what was not heard, and show what concerns this operator."""
+        """Forget ended calls, repeat unconfirmed answers, and show the operator's calls."""
         for subject in [
             subject
             for subject, (call, heard_s) in self._calls.items()
@@ -227,7 +228,7 @@ class Operator(AgentBase):
             self._shown = shown
             self._life.instruct(ShowCalls(shown))
 
-    # --- what the person answers -----------------------------------------------------------------------
+    # --- the person's answers --------------------------------------------------------------------------
 
     def _call_replied(self, report: CallReplied, now_s: float) -> None:
         call = next((call for call, _ in self._calls.values() if call.call == report.call), None)

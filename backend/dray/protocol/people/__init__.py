@@ -1,1 +1,1 @@
-"""What agents that people command have in common: whom they obey, what they have answered, and how long a problem is waited for."""
+"""Common code of agents that people command: authorisation, answers, and the wait for the end of a problem."""

@@ -1,7 +1,7 @@
-"""Commands of people, as whoever is commanded takes them: nothing without a grant for the place, and the same answer to the same command.
+"""People's commands to an agent: each needs a grant for the place, and a repeated command gets the same answer.
 
-One that was heard before is answered as before, and nothing else, however late it comes again: a stop that the network
-delivers after the resume must not stop a vehicle when nobody looks after it any more.
+A known command is only answered again, however late it comes. A stop that the network delivers after the resume
+must not stop the vehicle when no person looks after it any more.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
 
 COMMANDS_KEPT = 32
-"""Whoever gives a command repeats it until it is answered, and people give few: a command that comes
-again, or late, is among the last ones."""
+"""Maximum remembered commands. Their senders repeat them until they are answered, and people give few: a repeated or late
+command is among the last ones."""
 
 C = TypeVar("C", VehicleCommand, MachineCommand)
 
@@ -27,9 +27,9 @@ class GrantedCommands(Generic[C]):
     """The commands to one agent.
 
     Args:
-        authority: whom it obeys.
-        attempt: carries a command out, or says why not; called with (command, grant, now_s).
-        detail: what stands beside a refusal.
+        authority: checks who may command it.
+        attempt: carries a command out, or returns the refusal; called with (command, grant, now_s).
+        detail: explains a refusal.
     """
 
     def __init__(
@@ -44,8 +44,8 @@ class GrantedCommands(Generic[C]):
         self._detail: Callable[[C, CommandRefusal], str] = detail
         self._life = life
         self._answered: BoundedMap[tuple[str, str], CommandMemory] = BoundedMap(COMMANDS_KEPT)
-        """What became of the last commands, by who gave them and their names; the oldest first. Only of
-        those with a grant, so that no stranger can make the agent forget one."""
+        """Results of the last commands, by person and command, the oldest first. Only commands with a grant are kept, so
+        that no stranger can displace one."""
         self._asked_s = 0.0
         """When the last of them was new."""
 
@@ -53,9 +53,9 @@ class GrantedCommands(Generic[C]):
         """Carry a command out or refuse it, and answer.
 
         Args:
-            sender: whom to answer; what counts is the grant.
-            command: what is asked.
-            place_m: where the agent is (x, y).
+            sender: the agent to answer; the grant decides.
+            command: the command.
+            place_m: the agent's position (x, y) in m.
             now_s: the present time.
 
         Returns:
@@ -84,9 +84,9 @@ class GrantedCommands(Generic[C]):
     def permits(
         self, sender: str, command: C, places_m: Iterable[tuple[float, float]], now_s: float
     ) -> Grant | None:
-        """The grant of a command that is carried out and answered elsewhere (`tell`); None when it has none that holds, and was refused.
+        """The valid grant of a command that is carried out and answered elsewhere (`tell`); None after a refusal.
 
-        It reaches one of `places_m` at least.
+        It covers at least one of `places_m`.
         """
         grant = self._grant_of(sender, command)
         if grant is None:
@@ -102,14 +102,14 @@ class GrantedCommands(Generic[C]):
     def tell(
         self, sender: str, command: C, refused: CommandRefusal | None, detail: str, *, again: bool
     ) -> None:
-        """Say what became of a command that `permits` has let through; one that comes again is only answered."""
+        """Report the result of a command that `permits` has accepted; a repeated one is only answered."""
         if again:
             self._life.send(sender, _answer(command, refused, detail))
         else:
             self._tell(sender, command, refused, detail)
 
     def _grant_of(self, sender: str, command: C) -> Grant | None:
-        """The grant of a command; None when there is none that is trusted, and it was refused."""
+        """The trusted grant of a command; None after a refusal."""
         grant = command.grant
         if grant is None:
             self._refuse(sender, command, CommandRefusal.NOT_GRANTED)
@@ -121,11 +121,11 @@ class GrantedCommands(Generic[C]):
 
     @property
     def answered(self) -> tuple[CommandMemory, ...]:
-        """What the next life must know: commands that it would obey if they came again."""
+        """Commands for the next life, which would obey them if they were repeated."""
         return tuple(each for each in self._answered.values() if each.valid_until_s >= self._asked_s)
 
     def restore(self, answered: Iterable[CommandMemory]) -> None:
-        """Go on with what an earlier life has answered."""
+        """Restore an earlier life's answers."""
         self._answered.update({(each.person, each.command): each for each in answered})
 
     def _note(self, command: CommandMemory, now_s: float) -> None:
@@ -133,12 +133,12 @@ class GrantedCommands(Generic[C]):
         self._asked_s = now_s
 
     def _refuse(self, sender: str, command: C, why: CommandRefusal) -> None:
-        """Refuse a command that nobody who may has granted; it is told and counted as any refusal."""
+        """Refuse a command without a valid grant; it is answered and counted like any refusal."""
         self._tell(sender, command, why)
         self._life.ignore(f"a command that may not be given: {why}")
 
     def _tell(self, sender: str, command: C, refused: CommandRefusal | None, detail: str = "") -> None:
-        """Say what became of a command; `refused` tells why not."""
+        """Report the result of a command; `refused` is the reason of a refusal."""
         fact = CommandObeyed(
             command=command.command,
             what=command.kind.value,

@@ -1,4 +1,4 @@
-"""Whether an agent is out of service by a person's word, and until when that is expected to last."""
+"""Whether a person has taken an agent out of service, and the expected end."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dray.messages.people.command import OUT_MAX_S
 
 
 class ServiceState:
-    """Of one agent.
+    """The service state of one agent.
 
     Attributes:
-        out: set until somebody puts it into service again.
+        out: set until a person puts it into service again.
     """
 
     def __init__(self) -> None:
@@ -19,15 +19,15 @@ class ServiceState:
     def take_out(
         self, command: VehicleCommand | MachineCommand, by: str, now_s: float
     ) -> CommandRefusal | None:
-        """Out of service from now on; said again it gives another reason, or another time.
+        """Take it out of service; a repetition changes the reason or the time.
 
         Args:
-            command: says why, and for how long.
-            by: on whose behalf.
+            command: with the reason and the duration.
+            by: the person.
             now_s: the present time.
 
         Returns:
-            Why that is refused; None when it is out of service.
+            The refusal; None if it is out of service.
         """
         wait_s = command.wait_s
         if wait_s is not None and not 0.0 < wait_s <= OUT_MAX_S:
@@ -42,7 +42,7 @@ class ServiceState:
         return None
 
     def put_in(self) -> CommandRefusal | None:
-        """In service again; why that is refused, None when it is."""
+        """Put it into service again. Returns the refusal; None if it is in service."""
         if self.out is None:
             return CommandRefusal.IN_SERVICE
         self.out = None

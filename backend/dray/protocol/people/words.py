@@ -1,4 +1,4 @@
-"""Words of people to an agent whose body is people: what has a grant is passed on to the body, which remembers it and answers."""
+"""People's reports to an agent whose body is people: granted ones go to the body, which stores and answers them."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
 
 WORDS_ASKED = 100
-"""Words whose answers a body owes at once: it answers each in the same moment."""
+"""Maximum unanswered reports at a body, which answers each at once."""
 
 
 class PassedWords:
-    """Those of one agent.
+    """The reports to one agent.
 
     Args:
-        granted: whose words may be passed on.
+        granted: checks which reports may be passed on.
     """
 
     def __init__(self, granted: GrantedCommands[MachineCommand], life: Life) -> None:
         self._granted, self._life = granted, life
         self._asked: BoundedMap[str, tuple[str, MachineCommand]] = BoundedMap(WORDS_ASKED)
-        """Words that the body was told, by their keys, with who has said them."""
+        """Reports passed to the body, by their keys, with their senders."""
 
     def pass_on(
         self, sender: str, command: MachineCommand, places_m: Iterable[tuple[float, float]], now_s: float
     ) -> None:
-        """Tell the body what a person says.
+        """Pass a person's report on to the body.
 
         Args:
-            sender: whom to answer.
-            command: a word.
-            places_m: where it is about (x, y): it is granted for one of them at least.
+            sender: the agent to answer.
+            command: the report.
+            places_m: the places that it is about (x, y) in m: the grant covers at least one.
             now_s: the present time.
         """
         grant = self._granted.permits(sender, command, places_m, now_s)
@@ -53,7 +53,7 @@ class PassedWords:
         self._life.instruct(word)
 
     def on_taken(self, report: WordTaken) -> None:
-        """The body has taken a word, or says why not."""
+        """The body has accepted or refused a report."""
         asked = self._asked.pop(report.key, None)
         if asked is not None:
             self._granted.tell(*asked, report.refused, report.detail, again=report.again)

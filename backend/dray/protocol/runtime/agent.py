@@ -1,4 +1,4 @@
-"""What all agents have in common: one step at a time, from an event to effects."""
+"""The common base of all agents: one step at a time, from an event to effects."""
 
 from __future__ import annotations
 
@@ -32,21 +32,20 @@ Alarm = Callable[[Any, float], None]
 
 
 DEAF_S = 0.5
-"""An alarm that comes so much later than it was set was held up by the agent's own process. Less is within what every
-suspicion allows for (`liveness.suspicion.JITTER_S`)."""
+"""Minimum lateness of an alarm that shows that the agent's own process was held up (s). Failure detection allows for less
+(`liveness.suspicion.JITTER_S`)."""
 
 
 class AgentBase:
     """The base of an agent: implements `dray.protocol.runtime.events.Agent`.
 
-    What an agent does is written in three tables, filled by the subclass: which message, which report
-    of its body and which alarm is seen to by which method. Alarms are named by a word, or by a word
-    and what it is about: ``"beat"``, ``("watched silence", task)``.
+    The subclass fills three tables: the handlers of messages, of its body's reports, and of alarms. An alarm's name
+    is a word, or a word and its subject: ``"beat"``, ``("watched silence", task)``.
 
     Args:
         agent: its name on the bus.
         incarnation: how often it has been started, 1 for the first time.
-        leaves_within_s: so long after it was asked to leave it does, whatever holds it.
+        leaves_within_s: maximum time from the request to leave until it leaves.
     """
 
     def __init__(self, agent: str, incarnation: int, *, leaves_within_s: float) -> None:
@@ -59,7 +58,7 @@ class AgentBase:
         self._report_handlers: Mapping[type[Report], Callable[[Any, float], None]] = {}
         self._alarm_handlers: Mapping[str, Alarm] = {}
         self._committers: list[Callable[[], Sequence[Commit]]] = [self._own_commit]
-        """Each says what it wants written down, once a step has ended."""
+        """Each returns what to store at the end of a step."""
 
     @property
     def wake_at_s(self) -> float:
@@ -101,24 +100,24 @@ class AgentBase:
         return (Commit(self._memory()),)
 
     def _memory(self) -> Note:
-        """What the agent is bound by at this moment, when that is one note."""
+        """What the agent is bound by now, if that is one note."""
         raise NotImplementedError
 
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
-        """The agent's life begins, and goes on from what its last one has committed."""
+        """Begin the agent's life from what its last one has committed."""
         raise NotImplementedError
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
-        """Take note of what the body senses, before anything else is done."""
+        """Note what the body senses, before anything else is done."""
 
     def _was_deaf(self, span_s: float) -> None:
-        """The agent's own process was held up for this long: that time does not count as silence of others."""
+        """The agent's own process was held up for this long: other agents' silence in that time does not count."""
 
     def _prepare_to_leave(self, now_s: float) -> None:
-        """The agent was asked to leave: give back what others can do as well."""
+        """The agent was asked to leave: give back what others can do."""
 
     def _is_held(self) -> bool:
-        """Whether the agent must stay: it has work that no other can finish, or awaits an answer."""
+        """Whether the agent must stay: it has work that only it can finish, or awaits an answer."""
         return False
 
     def _take_leave(self, now_s: float) -> None:
@@ -134,7 +133,7 @@ class AgentBase:
             handle(received.sender, received.message, now_s)
 
     def _objection(self, sender: str, message: Message) -> str:
-        """Why a message is ignored, whatever it says; empty when it is heard."""
+        """Why a message is ignored without further checks; empty if it is handled."""
         return ""
 
     def _on_report(self, report: Report, now_s: float) -> None:

@@ -1,4 +1,4 @@
-"""A history that cannot grow for ever."""
+"""A bounded history."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ V = TypeVar("V")
 
 
 class BoundedMap(dict[K, V]):
-    """A mapping that forgets its oldest entry when one too many is set; one that is set again keeps its age.
+    """A mapping that drops its oldest entry when it is full; an entry that is set again keeps its age.
 
     Args:
-        kept: so many entries at most. What `update` brings in is believed to be no more.
+        kept: maximum number of entries. `update` does not check it.
     """
 
     __slots__ = ("_kept",)

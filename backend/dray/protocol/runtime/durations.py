@@ -1,9 +1,9 @@
-"""How long something lasts that happens again and again: learned from what was measured lately. Pure arithmetic.
+"""Durations of recurring events, learned from recent measurements. Pure arithmetic.
 
-    usual_s = the quantile of the last KEPT times, each with the weight 1/2 ^ (age / half-life), and of one time to begin with
+    usual_s = the quantile of the last KEPT durations, each with the weight 1/2 ^ (age / half-life), and of one initial duration
 
-Of each witness only its newest counts, so one that lies, or had a reason of its own, moves the figure no further than to
-what others have seen, as soon as there are three of them.
+Only the newest measurement of each witness counts. With at least three witnesses, a lying or unusual one moves the
+figure no further than to the others' measurements.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from math import isfinite
 from dray.protocol.runtime.bounded_map import BoundedMap
 
 KEPT = 16
-"""Times of one subject: more than there are within a half-life."""
+"""Measurements per subject: more than occur within a half-life."""
 
 SUBJECTS_MAX = 256
-"""More than one agent has to do with in a day."""
+"""Subjects: more than one agent deals with in a day."""
 
 
 class Durations:
-    """What one agent has learned of how long things last.
+    """One agent's learned durations.
 
     Args:
-        quantile: so many, as a part of all, last no longer.
-        half_life_s: what was so that long ago counts half.
-        longest_s: nothing counts for more, whoever tells it.
+        quantile: the fraction of events that last no longer.
+        half_life_s: age at which a measurement counts half.
+        longest_s: maximum duration that counts.
     """
 
     def __init__(self, quantile: float, half_life_s: float, longest_s: float) -> None:
@@ -34,18 +34,18 @@ class Durations:
         self._half_life_s = half_life_s
         self._longest_s = longest_s
         self._noted: BoundedMap[str, deque[tuple[float, str, float]]] = BoundedMap(SUBJECTS_MAX)
-        """Per subject: when, who has seen it, and how long it was (s)."""
+        """By subject: time, witness and duration (s)."""
 
     def __contains__(self, subject: str) -> bool:
         return subject in self._noted
 
     def note(self, subject: str, witness: str, lasted_s: float, now_s: float) -> None:
-        """Note how long it has lasted.
+        """Note a duration.
 
         Args:
-            subject: what.
-            witness: who has told it; an empty name for what the agent has measured itself, all of which counts.
-            lasted_s: what cannot be counts as the nearest that can.
+            subject: the subject.
+            witness: the reporting agent; empty for the agent's own measurements, which all count.
+            lasted_s: the duration; an impossible value is clamped.
             now_s: the present time.
         """
         if not isfinite(lasted_s):
@@ -60,13 +60,13 @@ class Durations:
         noted.append((now_s, witness, min(max(lasted_s, 0.0), self._longest_s)))
 
     def usual_s(self, subject: str, now_s: float, at_first_s: float = 0.0) -> float:
-        """How long it will last, most probably at most.
+        """The expected duration, as an upper quantile (s).
 
         Args:
-            subject: what.
+            subject: the subject.
             now_s: the present time.
-            at_first_s: what is believed while nothing is known; it goes on counting as one time that was measured just now, so that
-                a single experience is none to count on for long.
+            at_first_s: the initial value. It counts as one measurement made just now, so that a single experience
+                has little weight.
         """
         noted = self._noted.get(subject)
         if not noted:

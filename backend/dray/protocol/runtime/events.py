@@ -1,9 +1,8 @@
-"""What can happen to an agent, and what an agent can want done.
+"""The events that can happen to an agent, and the effects it can ask for.
 
-An agent is a pure state machine. It is called as ``handle(event, now_s)`` with a time that never
-goes back, and answers with effects. Their order is a contract: the worker carries them out one
-after another, as given. `wake_at_s` tells when the agent wants to be woken; it is read after every
-call, and being woken too early or for nothing is harmless.
+An agent is a pure state machine. It is called as ``handle(event, now_s)`` with a time that never goes back, and
+returns effects. Their order is a contract: the worker carries them out in the given order. `wake_at_s` is the time
+of the next wake-up; it is read after every call. An early or needless wake-up is harmless.
 """
 
 from __future__ import annotations
@@ -18,10 +17,10 @@ from dray.memory import WHOLE, Memory, Note
 from dray.messages import AnyFact, Message
 
 NEVER_S = float("inf")
-"""The wake-up time of an agent that waits for nothing but messages."""
+"""The wake-up time of an agent that waits only for messages."""
 
 NOT_FOR_US = "a message that this kind of agent has no use for"
-"""Why a message of a known type is ignored: a newer software may say things that older ones do not know."""
+"""Why a message of a known type is ignored: newer software may send messages that older software does not handle."""
 
 
 class Value(msgspec.Struct, frozen=True, gc=False):
@@ -36,9 +35,9 @@ class Started(Value, frozen=True):
 
     body: BodyState | None
     memory: Memory = MappingProxyType({})
-    """What its last lives have committed; empty in the first one."""
+    """What earlier lives have committed; empty in the first one."""
     lost: str = ""
-    """Why it is empty though it has lived before; empty when that is not so."""
+    """Why the memory is empty although the agent has lived before; empty if that is not so."""
 
 
 class Received(Value, frozen=True):
@@ -47,8 +46,8 @@ class Received(Value, frozen=True):
     sender: str
     message: Message
     body: BodyState | None = None
-    """What the agent's body senses at this moment, with a person's command and with words about right of way: what
-    a vehicle may do then depends on where it is now. None with everything else."""
+    """What the agent's body senses now, given with a person's command and with messages about right of way: a vehicle's
+    options then depend on its position. None with other messages."""
 
 
 class Woke(Value, frozen=True):
@@ -57,11 +56,11 @@ class Woke(Value, frozen=True):
     body: BodyState | None
     """What the agent's body senses at this moment; None for an agent without one."""
     late_s: float = 0.0
-    """How much later than it was asked for this came: so long the agent's own process was held up, and heard nobody."""
+    """How much later than requested this came (s): the agent's own process was held up, and heard nobody."""
 
 
 class Reported(Value, frozen=True):
-    """The body has something to say."""
+    """The body has a report."""
 
     report: Report
 
@@ -76,27 +75,27 @@ Event = Started | Received | Woke | Reported | Leaving
 
 
 class Publish(Value, frozen=True):
-    """Say it to whoever listens on `key`."""
+    """Publish a message to all subscribers of `key`."""
 
     key: str
     message: Message
 
 
 class Send(Value, frozen=True):
-    """Say it to one agent."""
+    """Send a message to one agent."""
 
     to: str
     message: Message
 
 
 class Subscribe(Value, frozen=True):
-    """Listen on `key`."""
+    """Subscribe to `key`."""
 
     key: str
 
 
 class Unsubscribe(Value, frozen=True):
-    """Listen on `key` no longer."""
+    """Unsubscribe from `key`."""
 
     key: str
 
@@ -114,33 +113,33 @@ class Record(Value, frozen=True):
 
 
 class Commit(Value, frozen=True):
-    """Write down a part of what the agent is bound by, replacing what was written of it before.
+    """Store a part of what the agent is bound by, and replace that part's earlier version.
 
-    It is written together with the other parts and the facts of the same step, wholly or not at all, before any
-    effect of the step is carried out: what was said is never forgotten by a restart.
+    It is stored atomically with the other parts and the facts of the same step, before any effect of the step is
+    carried out: a restart never forgets what was said.
     """
 
     note: Note | None
-    """None when there is nothing any more by that name."""
+    """None deletes the part of that name."""
     name: str = WHOLE
 
 
 class Ignore(Value, frozen=True):
     """Count a message that changed nothing: late, doubled, stale, or not for this agent.
 
-    That is normal on a real network; it is counted so that somebody can see when it is not.
+    That is normal on a real network; it is counted so that people see when it is not.
     """
 
     reason: str
 
 
 class Leave(Value, frozen=True):
-    """End this life: the agent was asked to leave, and nothing holds it any more. The last effect of its step."""
+    """End this life: the agent was asked to leave, and has no reason to stay. The last effect of its step."""
 
     again: bool = False
-    """A person has asked for its next life: whoever runs it starts it again."""
+    """Whether a person has asked for its next life: the supervisor starts it again."""
     update: bool = False
-    """With the newest software that lies ready."""
+    """Whether the next life uses the newest installed software."""
 
 
 Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record | Commit | Ignore | Leave
@@ -161,20 +160,20 @@ class Agent(Protocol):
 
     @property
     def wake_at_s(self) -> float:
-        """When it wants to be woken; `NEVER_S` for not at all."""
+        """When it wants to be woken; `NEVER_S` if not at all."""
         ...
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """Take one step.
 
         Args:
-            event: what has happened.
+            event: the event.
             now_s: the time on the plant's clock; never less than in the call before.
 
         Returns:
-            What is to be done, in this order.
+            The effects to carry out, in this order.
 
         Raises:
-            ProtocolViolation: a state that the protocol excludes; our own bug.
+            ProtocolViolation: for a state that the protocol excludes; our own bug.
         """
         ...

@@ -1,4 +1,4 @@
-"""What an agent and its parts do in one step, and when they are to be woken: one handle for all of them."""
+"""The effects and alarms of an agent and its parts in one step, in one handle."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class Life:
     """One life of an agent.
 
     Args:
-        agent: whose.
+        agent: its id.
 
     Attributes:
         beats: the number of its newest heartbeat.
-        effects: of this step, in their order.
+        effects: of this step, in order.
         timers: the agent's alarms.
-        unwritten: what the agent is bound by has changed in this step.
+        unwritten: whether what the agent is bound by has changed in this step.
     """
 
     __slots__ = ("_agent", "beats", "effects", "timers", "unwritten")
@@ -45,41 +45,41 @@ class Life:
         self.unwritten = False
 
     def do(self, *effects: Effect) -> None:
-        """Have these done, in their order, after those of this step so far; what is made elsewhere, or is no one-liner below."""
+        """Append effects to those of this step, in order; the methods below are shorter for single effects."""
         self.effects.extend(effects)
 
     def send(self, to: str, message: Message) -> None:
-        """Say something to one agent."""
+        """Send a message to one agent."""
         self.effects.append(Send(to, message))
 
     def publish(self, key: str, message: Message) -> None:
-        """Say something to all who listen to a bus key."""
+        """Publish a message on a bus key."""
         self.effects.append(Publish(key, message))
 
     def subscribe(self, key: str) -> None:
-        """Listen to a bus key."""
+        """Subscribe to a bus key."""
         self.effects.append(Subscribe(key))
 
     def unsubscribe(self, key: str) -> None:
-        """Listen to it no more."""
+        """Unsubscribe from a bus key."""
         self.effects.append(Unsubscribe(key))
 
     def instruct(self, instruction: Instruction) -> None:
-        """Have the body do something."""
+        """Instruct the body."""
         self.effects.append(Instruct(instruction))
 
     def record(self, fact: AnyFact) -> None:
-        """Write something into the history."""
+        """Record a fact in the history."""
         self.effects.append(Record(fact))
 
     def ignore(self, reason: str) -> None:
-        """Say why nothing follows from what was heard."""
+        """Count an ignored message by its reason."""
         self.effects.append(Ignore(reason))
 
     def commit(self) -> None:
-        """What the agent is bound by has changed: write it down before this step's other effects.
+        """Have what the agent is bound by stored before this step's other effects.
 
-        Called as often as anything changes; what is written is how things stand when the step ends.
+        It may be called after every change; the state at the end of the step is stored.
         """
         self.unwritten = True
 
@@ -88,22 +88,22 @@ class Life:
         self.timers.set(BEAT, now_s)
 
     def count_beat(self) -> int:
-        """Count one more heartbeat. Returns its number."""
+        """Count a heartbeat, and return its number."""
         self.beats += 1
         return self.beats
 
     def beat_again(self, interval_s: float, now_s: float) -> None:
-        """It has beaten: do it again after an interval; the first time earlier, by a part that its name gives."""
+        """Set the alarm of the next heartbeat; the first interval is shortened by a fraction from the agent's name."""
         if self.beats == 1:
             interval_s *= 0.5 + spread_frac(self._agent) / 2
         self.alarm(BEAT, now_s + interval_s)
 
     def alarm(self, name: Hashable, at_s: float) -> None:
-        """Sound `name` at `at_s`; one that is set already is moved."""
+        """Sound `name` at `at_s`; an alarm that is already set is moved."""
         self.timers.set(name, at_s)
 
     def cancel(self, name: Hashable) -> None:
-        """Do not sound `name`; harmless when it was not set."""
+        """Cancel the alarm `name`; ignored if it is not set."""
         self.timers.clear(name)
 
     def awaits(self, name: Hashable) -> bool:

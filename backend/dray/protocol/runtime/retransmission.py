@@ -1,4 +1,4 @@
-"""Retransmission: messages that are repeated until they are answered, so that a lost message costs seconds only."""
+"""Retransmission: messages repeated until they are answered, so that a lost message costs only seconds."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from dray.protocol.runtime.events import Publish, Send
 from dray.protocol.runtime.life import Life
 
 ASK_AGAIN_S = 3.0
-"""Many times the latency of a good link."""
+"""Interval of repetitions (s): many times the latency of a good link."""
 
 FOR_EVER: Final = 0
-"""No bound: it is said until it is answered."""
+"""No limit: a message is repeated until it is answered."""
 
 
 class Said:
-    """What is repeated.
+    """A repeated message.
 
     Attributes:
-        effect: to whom, and what.
-        times: how often it was said since the other side was heard last.
+        effect: the message with its recipient.
+        times: transmissions since the other side was last heard.
     """
 
     __slots__ = ("effect", "times")
@@ -33,15 +33,15 @@ class Said:
 
 
 class Retransmitter:
-    """Messages that are repeated until they are answered: at most one about each subject.
+    """Messages repeated until they are answered: at most one per subject.
 
-    All repetition of messages in the protocol is done here. What is said regularly whether or not somebody answers (heartbeats,
-    renewals of a reservation) and what is announced in rounds (auctions) is no repetition.
+    All repetition in the protocol is done here, except regular messages without an answer (heartbeats, renewals of
+    a reservation) and auction rounds.
 
     Args:
-        alarm: names the alarms, ``(alarm, about)``. Whoever owns them calls `wake` when one has come.
-        every_s: how long an answer is waited for.
-        most: how often a message is said without an answer; `FOR_EVER` for no bound.
+        alarm: first part of the alarms' names, ``(alarm, about)``. The owner calls `wake` when one is due.
+        every_s: answer timeout.
+        most: maximum transmissions without an answer; `FOR_EVER` for no limit.
     """
 
     __slots__ = ("_alarm", "_every_s", "_life", "_life", "_most", "_said")
@@ -52,43 +52,43 @@ class Retransmitter:
         self._every_s = every_s
         self._most = most
         self._said: dict[str, Said] = {}
-        """By subject."""
+        """By subject: the repeated message."""
 
     def __contains__(self, about: str) -> bool:
-        """Whether an answer is still waited for."""
+        """Whether an answer is still awaited."""
         return about in self._said
 
     def say(self, about: str, effect: Send | Publish, now_s: float) -> None:
-        """Say this now, and again. It replaces what was said before about the subject; the same once more is counted on."""
+        """Send now, and repeat. A new message replaces the subject's earlier one; an equal message continues its count."""
         said = self._said.get(about)
         if said is None or said.effect != effect:
             self._said[about] = Said(effect)
         self._repeat(about, now_s)
 
     def wake(self, about: str, now_s: float) -> None:
-        """The alarm has come, and no answer: say it again, unless it was said often enough (`is_exhausted`)."""
+        """Repeat after an alarm without an answer, unless the limit is reached (`is_exhausted`)."""
         if about in self._said and not self.is_exhausted(about):
             self._repeat(about, now_s)
 
     def is_exhausted(self, about: str) -> bool:
-        """Whether it was said as often as it may be, without an answer."""
+        """Whether the limit is reached without an answer."""
         said = self._said.get(about)
         return said is not None and self._most != FOR_EVER and said.times >= self._most
 
     def count_anew(self, about: str) -> None:
-        """The other side lives, and has not answered yet: count its repetitions from zero."""
+        """The other side lives and has not answered yet: reset the count."""
         said = self._said.get(about)
         if said is not None:
             said.times = 0
 
     def defer(self, about: str, again_s: float) -> None:
-        """The other side lives, and cannot answer yet: say it again at `again_s`."""
+        """The other side lives and cannot answer yet: repeat at `again_s`."""
         if about in self._said:
             self.count_anew(about)
             self._life.alarm((self._alarm, about), again_s)
 
     def settle(self, about: str) -> None:
-        """Stop repeating: it was answered, or no answer is needed any more. Harmless when nothing was being repeated."""
+        """Stop repeating: the answer has come, or none is needed. Ignored if nothing is repeated."""
         self._said.pop(about, None)
         self._life.cancel((self._alarm, about))
 

@@ -1,4 +1,4 @@
-"""What can be done with an agent's process by whoever runs it: a supervisor, a service manager, the simulator."""
+"""What an agent's operator can do with its process: a supervisor, a service manager, or the simulator."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ class Running:
     """How one agent is run.
 
     Attributes:
-        starts_again: it is started again when it has left by itself.
-        updates: and then, if asked for that, with the newest software that lies ready.
+        starts_again: whether the agent is started again after it has left by itself.
+        updates: whether it is then started with the newest installed software, if asked for.
     """
 
     starts_again: bool = False
@@ -19,9 +19,9 @@ class Running:
 
 
 ALONE = Running()
-"""Nobody starts it again."""
+"""An agent that is not started again."""
 
 
 def life_mark(incarnation: int) -> str:
-    """What marks the names that an agent gives in one life, so that no two lives give the same; nothing in the first one."""
+    """Suffix of the names that an agent gives in one life, so that names differ between lives; empty in the first one."""
     return "" if incarnation == 1 else f".{incarnation}"

@@ -1,36 +1,36 @@
-"""Graceful shutdown: from the request that an agent stop until its process ends (paper, 4.2 cases 2 and 6).
+"""Graceful shutdown: from the request to stop until the agent's process ends (paper, 4.2 cases 2 and 6).
 
     HERE --Leaving--> DRAINING --nothing holds it, or its time is over--> gone (Leave)
 
-It takes nothing new. What others can do as well it gives back, and waits until that was heard; what nobody
-else can do it finishes. The rest is in its journal and in its body, for its next life. What is still open
-when its time is over stays behind as after a crash, and is mended as after one.
+A draining agent takes no new work. It gives back what others can do, and waits for the acknowledgement. It finishes
+what only it can do. The rest is in its journal and in its body, for its next life. Work that is open at the timeout
+remains as after a crash, and is recovered like it.
 """
 
 from __future__ import annotations
 
 from dray.protocol.runtime.events import NEVER_S
 
-"""What is told to whoever has to do without it, and stands in the history."""
+"""Told to the agents that lose its service, and recorded in the history."""
 
 CARRIER_LEAVES_WITHIN_S = 300.0
-"""A vehicle with a load on board is at its end within this: the rest of a pick and the longest way of a
-large plant, a dock that is held for as long as its machine allows, and the way back to a storage."""
+"""Time in which a vehicle with a load on board finishes (s): the rest of a pick, the longest way of a large plant, a dock
+held as long as its machine allows, and the way back to a storage."""
 
 COORDINATOR_LEAVES_WITHIN_S = 30.0
-"""A round of bidding is over within this, and so is the transfer of a vehicle at the dock. Vehicles that
-come to the dock later ask until its next life answers."""
+"""Time in which a bidding round ends, and a vehicle's transfer at the dock (s). Vehicles that come to the dock later repeat
+their request until its next life answers."""
 
 
 class GracefulShutdown:
     """The graceful shutdown of one agent.
 
     Args:
-        within_s: so long after it was asked it goes, whatever holds it.
+        within_s: maximum time from the request until it stops.
 
     Attributes:
-        begun: it was asked to leave.
-        latest_s: when it goes at the latest; `NEVER_S` before it was asked, and when it has gone.
+        begun: whether it was asked to leave.
+        latest_s: latest time of leaving; `NEVER_S` before the request, and after it has left.
     """
 
     __slots__ = ("_within_s", "begun", "latest_s")
@@ -41,7 +41,7 @@ class GracefulShutdown:
         self.latest_s = NEVER_S
 
     def start_draining(self, now_s: float) -> None:
-        """The agent is asked to stop: from now on it drains."""
+        """Start draining after the request to stop."""
         self.begun = True
         self.latest_s = now_s + self._within_s
 
@@ -51,5 +51,5 @@ class GracefulShutdown:
         return self.latest_s < NEVER_S
 
     def complete(self) -> None:
-        """The agent stops: draining is over."""
+        """Stop: draining is over."""
         self.latest_s = NEVER_S

@@ -9,10 +9,10 @@ from dray.protocol.runtime.events import NEVER_S
 
 
 class Timers:
-    """Named alarms of one agent, in one place, so that it has a single `next_s` to be woken at.
+    """Named alarms of one agent, with a single wake-up time `next_s`.
 
-    Setting an alarm again moves it. Alarms that are due together come in the order of their times,
-    then in the order in which they were set.
+    Setting an alarm again moves it. Due alarms come in the order of their times, then in the order in which they
+    were set.
     """
 
     __slots__ = ("_at_s", "next_s")
@@ -20,7 +20,7 @@ class Timers:
     def __init__(self) -> None:
         self._at_s: dict[Hashable, float] = {}
         self.next_s = NEVER_S
-        """The earliest of all alarms; `NEVER_S` when none is set."""
+        """The earliest alarm time; `NEVER_S` if none is set."""
 
     def set(self, name: Hashable, at_s: float) -> None:
         """Sound `name` at `at_s`."""
@@ -32,7 +32,7 @@ class Timers:
             self.next_s = min(self._at_s.values())
 
     def clear(self, name: Hashable) -> None:
-        """Forget `name`; harmless when it was not set."""
+        """Cancel `name`; ignored if it is not set."""
         before_s = self._at_s.pop(name, NEVER_S)
         if before_s == self.next_s:
             self.next_s = min(self._at_s.values(), default=NEVER_S)
@@ -41,7 +41,7 @@ class Timers:
         return name in self._at_s
 
     def due(self, now_s: float) -> list[Hashable]:
-        """Take out and return all alarms whose time has come."""
+        """Remove and return all due alarms."""
         if now_s < self.next_s:
             return []
         at_s_of = self._at_s
@@ -55,8 +55,8 @@ class Timers:
 
 
 def spread_frac(agent: str) -> float:
-    """A part of a span, from none to nearly all of it, that follows from an agent's name.
+    """A fraction from 0 to nearly 1 that follows from an agent's name.
 
-    Agents that are started together must not do everything together for ever.
+    Agents that start together must not do everything together for ever.
     """
     return crc32(agent.encode()) % 1000 / 1000

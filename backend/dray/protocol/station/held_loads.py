@@ -1,6 +1,7 @@
-"""People at a station: whom it calls to look for a load that was disputed twice, or for a thing that a failed vehicle has on board, and whose word it takes about that.
+"""People at a station: calls for disputed loads and for things on board of failed vehicles, and people's decisions.
 
-A station has no other commands; where its body is people, it hears what they say has happened (`PassedWords`). It begins to hear who is on duty when it calls somebody for the first time.
+A station has no other commands; if its body is people, it passes on their reports (`PassedWords`). It follows
+operators on duty from its first call on.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray.protocol.transports.held import HeldTransports
 
 ONLY_LOADS = "a station takes a person's word about loads alone"
-"""What stands beside a refusal, for people."""
+"""Explanation of a refusal, for people."""
 
 
 class _Caller:
-    """A station as its calls see it."""
+    """The station in the form that calls need."""
 
     hears_all = True
 
@@ -39,20 +40,20 @@ class _Caller:
 
 
 class HeldLoads:
-    """For one station.
+    """The held loads of one station.
 
     Args:
         station: its id.
         incarnation: of its agent.
-        plant: where areas and places are.
-        held: its transports that are held.
-        aboard: things for it that failed vehicles have on board.
-        authority: whom it obeys.
+        plant: its areas and places.
+        held: its held transports.
+        aboard: things for it on board of failed vehicles.
+        authority: checks who may command it.
 
     Attributes:
-        message_handlers, alarms: for the agent's tables.
-        people: what waits for people's words, where they are its body; else None.
-        words: these, on their way to the body.
+        message_handlers, alarms: entries for the agent's tables.
+        people: the loads that wait for people's reports, if people are its body; else None.
+        words: people's reports on their way to the body.
     """
 
     def __init__(
@@ -79,15 +80,15 @@ class HeldLoads:
 
     @property
     def answered(self) -> tuple[CommandMemory, ...]:
-        """What the next life must know: words that it would obey if they came again."""
+        """Commands for the next life, which would obey them if they were repeated."""
         return self._granted.answered
 
     def restore(self, answered: Iterable[CommandMemory]) -> None:
-        """Go on with what an earlier life was told."""
+        """Restore an earlier life's commands."""
         self._granted.restore(answered)
 
     def on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
-        """Take a person's word; see `GrantedCommands.on_command`."""
+        """Handle a person's command; see `GrantedCommands.on_command`."""
         if command.kind.is_word and self.people is not None:
             self.words.pass_on(sender, command, (self._place_m,), now_s)
             return
@@ -95,13 +96,13 @@ class HeldLoads:
         self._granted.on_command(sender, command, load.place_m(command.task) or self._place_m, now_s)
 
     def sense(self, body: StorageState) -> bool:
-        """Take note of what waits for people's words; whether that is news."""
+        """Note the loads that wait for people's reports; returns whether that has changed."""
         people = PeopleAsBody(loads=body.loads[:LOADS_TOLD]) if body.people else None
         is_news, self.people = people != self.people, people
         return is_news
 
     def update_calls(self, now_s: float, *, expected: bool) -> None:
-        """Call somebody for each load that is to be looked for, or handed over, and nobody longer than that.
+        """Open and close the calls for loads to look for, or to hand over.
 
         Args:
             now_s: the present time.

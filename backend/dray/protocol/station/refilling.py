@@ -1,10 +1,10 @@
-"""A storage has itself refilled: vehicles fetch what it orders from source warehouses (paper, section 1 and Figure 1).
+"""Refill orders of a storage: vehicles fetch them from source warehouses (paper, section 1 and Figure 1).
 
-    reorder point: level - asked for + on its way <= point  -->  one lot more, if it finds room
+    reorder point: level - requested + inbound <= point  -->  one lot more, if there is room
 
-What it orders it coordinates like everything that is brought to it (`transports.transport_flow`): set aside at the warehouses, bid for,
-counted as it is put down. What is on its way is what its transports say, and nothing else is counted; so an order that is lost is made
-again, and one that is known to anybody is not made twice. Parts come from whoever makes them.
+The storage coordinates its orders like all transports to it (`transports.transport_flow`): set aside at the
+warehouses, bid for, and counted when put down. Only its transports tell what is inbound. So a lost order is
+repeated, and a known one is never doubled. Parts come from their makers.
 """
 
 from __future__ import annotations
@@ -20,28 +20,28 @@ from dray.protocol.transports.lead_time import first_lead_s
 from dray.protocol.transports.reservations import Reservations
 
 UNHURRIED = 2.0
-"""What nobody waits for is due in so many times the time that it takes: vehicles do first what machines wait for."""
+"""Deadline factor of refills that no machine waits for: vehicles serve waiting machines first."""
 
 
 class Flow(Protocol):
-    """What is needed of a place's material flow."""
+    """What this class needs of a place's material flow."""
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside, and then fetched."""
 
     def inbound(self, item: str) -> int:
-        """Pieces that are on their way to this place, or are to be."""
+        """Pieces on their way to this place, or ordered to it."""
 
 
 class Refilling:
-    """What one storage orders by itself; nothing where something else refills it.
+    """The orders of one storage; none if something else refills it.
 
     Args:
-        storage: as the plant has it.
-        plant: who supplies what.
-        book: what lies there, and what of it is asked for.
+        storage: the plant's storage.
+        plant: the suppliers of materials.
+        book: its stock and reservations.
         flow: has loads set aside and fetched.
-        incarnation: how often its station was started: no two lives give the same names to transports.
+        incarnation: how often its station was started; it makes transport names differ between lives.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Refilling:
         self._names = f"{storage.id}{life_mark(incarnation)}-refill"
         self._count = 0
         self._rules: dict[str, tuple[int, int]] = {}
-        """By material: its reorder point, and the pieces that are ordered at once."""
+        """By material: its reorder point, and the pieces of one order."""
         if storage.refill == "vehicles":
             for kept in storage.stocks:
                 if plant.supplies_of(kept.material):
@@ -63,7 +63,7 @@ class Refilling:
                     )
 
     def pursue(self, now_s: float, uncounted: Container[str]) -> None:
-        """Order what is short; of what nobody has counted nobody knows whether it is."""
+        """Order missing pieces; uncounted materials are not ordered."""
         for item in self._rules:
             while item not in uncounted and (pieces := self._missing(item)):
                 self._order(item, pieces, now_s)
@@ -75,7 +75,7 @@ class Refilling:
         room = self._book.room(item) - inbound
         if self._book.level(item) - self._book.asked(item) + inbound > point:
             return 0
-        # Who is asked for more than lies there cannot wait until a whole lot finds room.
+        # A shortage cannot wait until there is room for a whole lot.
         is_short = self._book.asked(item) > self._book.level(item) + inbound
         return lot if lot <= room else max(0, room) if is_short else 0
 

@@ -1,12 +1,12 @@
-"""The station of a storage or a source warehouse: tells what lies there and what is promised, and opens its dock for who may fetch it.
+"""The station of a storage or source warehouse: it reports stock and reservations, and opens its dock.
 
-Whoever coordinates transports asks it to set material aside before anybody is hired (`transports.issuing`); what is promised
-is written down before it is said. Like a machine it has a dock: a vehicle asks before it loads. Whoever brings something back
-asks as well, and is let in, for it has nowhere else to go. What people want brought here it coordinates itself,
-with the same code as a machine (`transports.transport_flow`).
+A coordinator asks it to set material aside before it hires a vehicle (`transports.issuing`). Reservations are
+stored before they are confirmed. It has a dock like a machine: a vehicle asks before it loads. A vehicle that
+returns a load asks too, and is let in, because it has no other place. Transports ordered to this place are
+coordinated by the same code as a machine's (`transports.transport_flow`).
 
-Where vehicles refill the storage the station orders what runs low (`refilling`). Else how material comes there is its body's concern, and
-the station only tells it what is short (`Refill`); or people's, who have it brought.
+If vehicles refill the storage, the station orders what runs low (`refilling`). Otherwise material comes by its body
+or by people. The station tells the body only what is short (`Refill`).
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ class Station(AgentBase):
     """The station of one storage or source warehouse.
 
     Args:
-        storage: its id in the plant, which is the station's.
-        plant: the plant it stands in.
+        storage: its id in the plant, and the station's id.
+        plant: its plant.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
-        traffic: of the plant; None where vehicles drive without right of way.
-        trusts: whose word counts when people carry vehicles away, or have looked for a load.
-        rules: patience and reach of its auctions.
+        traffic: of the plant; None if vehicles drive without right of way.
+        trusts: the trusted signers of people's removals and commands.
+        rules: time-outs and radius of its auctions.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Station(AgentBase):
         items = tuple(kept.material for kept in spec.stocks)
         self._book = Reservations({kept.material: kept.capacity for kept in spec.stocks})
         self._uncounted: tuple[str, ...] = ()
-        """Materials of which its body does not know how many pieces lie there."""
+        """Materials whose stock its body does not know."""
         self._told: tuple[StockLevel, ...] = ()
         self._written: tuple[ReservationMemory, ...] = ()
         self._flow = TransportFlow(
@@ -152,7 +152,7 @@ class Station(AgentBase):
             self._flow.departures.restore(note.leaving)
             self._flow.bookings.restore(note.booked)
             self._held_loads.restore(note.answered)
-            # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
+            # Tasks without a carrier have a higher epoch now, which no later life may reuse.
             self._life.commit()
         else:
             self._flow.restore_tasks((), memory, now_s)
@@ -228,14 +228,14 @@ class Station(AgentBase):
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
 
-    # --- what comes and goes (`dray.protocol.transports.transport_flow.FlowOwner`) ---
+    # --- for its material flow (`dray.protocol.transports.transport_flow.FlowOwner`) ---
 
     def pursue(self, now_s: float) -> None:
-        """Do whatever the present state asks for."""
+        """Do what the present state requires."""
         self._go_on(now_s)
 
     def _on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
-        """A vehicle stands here and asks to unload what was brought here, or to load for another place."""
+        """A vehicle stands here and asks to unload, or to load for another place."""
         if docked.returns and docked.station == self.id:
             is_kept = self._book.holds(docked.item, docked.quantity)
             self._flow.take_back(sender, docked, now_s, is_kept=is_kept)
@@ -264,10 +264,10 @@ class Station(AgentBase):
             self._issuing.on_taken(report.vehicle, report.item)
         self._go_on(now_s)
 
-    # --- what follows ---
+    # --- consequences ---
 
     def _go_on(self, now_s: float) -> None:
-        """See to all that follows from a change: promises, what cannot be kept, what is short, when to look again."""
+        """Update reservations, orders, refills and the heartbeat after a change."""
         self._issuing.settle(now_s)
         if not self._shutdown.begun:
             self._flow.called.pursue(now_s)

@@ -1,4 +1,4 @@
-"""Products of the plant file, as goals carry them; an order that brings definitions of its own needs none of these."""
+"""Products of the plant file in the form that goals carry; an order with its own definitions needs none of these."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dray.plant.model import Product
 
 
 def definition_for(item: OrderItem, plant: Plant) -> ProductDefinition | None:
-    """The product of an order's item: as the order has it, else as the plant file does; None when neither knows it."""
+    """The product definition of an order's item: the order's own, else the plant file's; None if neither has one."""
     product = plant.products.get(item.product)
     if item.definition is not None or product is None:
         return item.definition
@@ -18,7 +18,7 @@ def definition_for(item: OrderItem, plant: Plant) -> ProductDefinition | None:
 
 
 def parts_of(definition: ProductDefinition, parts: Mapping[str, ProductDefinition], plant: Plant) -> set[str]:
-    """Parts on all levels below a product; of one that is made of itself, each once."""
+    """The parts on all levels below a product, each once, even in a cycle."""
     found: set[str] = set()
     ahead = [definition]
     while ahead:
@@ -30,12 +30,12 @@ def parts_of(definition: ProductDefinition, parts: Mapping[str, ProductDefinitio
 
 
 def part_definition(part: str, parts: Mapping[str, ProductDefinition], plant: Plant) -> ProductDefinition:
-    """A part of the plant: as an order has brought it, else as the plant file has it."""
+    """A part's definition: the order's own, else the plant file's."""
     return parts.get(part) or definition_of(plant.products[part])
 
 
 def definition_of(product: Product) -> ProductDefinition:
-    """A product of the plant file. Which machines make it they know themselves."""
+    """A product of the plant file. Its machines know themselves that they make it."""
     return ProductDefinition(
         lot=product.lot,
         ability=product.ability,

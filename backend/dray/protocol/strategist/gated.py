@@ -1,8 +1,9 @@
-"""A strategist whose gate is an agent of its own: what it wants of the gate is said to that agent, and what comes of it heard from there.
+"""A strategist with a gate in a separate agent: instructions to the gate and its answers become messages.
 
-`Strategist` decides with a gate at hand, as other agents do with their bodies. Here its instructions become messages, which are repeated until
-they are answered, and answers become reports. A machine hears that a goal is its own when the gate lets it in. A life begins when the gate has said which orders it holds; before that it does nothing, and
-machines go on without it. That a goal is shut or an order has ended is noted until the gate has heard it: no order of the next life tells that.
+`Strategist` works as if it had the gate as its body. Here its instructions become messages, repeated until they are
+answered, and answers become reports. A machine's goal is confirmed only after the gate admits it. A life begins
+when the gate has reported the orders that it holds; before that it does nothing, and machines go on without it. A
+shut goal or an ended order is stored until the gate has acknowledged it: no order of the next life would repeat it.
 """
 
 from __future__ import annotations
@@ -49,22 +50,22 @@ from dray.protocol.strategist.order_holding import GOAL_NAME
 from dray.protocol.strategist.strategist import Strategist
 
 WORD = "word to the gate"
-"""The alarm for saying something to the gate again, by what it is about."""
+"""Alarm of a repeated message to the gate, with its subject."""
 
 ASKED = "what is held"
-"""The subject of the question with which a life begins."""
+"""Subject of the question with which a life begins."""
 
 GOALS_KEPT = 4096
-"""Goals of which it is known what was counted by vehicle: as many as the gate knows."""
+"""Maximum goals with counts by vehicle: as many as the gate knows."""
 
 OLD = "an old word of the gate"
 
 
 class GatedStrategist(Strategist):
-    """One plant's strategist, with a gate elsewhere.
+    """One plant's strategist with a gate in another agent.
 
     Args:
-        plant: what can be made where.
+        plant: the plant with its machines and products.
         gate: the id of the gate's agent.
         options: see `Strategist`.
     """
@@ -75,27 +76,27 @@ class GatedStrategist(Strategist):
         self._gate_key = Keys(plant.id).station_heartbeat(gate)
         self._shares = bool(options.get("others"))
         self._started: Started | None = None
-        """How this life is to begin, as long as the gate has not said what is held."""
+        """The start event, until the gate has reported what is held."""
         self._held_then: dict[str, int] = {}
-        """As far as it has said."""
+        """Held orders reported so far, with their epochs."""
         self._begun = False
         self._early: BoundedMap[str, Received] = BoundedMap(ORDERS_MAX)
-        """By order, what was released before: whoever else has taken it, this one has to know of it."""
+        """By order: releases received before the start; this strategist must know them even if another one takes them."""
         self._gate_life = self._gate_since = 0
         self._words = Retransmitter(WORD, self._life)
         self._alarm_handlers = {**self._alarm_handlers, WORD: self._words.wake}
         self._number = 0
         self._asked: dict[str, AdmissionAsked] = {}
-        """The last word about each goal, as long as it is not answered."""
+        """The last unanswered message about each goal."""
         self._unconfirmed: dict[str, None] = {}
-        """Of these, goals whose machines wait for a word."""
+        """Those goals whose machines wait for a confirmation."""
         self._claimed: dict[str, OrderClaimed] = {}
-        """By order, what is not answered."""
+        """By order: the unanswered claim."""
         self._noted: dict[str, ShutWord] = {}
-        """Of these, what the next life has to say, by the name of its note."""
+        """Stored messages that the next life has to send, by the name of their note."""
         self._brought: BoundedMap[str, dict[str, int]] = BoundedMap(GOALS_KEPT)
         self._epochs: BoundedMap[str, int] = BoundedMap(ORDERS_MAX)
-        """The highest that was heard of each order."""
+        """The highest known epoch of each order."""
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """See `dray.protocol.runtime.events.Agent`."""
@@ -116,7 +117,7 @@ class GatedStrategist(Strategist):
         return self._step(event, now_s)
 
     def _step(self, event: Event, now_s: float) -> list[Effect]:
-        """One step of the strategist, with what it wants of the gate said to that."""
+        """Take one step of the strategist, and send its instructions to the gate."""
         effects: list[Effect] = []
         for effect in super().handle(event, now_s):
             if isinstance(effect, Instruct):
@@ -126,7 +127,7 @@ class GatedStrategist(Strategist):
         return [effect for effect in effects if not self._is_early(effect)]
 
     def _is_early(self, effect: Effect) -> bool:
-        """Whether a machine would hear that a goal is its own before the gate lets it in: it is told when that has answered."""
+        """Whether a confirmation comes before the gate's admission: the machine is told after the gate's answer."""
         if not isinstance(effect, Send) or not isinstance(effect.message, Confirmed):
             return False
         asked = self._asked.get(effect.message.task)
@@ -136,7 +137,7 @@ class GatedStrategist(Strategist):
         return is_early
 
     def _taken_out(self) -> list[Effect]:
-        """What was said beside a step."""
+        """Effects made outside of a step."""
         effects = list(self._life.effects)
         self._life.effects.clear()
         return effects
@@ -176,7 +177,7 @@ class GatedStrategist(Strategist):
         return effects
 
     def _say_all(self, now_s: float) -> list[Effect]:
-        """The gate has lost its notes: say again what it has to know."""
+        """The gate has lost its notes: repeat what it has to know."""
         effects: list[Effect] = []
         for order in self._book.orders():
             if self._shares and self._book.held_with(order.id):
@@ -188,7 +189,7 @@ class GatedStrategist(Strategist):
                 effects += self._say(Admit(goal.id, quantity, of if self._shares else None), now_s)
         return effects
 
-    # --- what is said to the gate ---
+    # --- messages to the gate ---
 
     def _say(self, instruction: object, now_s: float) -> list[Effect]:
         if isinstance(instruction, Admit):
@@ -215,7 +216,7 @@ class GatedStrategist(Strategist):
         return [*self._noting(f"{goal} shut", note), *self._taken_out()]
 
     def _noting(self, name: str, note: ShutWord | None) -> Iterator[Effect]:
-        """Write down what the next life has to say, or that it need not."""
+        """Store what the next life has to send, or delete it."""
         if note == self._noted.get(name):
             return
         if note is None:
@@ -224,10 +225,10 @@ class GatedStrategist(Strategist):
             self._noted[name] = note
         yield Commit(note, name)
 
-    # --- what is heard from it ---
+    # --- messages from the gate ---
 
     def _on_gate(self, message: Message, now_s: float) -> list[Effect] | None:
-        """What comes of a word of the gate; None for one that is for nobody here."""
+        """The effects of a gate's message; None for one that is not used here."""
         if isinstance(message, GateReported):
             return self._on_reported(message, now_s)
         if isinstance(message, StationHeartbeat):
@@ -241,7 +242,7 @@ class GatedStrategist(Strategist):
         return None
 
     def _on_heartbeat(self, heartbeat: StationHeartbeat, now_s: float) -> list[Effect]:
-        """Whether the gate lives another life: it may have lost what it was told."""
+        """Detect a restart of the gate, which may have lost its orders."""
         life, self._gate_life = self._gate_life, max(self._gate_life, heartbeat.incarnation)
         if self._begun and 0 < life < self._gate_life and not self._shutdown.begun:
             self._ask(now_s)
@@ -252,7 +253,7 @@ class GatedStrategist(Strategist):
         asked = self._asked.get(goal)
         if asked is not None:
             if (counted.incarnation, counted.number) != (asked.incarnation, asked.number):
-                # What has arrived by then is in the answer, too.
+                # The answer includes what has arrived by then.
                 return [Ignore(OLD)]
             del self._asked[goal]
             self._words.settle(f"goal {goal}")
@@ -269,14 +270,14 @@ class GatedStrategist(Strategist):
         return [*effects, *self._taken_out()]
 
     def _reports(self, counted: GoodsCounted) -> Iterator[GoodsArrived]:
-        """What a gate at hand would have said: one report for each vehicle that has brought something since."""
+        """The reports that a local gate would have made: one for each vehicle with new pieces."""
         goal, known = counted.goal, self._brought.get(counted.goal, {})
         total = counted.arrived - sum(each.pieces for each in counted.brought) + sum(known.values())
         for each in counted.brought:
             news = each.pieces - known.get(each.vehicle, 0)
             if news > 0:
                 total += news
-                # Only the last one may be the last word about a goal that is shut.
+                # Only the last report may conclude a shut goal.
                 yield GoodsArrived(
                     goal, total, max(1, counted.admitted), each.vehicle, by_people=counted.by_people
                 )
@@ -303,7 +304,7 @@ class GatedStrategist(Strategist):
         return effects + self._step(Reported(held), now_s)
 
     def _forget_goals(self, order: str) -> list[Effect]:
-        """Another one speaks for the goals of an order from now on."""
+        """Another strategist has taken over the goals of an order."""
         effects: list[Effect] = []
         for goal in [goal for goal in self._asked if GOAL_NAME.sub("", goal) == order]:
             del self._asked[goal]

@@ -1,7 +1,7 @@
-"""How a strategist gives goals out: those of one product one after another, different products at the same time.
+"""How a strategist auctions goals: those of one product one after another, different products at the same time.
 
-So every machine bids with its real queue (`goal_bidding` is its side). What becomes of a goal that a machine
-has taken is left to the `strategist`.
+So every machine bids with its real queue (`goal_bidding` is its side). The `strategist` follows a goal after its
+contract.
 """
 
 from __future__ import annotations
@@ -35,30 +35,30 @@ from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook
 
 GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, rest_growth=1.5, rest_aged_frac=0.0, moves_deadline=False)
-"""Machines are wired and few: the window may be shorter than for vehicles, where their heartbeats come that fast."""
+"""Machines are wired and few, so the window is shorter than for vehicles."""
 
 NOWHERE = Place(x_m=0.0, y_m=0.0, reach_m=0.0)
-"""A goal's audience has no place: whoever can make the product is asked."""
+"""A goal's audience has no place: all machines for the product are asked."""
 
 
 REASON_CHARS = 500
-"""Words for people; a large plant has more machines than anybody reads."""
+"""Maximum length of a reason; a large plant has more machines than a person reads."""
 
 TAKERS = "takers"
-"""The alarm for looking whether anybody could take a goal, by product."""
+"""Alarm of the check whether any machine could take a goal, by product."""
 
 
 class GoalAuctions(Coordinator):
     """The goals of one strategist, put up for auction.
 
     Args:
-        strategist: who asks.
+        strategist: the strategist's id.
         keys: the plant's bus keys.
         book: all goals.
-        watch: which machines can work.
-        life: its agent's; its alarms are named ``(TAKERS, product)`` beside those of its base.
-        assessor: what it asks of bids beside their price.
-        shutdown: of the strategist: one that was asked to leave puts nothing up.
+        watch: the monitor of machines.
+        life: the agent's life; alarms are named ``(TAKERS, product)`` beside those of its base.
+        assessor: checks bids and adds surcharges.
+        shutdown: of the strategist: while it drains it auctions nothing.
         taken: called when a machine has taken a goal.
         incarnation: how often the strategist was started.
     """
@@ -98,7 +98,7 @@ class GoalAuctions(Coordinator):
         self.alarms[TAKERS] = self._check_takers
 
     def ask_next(self, product: str, now_s: float) -> None:
-        """Put the next goal of a product up for auction, unless one is, or it would be left alone."""
+        """Put the next goal of a product up for auction, unless one already is, or the strategist drains."""
         if product in self._asking or self._shutdown.begun:
             return
         goal = next(self._book.unclaimed(product), None)
@@ -111,21 +111,21 @@ class GoalAuctions(Coordinator):
             self._check_takers(product, now_s)
 
     def close_goal(self, goal: OpenGoal, outcome: Outcome) -> None:
-        """A goal has ended, whether it was put up or not."""
+        """A goal has ended, with or without an auction."""
         if self._asking.get(goal.work.product) == goal.id:
             del self._asking[goal.work.product]
         task = self.get(goal.id)
         if task is not None:
             self.close(task, outcome)
         elif goal.machine:
-            # It was contracted in an earlier life, whose auctions are forgotten.
+            # An earlier life made the contract, and its auctions are forgotten.
             if outcome == "withdrawn":
                 self.withdraw(goal.machine, goal.id, goal.epoch)
             ended = TaskClosed(task=goal.id, epoch=goal.epoch, outcome=outcome, carrier=goal.machine)
             self._life.record(ended)
 
     def give_up(self, goal: OpenGoal) -> None:
-        """Another strategist holds the order of a goal: what is put up is withdrawn, and a contract stands."""
+        """Another strategist holds the order of a goal: withdraw an auction; a contract stands."""
         if self._asking.get(goal.work.product) == goal.id:
             del self._asking[goal.work.product]
         task = self.get(goal.id)
@@ -134,7 +134,7 @@ class GoalAuctions(Coordinator):
         self._open.pop(goal.id, None)
 
     def on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
-        """Bind the machine, and confirm as often as it asks: it begins only then."""
+        """Bind the machine, and confirm whenever it asks: it begins only then."""
         goal = self._book.goal(answer.task)
         if goal is None or goal.machine != sender:
             super().on_accepted(sender, answer, now_s)
@@ -142,10 +142,10 @@ class GoalAuctions(Coordinator):
             goal.named_s = now_s
             self.confirm(goal)
 
-    # --- what machines are told ---
+    # --- messages to machines ---
 
     def confirm(self, goal: OpenGoal) -> None:
-        """Tell a machine that a goal is its own, and how much of it has arrived."""
+        """Confirm a goal to its machine, with the count of arrivals."""
         brought = tuple(Brought(vehicle, pieces) for vehicle, pieces in goal.brought.items())
         confirmed = Confirmed(
             task=goal.id, epoch=goal.epoch, arrived=goal.arrived, brought=brought, by_people=goal.by_people
@@ -153,23 +153,23 @@ class GoalAuctions(Coordinator):
         self._life.send(goal.machine, confirmed)
 
     def withdraw(self, machine: str, goal: str, epoch: int) -> None:
-        """Tell a machine that a goal is not its own any more."""
+        """Tell a machine that a goal is withdrawn."""
         self._life.send(machine, Withdrawn(task=goal, epoch=epoch, reason=Reason.NOT_NEEDED))
 
     def say_over(self, machine: str, brief: GoalBrief) -> None:
-        """Tell a machine that names a goal which has ended how it did."""
+        """Tell a machine that names an ended goal how it ended."""
         closed = self.closed(brief.goal)
-        # What an earlier life has closed is not known here; the machine's own word will do for its end.
+        # The goals of an earlier life are unknown here; the machine's own counts suffice.
         delivered = brief.delivered >= brief.quantity if closed is None else closed.outcome == "delivered"
         if delivered:
             self._life.send(machine, GoalClosed(goal=brief.goal))
         else:
             self.withdraw(machine, brief.goal, 1 if closed is None else closed.epoch)
 
-    # --- when nobody could take them ---
+    # --- goals without a taker ---
 
     def say_waits(self, goal: OpenGoal, now_s: float) -> None:
-        """Put on record, once, that nobody can make a goal, and what is the matter with all who could."""
+        """Record once that no machine can make a goal, with each machine's problem."""
         if goal.waits:
             return
         goal.waits = True
@@ -177,7 +177,7 @@ class GoalAuctions(Coordinator):
         self._life.record(GoalWaits(goal=goal.id, order=goal.work.order, machines=machines))
 
     def _check_takers(self, product: str, now_s: float) -> None:
-        """Say so when nobody lives who could take the goals of a product, and look again."""
+        """Report goals of a product that no living machine could take, and check again later."""
         waiting = list(self._book.unclaimed(product))
         if not waiting:
             return
@@ -188,7 +188,7 @@ class GoalAuctions(Coordinator):
                 self.say_waits(goal, now_s)
         self._life.alarm((TAKERS, product), now_s + GOAL_SILENCE_S)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _audience(self, work: Work, _radius_m: float) -> tuple[str, ...]:
         goal = cast(Production, work)

@@ -1,8 +1,8 @@
-"""Which machines can work, as their heartbeats tell it to the strategist (paper, case 1).
+"""The machines that can work, by their heartbeats to the strategist (paper, case 1).
 
-A machine has failed for its goals when it is silent, or when it has said for long that it is broken; earlier where it offers
-them itself, as it judges its breakdown, or because people have taken it out of service.
-Nothing is lost by a wrong verdict but work: the gate lets every piece in once, whoever made it.
+A machine has failed for its goals when it is silent, or broken for long. It has failed earlier if it offers them
+itself: by its estimate of a breakdown, or out of service. A wrong verdict costs only work: the gate admits every
+piece once, from whichever machine.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dray.protocol.runtime.events import NEVER_S
 
 
 class _LastHeard:
-    """What was last heard of one machine."""
+    """The last state of one machine."""
 
     __slots__ = ("broken_s", "heard_s", "is_out", "newest", "waits_s")
 
@@ -28,15 +28,15 @@ class _LastHeard:
         self.newest = (0, 0)
         """Incarnation and number of the newest heartbeat."""
         self.broken_s: float | None = None
-        """Since when it says that it is broken; None while it works."""
+        """Since when it reports a breakdown; None while it works."""
         self.waits_s = 0.0
-        """Until when somebody has promised to come."""
+        """Until when a person has promised to come."""
         self.is_out = False
-        """It is out of service by a person's word."""
+        """Whether a person has taken it out of service."""
 
     @property
     def given_up_s(self) -> float:
-        """When its goals are taken from it, whatever it says; never while it works."""
+        """When its goals are taken from it in any case; never while it works."""
         if self.broken_s is None:
             return NEVER_S
         return min(
@@ -45,13 +45,13 @@ class _LastHeard:
 
 
 class MachineMonitor:
-    """All machines of one plant, and those that have come since its file was written.
+    """All machines of one plant, including those that its file lacks.
 
     Args:
-        plant: who can make what, by its file.
+        plant: the plant with its machines.
 
     Attributes:
-        arrivals: how machines' heartbeats arrive.
+        arrivals: arrival statistics of machines' heartbeats.
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -61,11 +61,11 @@ class MachineMonitor:
         self._joining: dict[str, JoiningMachine] = {}
 
     def start(self, now_s: float) -> None:
-        """Watch the machines of the plant file; until they have had time to speak all are believed to live."""
+        """Watch the machines of the plant file; all are assumed to live until they have had time to speak."""
         self._heard = {machine: _LastHeard(now_s) for machine in self._plant.machines}
 
     def on_heartbeat(self, heartbeat: MachineHeartbeat, now_s: float) -> bool:
-        """Note a heartbeat; False when it is older than one that was heard, or of no machine here."""
+        """Note a heartbeat; False if it is older than the last one, or from no machine here."""
         heard = self._heard.get(heartbeat.machine) or self._welcome(heartbeat, now_s)
         order = (heartbeat.incarnation, heartbeat.seq)
         if heard is None or order <= heard.newest:
@@ -76,7 +76,7 @@ class MachineMonitor:
         heard.newest, heard.heard_s = order, now_s
         heard.is_out = heartbeat.out_of_service is not UNSET
         if heartbeat.help is not UNSET and heartbeat.help.promised_by:
-            # What is left counts, and not the time when it ends: that is told by another clock.
+            # The remaining time counts, because the end is told by another clock.
             heard.waits_s = now_s + heartbeat.help.until_s - heartbeat.at_s
         if heartbeat.status is not MachineStatus.ERROR:
             heard.broken_s, heard.waits_s = None, 0.0
@@ -85,12 +85,12 @@ class MachineMonitor:
         return True
 
     def excuse(self, span_s: float) -> None:
-        """The strategist's own process was held up for this long: that time does not count as silence of machines."""
+        """The strategist's own process was held up for this long: machines' silence in that time does not count."""
         for heard in self._heard.values():
             heard.heard_s += span_s
 
     def machines_for(self, work: Production) -> tuple[str, ...]:
-        """All that can make a goal, those included that the plant file does not know."""
+        """All machines for a goal, including those that the plant file lacks."""
         joining = (
             machine
             for machine, joining in self._joining.items()
@@ -100,13 +100,13 @@ class MachineMonitor:
         return (*own, *(each.machine for each in work.definition.machines if each.machine not in own))
 
     def named_for(self, work: Production) -> tuple[str, ...]:
-        """Those that can make a goal because its product's definition says so, and do not listen for it by themselves."""
+        """Machines for a goal by its product's definition, which do not subscribe to it by themselves."""
         named = {each.machine for each in work.definition.machines}
         listening = self._plant.machines_for(work.product)
         return tuple(each for each in self.machines_for(work) if each in named and each not in listening)
 
     def cycle_s(self, work: Production) -> float:
-        """The shortest time for a piece, by the plant file, the goal's product, or the machines' own word (s)."""
+        """The shortest cycle time by the plant file, the goal's product, or the machines' own data (s)."""
         product = work.product
         told_s = [self._plant.cycle_s(machine, product) for machine in self._plant.machines_for(product)]
         told_s += [each.cycle_s for each in work.definition.machines]
@@ -119,12 +119,12 @@ class MachineMonitor:
         return min(told_s, default=0.0)
 
     def anybody_fit(self, work: Production, now_s: float, besides: str = "") -> bool:
-        """Whether anybody lives and works who can make a goal; besides one that offers it, perhaps."""
+        """Whether any machine for a goal lives and works, except `besides`."""
         others = (machine for machine in self.machines_for(work) if machine != besides)
         return any(not self.failure(machine, now_s) for machine in others)
 
     def failures(self, work: Production, now_s: float, offered_by: str = "") -> tuple[MachineFailure, ...]:
-        """Those that can make a goal and make nothing now; one that offers it and works is closed in."""
+        """Machines for a goal that cannot work; a working one that offers it is closed in."""
         closed_in = {offered_by: Reason.CLOSED}
         failures = (
             (machine, self.failure(machine, now_s) or closed_in.get(machine))
@@ -133,9 +133,9 @@ class MachineMonitor:
         return tuple(MachineFailure(machine, reason) for machine, reason in failures if reason is not None)
 
     def failure(self, machine: str, now_s: float) -> Reason | None:
-        """Why a machine makes nothing; None when it lives and works."""
+        """Why a machine makes nothing; None if it lives and works."""
         heard = self._heard.get(machine)
-        # A joining machine that took a goal in an earlier life of the strategist may never have been heard in this one.
+        # A joining machine with a goal of an earlier life may never have been heard in this one.
         if heard is None or now_s >= heard.heard_s + GOAL_SILENCE_S:
             return Reason.SILENT
         if heard.broken_s is not None:
@@ -143,12 +143,12 @@ class MachineMonitor:
         return Reason.OUT_OF_SERVICE if heard.is_out else None
 
     def is_broken_for_long(self, machine: str, now_s: float) -> bool:
-        """Whether it has been broken for longer than anybody waits for."""
+        """Whether it has been broken for longer than goals wait."""
         heard = self._heard.get(machine)
         return heard is not None and now_s >= heard.given_up_s
 
     def _welcome(self, heartbeat: MachineHeartbeat, now_s: float) -> _LastHeard | None:
-        """Begin to watch a machine that the plant file does not know, if it says what it is."""
+        """Begin to watch a machine that the plant file lacks, if it publishes its data."""
         joining = heartbeat.joining
         if joining is None or len(self._joining) >= JOINING_MACHINES_MAX:
             return None

@@ -1,4 +1,4 @@
-"""What the strategist has promised: orders in work and the goals that they were split into."""
+"""The strategist's orders in work, and the goals that they were split into."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from dray.protocol.strategist.order_in_work import OpenGoal as OpenGoal  # noqa:
 from dray.protocol.strategist.order_in_work import OrderInWork as OrderInWork  # noqa: PLC0414
 
 DELIVERY_S = 300.0
-"""How long before an order is due its goals should be made: carrying the last lot away."""
+"""Time between the end of an order's goals and its due time (s): for carrying the last lot away."""
 
 ORDERS_MAX = 50_000
-"""Orders in work, some 50 MB. More are not taken; whoever sends them repeats them."""
+"""Maximum orders in work, some 50 MB. More are refused; their senders repeat them."""
 
 ENDED_KEPT = 131_072
-"""Ended orders whose repeated release is still recognised, some 25 MB, and as many that were taken back.
+"""Maximum ended orders whose repeated release is recognised, some 25 MB, and as many returned ones.
 
-A gateway that does not know yet that an order has ended sends it again, and it must not be made twice. Every ten
-minutes a gateway asks for all orders that it believes open; and while none does, no orders come. So those that
-end between two times that it has asked for one are less than what was in work then and what came in ten minutes.
+A gateway may not know yet that an order has ended, and sends it again; it must not be made twice. Every ten minutes
+a gateway asks for all orders that it believes open, and without a gateway no orders come. So the orders that end
+between two such requests are fewer than those in work and those of ten minutes.
 """
 
 
@@ -42,30 +42,28 @@ class OrderBook:
     """All orders of one plant, oldest first.
 
     Args:
-        plant: its products, for orders that bring no definition.
-        machines_for: who can make a goal.
-        life: marks the names of goals, so that no two lives give the same.
+        plant: its products, for orders without a definition.
+        machines_for: the machines for a goal.
+        life: suffix of goals' names, so that names differ between lives.
     """
 
     def __init__(self, plant: Plant, machines_for: Callable[[Production], Sequence[str]], life: str) -> None:
-        self.held_with: Callable[[str], int] = lambda _order: (
-            0
-        )  # Its epoch; none where one strategist has all.
+        self.held_with: Callable[[str], int] = lambda _order: 0  # Its epoch; 0 with only one strategist.
         self._plant = plant
         self._machines_for = machines_for
         self._life = life
         self._orders: dict[str, OrderInWork] = {}
         self._goals: dict[str, OpenGoal] = {}
         self._unclaimed: dict[str, dict[str, OpenGoal]] = {}
-        """By product: goals that nobody has taken."""
+        """By product: goals without a machine."""
         self._ended: dict[str, EndedOrder] = {}
         """Orders that have ended, or were cancelled before they came, oldest first."""
         self._returned: dict[str, ReturnedOrder] = {}
         """Orders that were taken back and have not come again, oldest first."""
         self._count = 0
-        """Goals that were ever named."""
+        """Number of goals ever named."""
         self._unwritten: dict[str, None] = {}
-        """Names of the notes that are not written down as they are now: an order has one, whatever it is."""
+        """Names of notes to store; every order has one note."""
 
     def __iter__(self) -> Iterator[OpenGoal]:
         """All open goals, those of the oldest order first."""
@@ -76,7 +74,7 @@ class OrderBook:
         return self._orders.get(order)
 
     def knows(self, order: str, release: int) -> bool:
-        """Whether this release is in work, or has ended or was taken back, if only before it came."""
+        """Whether this release is in work, has ended, or was taken back, perhaps before it came."""
         return (
             order in self._orders
             or order in self._ended
@@ -89,18 +87,18 @@ class OrderBook:
 
     @property
     def is_full(self) -> bool:
-        """Whether no more orders are taken."""
+        """Whether no more orders are accepted."""
         return len(self._orders) >= ORDERS_MAX
 
     def returned(self, order: str) -> ReturnedOrder | None:
-        """How an order was taken back; None when it was not, or has come again since."""
+        """How an order was taken back; None if it was not, or has come again since."""
         return self._returned.get(order)
 
     def goal(self, goal: str) -> OpenGoal | None:
         return self._goals.get(goal)
 
     def order_of(self, goal: OpenGoal) -> OrderInWork:
-        """The order that an open goal is of."""
+        """The order of an open goal."""
         return self._orders[goal.work.order]
 
     def orders(self) -> list[OrderInWork]:
@@ -108,15 +106,15 @@ class OrderBook:
         return list(self._orders.values())
 
     def ended(self, order: str) -> EndedOrder:
-        """How an order has ended, as far as that is known."""
+        """How an order has ended, as far as is known."""
         return self._ended.get(order, EndedOrder())
 
     def unclaimed(self, product: str) -> Iterator[OpenGoal]:
-        """Goals of a product that nobody has taken, in the order in which they are put up: what is wanted first."""
+        """Goals of a product without a machine, the earliest deadline first."""
         return iter(sorted(self._unclaimed.get(product, {}).values(), key=lambda goal: goal.deadline_s))
 
     def can_be_made(self, item: OrderItem) -> bool:
-        """Whether its product is known, and somebody can make it and all its parts."""
+        """Whether an item's product is known, and machines exist for it and all its parts."""
         work = self._work(item)
         if work is None or not self._machines_for(work):
             return False
@@ -129,11 +127,11 @@ class OrderBook:
             for part in parts
         )
 
-    # --- orders and goals come and go ---
+    # --- orders and goals ---
 
     def take(self, message: OrderReleased) -> OrderInWork:
         """Split a new order into goals."""
-        # The goals have their definitions, once each.
+        # The goals have their own definitions.
         order = self._begin(message, tuple(replace(item, definition=None) for item in message.items))
         for index, item in enumerate(message.items):
             self.add_goals(order, index, item)
@@ -142,12 +140,12 @@ class OrderBook:
     def take_over(
         self, message: OrderReleased, arrived: Sequence[int], goals: Sequence[GoalHeld]
     ) -> OrderInWork:
-        """Go on with an order that another strategist has begun.
+        """Continue an order that another strategist has begun.
 
         Args:
-            message: as it was said last.
-            arrived: per item, what has arrived of all goals that it ever had; items that are not there have none.
-            goals: those that are open. New ones are added for what no goal is left for.
+            message: the last release.
+            arrived: per item, the arrived pieces of all its goals ever; missing items have none.
+            goals: the open goals. New ones are added for items without enough goals.
         """
         counts = [*arrived, *[0] * (len(message.items) - len(arrived))]
         wanted, admitted = [], [0] * len(counts)
@@ -179,7 +177,7 @@ class OrderBook:
         return order
 
     def give_up(self, order: str) -> OrderInWork | None:
-        """Forget an order that another strategist holds; None when it was not in work."""
+        """Forget an order that another strategist holds; None if it was not in work."""
         given_up = self._orders.pop(order, None)
         if given_up is not None:
             self._unwritten[order] = None
@@ -188,7 +186,7 @@ class OrderBook:
         return given_up
 
     def add_part(self, user: OpenGoal, part: str, pieces: int, deadline_s: float) -> list[OpenGoal]:
-        """Add goals for at least so many pieces of a part that a goal lacks, in whole containers; returns them."""
+        """Add goals for at least `pieces` of a part that a goal lacks, in whole containers; returns them."""
         order = self.order_of(user)
         definition = part_definition(part, order.parts, self._plant)
         whole = -(-pieces // definition.lot) * definition.lot
@@ -197,24 +195,24 @@ class OrderBook:
         return [self._add(order, share, deadline_s) for share in self._shares(work)]
 
     def add_goals(self, order: OrderInWork, index: int, item: OrderItem) -> None:
-        """Have so many pieces of an item made."""
+        """Add goals for the pieces of an item."""
         for work in self._split(order.id, index, item):
             self._add(order, work, order.due_s - DELIVERY_S)
 
     def resize(self, order: OrderInWork, index: int, by: int) -> None:
-        """More or less of an item is to be delivered than before."""
+        """Change the quantity of an item."""
         items = list(order.items)
         items[index] = replace(items[index], quantity=items[index].quantity + by)
         order.items = tuple(items)
         self._unwritten[order.id] = None
 
     def reduce(self, goal: OpenGoal, quantity: int) -> None:
-        """Less of a goal is to be made."""
+        """Reduce the quantity of a goal."""
         self.resize(self._orders[goal.work.order], goal.work.item, quantity - goal.work.quantity)
         goal.work = replace(goal.work, quantity=quantity)
 
     def touch(self, order: OrderInWork) -> None:
-        """Something else of an order has changed."""
+        """Store another change of an order."""
         self._unwritten[order.id] = None
 
     def contract(self, goal: OpenGoal, machine: str, now_s: float) -> None:
@@ -224,22 +222,22 @@ class OrderBook:
         self._unwritten[goal.work.order] = None
 
     def renew(self, goal: OpenGoal) -> None:
-        """What an earlier life has announced of a goal is not answered to any more."""
+        """Invalidate an earlier life's announcement of a goal."""
         goal.epoch += 1
         self._unwritten[goal.work.order] = None
 
     def count(self, goal: OpenGoal, arrived: int) -> None:
-        """The gate has counted so many pieces of a goal."""
+        """Note the gate's count of a goal."""
         goal.arrived = arrived
         self._unwritten[goal.work.order] = None
 
     def revoke(self, order: OrderInWork, asker: str) -> None:
-        """Somebody has taken an order back, and waits for its end."""
+        """Take an order back for `asker`, who waits for its end."""
         order.revoked_by = asker
         self._unwritten[order.id] = None
 
     def succeed(self, goal: OpenGoal, quantity: int | None = None) -> OpenGoal:
-        """Replace a goal by one for what has not arrived of it, or for another quantity."""
+        """Replace a goal by one for its missing pieces, or for another quantity."""
         order = self._orders[goal.work.order]
         self.close(goal)
         work = goal.work
@@ -255,13 +253,13 @@ class OrderBook:
         return order
 
     def withdraw(self, goal: OpenGoal) -> OrderInWork:
-        """Forget a goal of an order that is taken back, and note what has not arrived; returns the order."""
+        """Forget a goal of an order that is taken back, and note its missing pieces; returns the order."""
         order = self.close(goal)
         order.withdrawn[goal.work.item] += goal.work.quantity - goal.arrived
         return order
 
     def give_back(self, order: str, release: int) -> ReturnedOrder:
-        """Forget an order that has no goals any more, or never came: only a later release is taken."""
+        """Forget an order without open goals, or that never came: only a later release is accepted."""
         ended = self._orders.pop(order, None)
         outstanding = () if ended is None else tuple(ended.withdrawn)
         self._returned.pop(order, None)
@@ -271,14 +269,14 @@ class OrderBook:
         return returned
 
     def close_order(self, order: str, *, fulfilled: bool = False) -> OrderInWork | None:
-        """Forget an order and its goals, and take none of this name any more.
+        """Forget an order and its goals, and accept none of this id any more.
 
         Args:
-            order: which.
-            fulfilled: whether all of it has arrived; no cancellation that comes later undoes that.
+            order: its id.
+            fulfilled: whether all of it has arrived; a later cancellation does not undo that.
 
         Returns:
-            The order; None when it was not in work.
+            The order; None if it was not in work.
         """
         before, in_work = self.ended(order), self._orders.get(order)
         change = before.change if in_work is None else in_work.change
@@ -293,16 +291,16 @@ class OrderBook:
                 self._forget_goal(goal)
         return ended
 
-    # --- from life to life ---
+    # --- over a restart ---
 
     def commits(self) -> list[Commit]:
-        """What has changed since this was asked for last, to be written down."""
+        """The changes since the last call, to store."""
         commits = [Commit(self._note(name), name) for name in self._unwritten]
         self._unwritten.clear()
         return commits
 
     def restore(self, memory: Memory) -> None:
-        """Take up what earlier lives have written down."""
+        """Restore the notes of earlier lives."""
         for name, note in memory.items():
             if isinstance(note, StrategistMemory):
                 self._count = note.goal_count
@@ -326,7 +324,7 @@ class OrderBook:
             self._keep(order, goal)
 
     def _note(self, name: str) -> Note | None:
-        """What is to be written down of an order, or of none of them; None when it is forgotten."""
+        """The note of an order, or of the whole book; None if the order is forgotten."""
         if name == WHOLE:
             return StrategistMemory(goal_count=self._count)
         order = self._orders.get(name)
@@ -351,7 +349,7 @@ class OrderBook:
             del history[oldest]
             self._unwritten[oldest] = None
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _begin(self, message: OrderReleased, items: tuple[OrderItem, ...]) -> OrderInWork:
         order = OrderInWork(message.order, items, message.due_s, message.release)
@@ -379,7 +377,7 @@ class OrderBook:
         self._unclaimed.get(goal.work.product, {}).pop(goal.id, None)
 
     def _split(self, order: str, index: int, item: OrderItem) -> list[Production]:
-        """Share an item among the machines that can make it, in whole containers."""
+        """Divide an item among its machines, in whole containers."""
         work = self._work(item, order, index)
         if work is None or not item.quantity:
             return []  # All of it was delivered before the order was released again.
@@ -393,7 +391,7 @@ class OrderBook:
         return [replace(work, quantity=pieces) for pieces in [share] * whole + ([rest] if rest else [])]
 
     def _work(self, item: OrderItem, order: str = "", index: int = 0) -> Production | None:
-        """All of an item as one goal; None when nobody has defined its product."""
+        """An item as one goal; None without a product definition."""
         definition = definition_for(item, self._plant)
         if definition is None:
             return None

@@ -1,8 +1,9 @@
-"""How a strategist changes an order in work: at once where nobody has begun, else as far as the machines can still spare it.
+"""How a strategist changes an order in work: at once if no piece is begun, else as far as machines can still save pieces.
 
-What nobody has taken is put up anew as it is wanted now. A machine is told what would do (`GoalRevised`), and answers what it keeps; it is told
-again with each of its heartbeats that shows the goal otherwise, so nothing is remembered of what was said. One machine after another is
-asked to spare pieces, always in the same order: whatever is lost and whoever is started again, no more is spared than was asked.
+Goals without a machine are put up anew. A machine gets the sufficient quantity (`GoalRevised`), and answers with
+what it keeps. The message is repeated after each heartbeat that shows the goal otherwise, so no message has to be
+remembered. Machines are asked one after another, always in the same order: after losses and restarts no more pieces
+are saved than asked.
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from dray.protocol.strategist.order_book import DELIVERY_S, OpenGoal, OrderBook,
 
 
 class OrderChanges:
-    """For one strategist.
+    """The order changes of one strategist.
 
     Args:
         book: all orders and goals.
-        end: follows a goal no longer, whatever has become of it.
-        deliver: called with a goal of which all that is wanted has arrived.
+        end: follows a goal no longer, with its outcome.
+        deliver: called with a goal whose wanted pieces have all arrived.
         done: called with a goal of which nothing is wanted any more, and that is followed no longer.
         ask: puts up the next goal of a product.
     """
@@ -42,10 +43,10 @@ class OrderChanges:
         self._book, self._life = book, life
         self._end, self._deliver, self._done, self._ask = end, deliver, done, ask
         self._askers: dict[str, str] = {}
-        """Who waits for the end of a change, by order; one that is not known asks again."""
+        """By order: the agent that waits for the end of a change; an unknown one asks again."""
 
     def on_changed(self, sender: str, message: OrderReleased, order: OrderInWork, now_s: float) -> None:
-        """An order in work is said again; with a newer change it becomes what is wanted now. It is answered when that is done."""
+        """An order in work is sent again; a newer change applies from now on. The answer follows when that is done."""
         self._askers[order.id] = sender
         if message.change > order.change:
             self._begin(message, order)
@@ -61,7 +62,7 @@ class OrderChanges:
             goal.asked, goal.keeps = None, False
             if goal.work.part_of:
                 if is_later and not goal.machine:
-                    # It is lacking anew, with another time.
+                    # The planner orders the part again, with another deadline.
                     self._replace(goal, 0)
             elif is_later and not goal.machine:
                 self._replace(goal, goal.work.quantity)
@@ -72,7 +73,7 @@ class OrderChanges:
             self._add(order, index, item)
 
     def settle(self, order: OrderInWork, now_s: float) -> None:
-        """Go on with a change of an order, and say so when it is done."""
+        """Continue a change of an order, and report when it is done."""
         if self._book.order(order.id) is not order or order.revoked_by:
             return
         if order.wanted:
@@ -85,7 +86,7 @@ class OrderChanges:
             self._answer(order)
 
     def close(self, order: OrderInWork) -> None:
-        """Nothing more comes of a change, if one is under way: as it is now the order stands."""
+        """End a change under way: the order stays as it is now."""
         if order.wanted:
             order.wanted = []
             self._book.touch(order)
@@ -93,7 +94,7 @@ class OrderChanges:
             self._life.record(changed)
 
     def on_taken(self, sender: str, message: GoalRevisionTaken, now_s: float) -> None:
-        """A machine has said what it keeps."""
+        """A machine has answered what it keeps."""
         goal = self._book.goal(message.task)
         if goal is None or goal.machine != sender or goal.epoch != message.epoch:
             self._life.ignore("what is kept of a goal that has ended or moved on")
@@ -101,18 +102,18 @@ class OrderChanges:
         self._note(goal, message.quantity, message.asked, now_s)
 
     def on_named(self, goal: OpenGoal, brief: GoalBrief, now_s: float) -> None:
-        """Its machine tells of a goal: what it has not heard is said again, what it has is believed."""
+        """A machine names a goal: repeat what it has not heard, and accept what it reports."""
         if brief.quantity < goal.work.quantity:
             self._note(goal, brief.quantity, goal.asked, now_s)
         elif goal.asked is not None or brief.deadline_s not in (UNSET, goal.deadline_s):
             self._say(goal)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _note(self, goal: OpenGoal, quantity: int, asked: int | None, now_s: float) -> None:
-        """Its machine makes no more than this of a goal, as it was asked to or not."""
+        """A machine makes no more than `quantity` of a goal, asked or not."""
         if goal.failure:
-            return  # The gate is being shut for it; what has not arrived is given to others.
+            return  # The gate is being shut for it; the missing pieces are given to others.
         order, work = self._book.order_of(goal), goal.work
         is_answer = goal.asked is not None and goal.asked == asked
         if is_answer:
@@ -124,7 +125,7 @@ class OrderChanges:
             wanted = order.wanted[work.item] if order.wanted else stands
             missing = wanted - order.items[work.item].quantity
             if missing > 0:
-                # It has spared what is wanted back.
+                # It has saved pieces that are wanted again.
                 self._book.resize(order, work.item, missing)
                 rest = OrderItem(work.product, missing, work.definition)
                 self._book.add_goals(order, work.item, rest)
@@ -144,13 +145,13 @@ class OrderChanges:
         self._life.record(reduced)
 
     def _add(self, order: OrderInWork, index: int, item: OrderItem) -> None:
-        """Have made what is wanted more of an item."""
+        """Add goals for an increased item."""
         if index < len(order.wanted) and (more := order.wanted[index] - order.items[index].quantity) > 0:
             self._book.resize(order, index, more)
             self._book.add_goals(order, index, replace(item, quantity=more))
 
     def _spare(self, order: OrderInWork, index: int) -> bool:
-        """Have less made of an item; returns whether nobody is to be asked any more."""
+        """Have less of an item made; returns whether no machine has to be asked any more."""
         whole = [goal for goal in order.goals.values() if not goal.work.part_of]
         goals = [goal for goal in whole if goal.work.item == index]
         for goal in reversed([goal for goal in goals if not goal.machine]):
@@ -174,7 +175,7 @@ class OrderChanges:
         return True
 
     def _replace(self, goal: OpenGoal, quantity: int) -> None:
-        """Put a goal up anew that nobody has taken, or not at all."""
+        """Put a goal without a machine up anew, or drop it."""
         self._end(goal, "withdrawn")
         if quantity:
             self._book.succeed(goal, quantity)
@@ -191,7 +192,7 @@ class OrderChanges:
             self._life.send(asker, self.taken(order.id, order.release, order.change))
 
     def taken(self, order: str, release: int, change: int) -> OrderTaken:
-        """The answer to an order that is in work, or has ended; with its quantities where it was changed."""
+        """The answer to an order in work or ended; with its quantities if it was changed."""
         in_work, ended = self._book.order(order), self._book.ended(order)
         if in_work is not None:
             quantities = in_work.quantities if change else ()

@@ -1,17 +1,18 @@
-"""Several strategists: who holds which order, and who goes on with it when its holder is silent.
+"""Several strategists: which of them holds an order, and which goes on with it if the holder is silent.
 
-All of them hear what is said of an order. The number of orders that each has in work is its bid, in its heartbeats; who bids least
-claims the order at the gate, the others a second later each. The gate lets one of them hold it, with an epoch, and from then on admits
-its goals on that one's word alone. The others note the order, as secondaries note a task. When its holder is silent for
-PEER_SILENCE_S they claim it in the same turns, with the next epoch. The gate tells the new holder what has arrived and which goals are open;
-machines go on with these, and only what no goal is left for is put up anew. That an order has ended is told to the gate, too. Who comes
-back senses at the gate what it does not hold any more, and gives it up. Who comes back without its notes says so, and others claim what it holds.
+All strategists hear all messages about orders. A strategist's bid is its number of orders in work, in its
+heartbeats. The lowest bidder claims the order at the gate, each other one a second later. The gate grants the order
+to one, with an epoch, and from then on admits its goals only for that holder. The others note the order, as
+secondaries note a task. If the holder is silent for PEER_SILENCE_S, they claim the order in the same turns, with
+the next epoch. The gate tells the new holder the arrivals and the open goals; machines go on with these, and only
+the rest is put up anew. The gate is also told when an order has ended. A returning strategist learns from the gate
+what it does not hold any more. One that returns without its notes reports that, and others claim its orders.
 
     NOTED --claimed, granted--> HELD --has ended--> forgotten
       ^                          |
       +-- another one holds it, with a higher epoch --+
 
-What is noted is forgotten, too, when its holder tells that it has ended.
+A noted order is forgotten, too, when its holder reports its end.
 """
 
 from __future__ import annotations
@@ -35,36 +36,35 @@ from dray.protocol.strategist.order_book import ENDED_KEPT, ORDERS_MAX
 from dray.protocol.strategist.peers import Peers
 
 TURN_S = 1.0
-"""By so much those who bid more claim later: by then who bids less has asked the gate."""
+"""Delay of a claim per lower bidder (s): by then that one has asked the gate."""
 
 CLAIM = "claim"
-"""The alarm for claiming an order, by order."""
+"""Alarm of a claim, by order."""
 
 GOAL_NAME = re.compile(r"s\d+r\d+-\d+\.\d+$")
-"""What follows the order in the name of a goal: which strategist, its life, the item, a number."""
+"""Suffix of a goal's name after the order: strategist, life, item and number."""
 
 Said = OrderReleased | OrderCancelled | OrderRevoked
-"""What is said of an order."""
+"""Messages about an order."""
 
 
 def life_of(agent: str, incarnation: int, others: Sequence[str]) -> str:
-    """What marks the names of a strategist's goals: no two strategists give the same, nor two lives of one."""
+    """Suffix of a strategist's goal names: different for every strategist and every life."""
     return f"s{sorted((agent, *others)).index(agent) + 1}r{incarnation}"
 
 
 class OrderHolding:
-    """For one strategist among several.
+    """The holding of orders of one strategist among several.
 
     Args:
-        agent: which.
-        peers: the others.
-        life: its agent's; its alarms are named ``(CLAIM, order)``.
-        is_over: whether what was said is of an order that has ended here, and can be answered.
+        agent: its id.
+        peers: the other strategists.
+        life: the agent's life; alarms are named ``(CLAIM, order)``.
+        is_over: whether a message is about an order that has ended here, and can be answered.
         can_take: whether an order can be made, and there is room for it.
-        granted: called with what the gate tells of an order that is held from now on, how it was said last (None where that is not
-            known), and now_s.
-        lost: called with an order that another one holds, and now_s.
-        heard: called with sender, message and now_s: what was said of an order that is held from now on.
+        granted: called with the gate's report of a newly held order, its last release (None if unknown), and now_s.
+        lost: called with an order that another strategist holds, and now_s.
+        heard: called with sender, message and now_s, for messages about a newly held order.
     """
 
     def __init__(
@@ -82,15 +82,15 @@ class OrderHolding:
         self._is_over, self._can_take = is_over, can_take
         self._granted, self._lost, self._heard = granted, lost, heard
         self._held: BoundedMap[str, int] = BoundedMap(ENDED_KEPT)
-        """Orders that this one holds, with their epochs; those that have ended, too."""
+        """Epochs of the orders that this strategist holds, including ended ones."""
         self._noted: dict[str, OrderNoted] = {}
-        """Orders that have not ended, whoever holds them."""
+        """Orders that have not ended, with any holder."""
         self._waiting: BoundedMap[str, tuple[str, Said]] = BoundedMap(ORDERS_MAX)
-        """What was said last of orders that are not held here, and is not answered."""
+        """The last unanswered message about orders that are not held here."""
         self._unwritten: dict[str, None] = {}
 
     def start(self, held: Mapping[str, int], known: Callable[[str], bool], now_s: float) -> None:
-        """Go on with the orders that the gate says are held here; those that the notes do not `know` are asked for."""
+        """Continue the held orders by the gate's report; the gate is asked about unknown ones."""
         self._held.update({order: epoch for order, epoch in held.items() if known(order)})
         for order, noted in self._noted.items():
             if order in self._held:
@@ -102,35 +102,35 @@ class OrderHolding:
                 self._take_turn(order, now_s)
 
     def restore(self, memory: Memory) -> None:
-        """Take up what earlier lives have noted."""
+        """Restore the notes of earlier lives."""
         for note in memory.values():
             if isinstance(note, OrderNoted):
                 self._noted[note.release.order] = note
 
     def commits(self) -> list[Commit]:
-        """What has changed since this was asked for last."""
+        """The changes since the last call."""
         commits = [Commit(self._noted.get(order), f"{order} noted") for order in self._unwritten]
         self._unwritten.clear()
         return commits
 
     def epoch(self, order: str) -> int:
-        """With which an order is held here; 0 when it is not."""
+        """The epoch with which an order is held here; 0 if it is not."""
         return self._held.get(order, 0)
 
     def judges(self, goal: str) -> bool:
-        """Whether a goal that is not open here is for this one to end: its order is held here."""
+        """Whether this strategist decides about a goal that is not open here, because it holds the order."""
         return GOAL_NAME.sub("", goal) in self._held
 
     def ended(self, order: str, release: int) -> None:
-        """Nothing is to be done any more for an order, up to this release; whoever takes it over hears so from the gate."""
+        """An order has ended, up to this release; the gate tells a later holder."""
         self._forget(order, release)
         if order in self._held:
             self._life.instruct(HoldOrder(order, self._held[order], release))
 
-    # --- what is heard ---
+    # --- messages ---
 
     def on_said(self, sender: str, message: Said, now_s: float) -> bool:
-        """Something was said of an order; returns whether that is for this one to answer, at once."""
+        """Handle a message about an order; returns whether this strategist is to answer it at once."""
         order = message.order
         if self._is_over(message):
             return True
@@ -150,7 +150,7 @@ class OrderHolding:
         return False
 
     def on_event(self, sender: str, event: Event, now_s: float) -> None:
-        """Another one tells that an order has ended, or that it has forgotten all that it holds."""
+        """Another strategist reports that an order has ended, or that it has lost its notes."""
         fact = event.fact
         if isinstance(fact, MemoryLost):
             for order, noted in list(self._noted.items()):
@@ -163,13 +163,13 @@ class OrderHolding:
             self._life.cancel((CLAIM, fact.order))
 
     def on_brief(self, machine: str, brief: GoalBrief) -> None:
-        """A machine tells of a goal: one that obeys another strategist hears who holds the order."""
+        """A machine names a goal: tell it the holder if it obeys another strategist."""
         order = GOAL_NAME.sub("", brief.goal)
         if self._held.get(order, 1) > (1 if brief.held is UNSET else brief.held):
             self._life.send(machine, HolderChanged(order, self._held[order]))
 
     def look(self, now_s: float) -> None:
-        """Take one's turn for the orders of those who are silent."""
+        """Take a turn for the orders of silent strategists."""
         if self._peers.any_silent(now_s):
             for order, noted in self._noted.items():
                 if order not in self._held and self._peers.is_silent(noted.holder, now_s):
@@ -187,7 +187,7 @@ class OrderHolding:
             self._life.instruct(HoldOrder(order, 1 if noted is None else noted.epoch + 1))
 
     def on_held(self, report: OrderHeld, now_s: float) -> None:
-        """The gate tells who holds an order."""
+        """The gate reports the holder of an order."""
         order, noted = report.order, self._noted.get(report.order)
         if noted is not None and (noted.holder, noted.epoch) != (report.holder, report.epoch):
             self._note(order, replace(noted, holder=report.holder, epoch=report.epoch))
@@ -204,7 +204,7 @@ class OrderHolding:
         elif noted is not None:
             self._heard(noted.asker, noted.release, now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _forget(self, order: str, release: int) -> None:
         noted = self._noted.get(order)
@@ -218,7 +218,7 @@ class OrderHolding:
             self._unwritten[order] = None
 
     def _take_turn(self, order: str, now_s: float) -> None:
-        """Claim an order after all who bid less."""
+        """Claim an order after all lower bidders."""
         if not self._life.awaits((CLAIM, order)):
             before = self._peers.before(order, now_s)
             self._life.alarm((CLAIM, order), now_s + before * TURN_S)

@@ -1,4 +1,4 @@
-"""An order that the strategist works at, and its goals."""
+"""An order in work, and its goals."""
 
 from __future__ import annotations
 
@@ -33,34 +33,34 @@ class OpenGoal:
         self.work = work
         self.deadline_s = deadline_s
         self.machine = ""
-        """Who makes it; empty while nobody has taken it."""
+        """The machine that makes it; empty for none."""
         self.epoch = 1
-        """Of its announcement: one that an earlier life has made is not answered to any more."""
+        """Epoch of its announcement; answers to an earlier life's announcement are ignored."""
         self.arrived = 0
-        """Pieces that the gate has counted; of a part, those that its machine has made."""
+        """Pieces that the gate has counted; for a part, those that its machine has made."""
         self.brought: dict[str, int] = {}
-        """The same by vehicle, as far as this life has heard it."""
+        """Arrived pieces by vehicle, as far as this life has heard."""
         self.by_people = False
-        """People count at the gate, later than goods come."""
+        """Whether people count at the gate, later than goods come."""
         self.asked: int | None = None
-        """As little as its machine is asked to make of it, by a change that is under way."""
+        """The quantity to which a change asks its machine to reduce it; None for none."""
         self.keeps = False
-        """It has said that it can spare no more."""
+        """Whether its machine has answered that it can save no more."""
         self.named_s = 0.0
-        """When its machine has last said that it has this goal (plant clock)."""
+        """When its machine last named this goal (plant clock)."""
         self.offered = False
-        """Its machine asks that others make what is missing."""
+        """Whether its machine asks that others make the missing pieces."""
         self.failure: Reason | None = None
-        """Why it is being taken from its machine; the gate's last count is awaited."""
+        """Why it is being taken from its machine, while the gate's last count is awaited."""
         self.waits = False
-        """Whether it was said that nobody can make it."""
+        """Whether it was reported that no machine can make it."""
         self.to_begin = work.quantity
-        """Pieces whose material is not taken yet, by its machine's word."""
+        """Pieces whose material is not taken yet, by its machine's report."""
         self.taken_s: float | None = None
-        """When a machine has taken it, as far as this life has seen it."""
+        """When a machine has taken it, if this life has seen that."""
 
     def booked(self) -> GoalBooked:
-        """What the next life must know of it."""
+        """The record for the next life."""
         return GoalBooked(
             goal=self.id,
             work=self.work,
@@ -92,31 +92,31 @@ class OrderInWork:
         self.items = items
         self.due_s = due_s
         self.release = release
-        """How often it was released, with this time."""
+        """Number of its releases, including this one."""
         self.goals: dict[str, OpenGoal] = {}
-        """Those that are not delivered."""
+        """Goals that are not delivered."""
         self.revoked_by = ""
-        """Who has taken it back: then it ends when no goal is open any more. Empty while it is worked at."""
+        """The agent that has taken it back, and waits until no goal is open; empty for none."""
         self.withdrawn = [0] * len(items)
-        """Per item, pieces of goals that were withdrawn and had not arrived."""
+        """By item: missing pieces of withdrawn goals."""
         self.change = 0
-        """How often people have changed it."""
+        """Number of changes by people."""
         self.parts: dict[str, ProductDefinition] = {}
-        """Definitions of parts that it has brought."""
+        """Definitions of its own parts."""
         self.wanted: list[int] = []
-        """Per item, the pieces that a change asks for, while machines are asked what they keep; empty when none is under way."""
+        """By item: the pieces that a change asks for, while machines are asked; empty without a change."""
 
     @property
     def quantities(self) -> tuple[int, ...]:
-        """Per item, all that will have been delivered, with what had arrived before this release."""
+        """By item: all pieces that will have been delivered, including those before this release."""
         return tuple(item.arrived + item.quantity for item in self.items)
 
     @property
     def goals_of_parts(self) -> list[OpenGoal]:
-        """Those whose pieces go to no customer."""
+        """Goals whose pieces go to no customer."""
         return [goal for goal in self.goals.values() if goal.work.part_of]
 
     @property
     def is_delivered(self) -> bool:
-        """Whether no goal is open whose pieces go to the customer."""
+        """Whether no goal for the customer is open."""
         return all(goal.work.part_of for goal in self.goals.values())

@@ -1,6 +1,6 @@
-"""How a strategist drops an order that was cancelled, or takes one back.
+"""How a strategist drops a cancelled order, or takes one back.
 
-An order that is taken back ends when the gate is shut for all of its goals, and what the gate has counted by then is the last word.
+An order that is taken back ends when the gate is shut for all of its goals; the gate's count by then is final.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from dray.protocol.strategist.part_goals import PartGoals
 
 
 class OrderRevocations:
-    """For one strategist.
+    """The revocations of one strategist.
 
     Args:
         book: all orders and goals.
         parts: goals of parts.
-        end: follows a goal no longer, whatever has become of it.
-        end_if_done: ends an order of which no goal is open any more.
-        has_ended: called with an order that was dropped, or will not be begun, and the last release of which that holds.
+        end: follows a goal no longer, with its outcome.
+        end_if_done: ends an order without open goals.
+        has_ended: called with a dropped or never begun order, and the last release to which that applies.
         ask: puts up the next goal of a product.
     """
 
@@ -43,7 +43,7 @@ class OrderRevocations:
         self._end, self._end_if_done, self._has_ended, self._ask = end, end_if_done, has_ended, ask
 
     def on_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
-        """Drop an order, and say so as often as it is asked for, also of one that has not come yet."""
+        """Drop an order, and answer every request, even for an order that has not come yet."""
         order = self._book.close_order(message.order)
         if order is not None:
             self._drop(order, now_s)
@@ -53,7 +53,7 @@ class OrderRevocations:
     def _drop(self, order: OrderInWork, now_s: float) -> None:
         for goal in order.goals.values():
             if goal.machine and not goal.work.part_of:
-                # From now on the gate is shut for it, as for any goal that nobody is to make.
+                # From now on the gate is shut for it, as for any goal without a machine.
                 self._life.instruct(Admit(goal=goal.id, quantity=0))
             self._end(goal, "withdrawn")
         for goal in order.goals.values():
@@ -61,7 +61,7 @@ class OrderRevocations:
         self._life.record(OrderDropped(order=order.id))
 
     def on_revoked(self, sender: str, message: OrderRevoked, now_s: float) -> None:
-        """Take an order back, and answer when the gate is shut for all of it, as often as it is asked for."""
+        """Take an order back, and answer every request when the gate is shut for all of it."""
         order = self._book.order(message.order)
         if order is None:
             self._answer(sender, message)
@@ -74,7 +74,7 @@ class OrderRevocations:
                 self._ask(item.product, now_s)
 
     def shut(self, order: OrderInWork) -> None:
-        """Withdraw what nobody makes yet, and shut the gate for the rest, whose last count is awaited."""
+        """Withdraw goals without a machine, and shut the gate for the others, whose last count is awaited."""
         self._parts.withdraw(order)
         for goal in list(order.goals.values()):
             if goal.machine:
@@ -86,7 +86,7 @@ class OrderRevocations:
         self._end_if_done(order)
 
     def take_out(self, goal: OpenGoal) -> None:
-        """The gate is shut and has counted: a goal of an order that was taken back is over."""
+        """The gate is shut and has counted: end a goal of an order that was taken back."""
         self._end(goal, "withdrawn")
         order = self._book.withdraw(goal)
         held = self._book.held_with(order.id)
@@ -94,7 +94,7 @@ class OrderRevocations:
         self._end_if_done(order)
 
     def _answer(self, asker: str, message: OrderRevoked) -> None:
-        """Say again how an order was taken back; one that has not come will not be begun."""
+        """Repeat how an order was taken back; one that has not come will not be begun."""
         outstanding: tuple[int, ...] = ()
         returned = self._book.returned(message.order)
         if not self._book.knows(message.order, message.release):

@@ -1,4 +1,4 @@
-"""Goals whose pieces go to no customer: parts that other machines use, where the goal ends with the making of its pieces."""
+"""Goals of parts, which other machines use: they end when their pieces are made, and no customer gets these."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from dray.protocol.strategist.part_planning import PLAN_EVERY_S, PartPlanner
 from dray.protocol.strategist.part_stock import PartStock
 
 PLAN = "plan"
-"""The alarm for looking which parts are lacking."""
+"""Alarm of the check for missing parts."""
 
 
 class PartGoals:
-    """Those of one strategist.
+    """The part goals of one strategist.
 
     Args:
-        plant: which items are parts; in one without any nobody is listened to.
+        plant: its parts; without parts there are no subscriptions.
         keys: the plant's bus keys.
         book: all goals.
-        machines: who makes what.
-        life: its agent's; its alarms are named `PLAN`.
-        shutdown: of the strategist: one that was asked to leave gives nothing out.
-        ask_next: called with a product of which there are goals to be put up, and now_s.
-        end: called with a goal that is followed no longer, and how it has ended.
+        machines: the machines and their products.
+        life: the agent's life; alarms are named `PLAN`.
+        shutdown: of the strategist: while it drains it gives nothing out.
+        ask_next: called with a product that has goals to put up, and now_s.
+        end: called with a goal that is followed no longer, and its outcome.
 
     Attributes:
-        message_handlers, alarms: for the strategist's tables.
+        message_handlers, alarms: entries for the strategist's tables.
     """
 
     def __init__(
@@ -65,23 +65,23 @@ class PartGoals:
         self.alarms: dict[str, Callable[[Any, float], None]] = {PLAN: self._plan}
 
     def start(self, now_s: float) -> None:
-        """Hear what lies where, and plan from now on."""
+        """Follow the stock of all agents, and start planning."""
         if self._plant.parts:
             self._life.subscribe(self._keys.all_station_heartbeats)
             self._life.subscribe(self._keys.all_atv_heartbeats)
             self._life.alarm(PLAN, now_s + PLAN_EVERY_S)
 
     def excuse(self, span_s: float) -> None:
-        """The strategist was deaf for so long."""
+        """The strategist was deaf for this long."""
         self._stock.excuse(span_s)
 
     def on_machine(self, heartbeat: MachineHeartbeat, now_s: float) -> None:
-        """What lies at a machine."""
+        """Note a machine's stock."""
         if self._plant.parts:
             self._stock.on_machine(heartbeat, now_s)
 
     def on_brief(self, goal: OpenGoal, brief: GoalBrief, now_s: float) -> bool:
-        """How far a machine is with any goal of its own; returns whether all of a part's is made."""
+        """Note a machine's progress with a goal; returns whether all pieces of a part goal are made."""
         goal.to_begin = brief.quantity - brief.made if brief.to_begin is UNSET else brief.to_begin
         if not goal.work.part_of or brief.made <= goal.arrived:
             return False
@@ -92,14 +92,14 @@ class PartGoals:
         return is_made
 
     def lose(self, goal: OpenGoal) -> None:
-        """A machine has failed, or nobody waits any more: what is made is where it is, and whoever lacks the rest has it made."""
+        """End a part goal whose machine has failed or that is unneeded. Made pieces stay; the rest is planned anew."""
         self._end(goal, "withdrawn")
         self._book.close(goal)
         if goal.machine:
             self._life.record(GoalWithdrawn(goal.id, goal.machine, 0, self._book.held_with(goal.work.order)))
 
     def withdraw(self, order: OrderInWork) -> None:
-        """Nobody waits for an order's parts any more."""
+        """End the part goals of an order."""
         for goal in order.goals_of_parts:
             self.lose(goal)
 

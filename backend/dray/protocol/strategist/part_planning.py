@@ -1,11 +1,12 @@
-"""What parts are made for the orders in work: net of what lies somewhere and of what is in work, in whole containers, in time.
+"""Parts to make for the orders in work: net of stock and of part goals, in whole containers, in time.
 
-    what open goals still take of a part - pieces that are somewhere - pieces of its goals that are not made yet = what is lacking
+    pieces that open goals still take - pieces in stock - pieces of its goals that are not made yet = missing pieces
 
-Nobody owns a piece before a machine uses it: what is there goes to the goals that are due first, in this reckoning and on the floor. So nothing is to
-be put right when a machine fails, a piece is bad, an order is cancelled or somebody has counted wrong: at the next look less or more is
-lacking. A goal for a part is of the order for which it was lacking first. What is told may be of different moments, as while a vehicle takes a load
-up; so only what is lacking for `SETTLE_S` without a break is given out. The goals of one level are what the next one lacks parts for.
+No goal owns a piece before a machine uses it. Stock goes to the goals that are due first, here and on the floor. So
+no correction is needed when a machine fails, a piece is bad, an order is cancelled or a count was wrong: the next
+plan finds fewer or more missing pieces. A part goal belongs to the order that lacked the part first. Reports may be
+of different moments, as while a vehicle loads, so only pieces missing for `SETTLE_S` without a break are ordered.
+The goals of one level create the next level's needs.
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ from dray.protocol.strategist.part_leads import PartLeads
 from dray.protocol.strategist.part_stock import PartStock
 
 PLAN_EVERY_S = 5.0
-"""So often what is lacking is worked out."""
+"""Interval of planning (s)."""
 
 SETTLE_S = 15.0
-"""Longer than the stock of whoever has nothing new to tell is left out of heartbeats."""
+"""Longer than an unchanged stock is omitted from heartbeats (s)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lack:
-    """Pieces of a part that are lacking for a goal."""
+    """Missing pieces of a part for a goal."""
 
     goal: OpenGoal
     part: str
@@ -35,22 +36,22 @@ class Lack:
 
 
 class PartPlanner:
-    """For one strategist.
+    """The planner of one strategist.
 
     Args:
-        plant: which items are parts.
+        plant: its parts.
         book: all goals.
-        stock: what lies where.
-        leads: how long goals take.
+        stock: the stock of parts.
+        leads: lead times of parts.
     """
 
     def __init__(self, plant: Plant, book: OrderBook, stock: PartStock, leads: PartLeads) -> None:
         self._plant, self._book, self._stock, self._leads = plant, book, stock, leads
         self._lacking: dict[str, tuple[float, int]] = {}
-        """By part: since when some is lacking, and the least since then."""
+        """By part: since when pieces are missing, and the minimum since then."""
 
     def plan(self, now_s: float) -> list[OpenGoal]:
-        """Add goals for what is lacking; returns them."""
+        """Add goals for missing pieces; returns them."""
         lacks = list(self._lacks(now_s))
         added: list[OpenGoal] = []
         for part in self._plant.parts:
@@ -60,7 +61,7 @@ class PartPlanner:
         return added
 
     def _lacks(self, now_s: float) -> Iterator[Lack]:
-        """What nothing is there for, of the goals that are due first last."""
+        """Missing pieces, after stock was assigned to the goals that are due first."""
         goals = [goal for goal in self._book if not goal.failure and not self._book.order_of(goal).revoked_by]
         there = {part: self._stock.lies(part, now_s) for part in self._plant.parts}
         for goal in goals:
@@ -76,7 +77,7 @@ class PartPlanner:
                         yield Lack(goal, line.material, wanted - taken)
 
     def _settled(self, part: str, pieces: int, now_s: float) -> int:
-        """Of what is lacking now, what has been lacking for long enough."""
+        """The missing pieces that have been missing for long enough."""
         if not pieces:
             self._lacking.pop(part, None)
             return 0
@@ -89,7 +90,7 @@ class PartPlanner:
         return least
 
     def _give_out(self, lacks: list[Lack], pieces: int) -> list[OpenGoal]:
-        """Goals for so many pieces, in whole containers; what is left in one serves the next goal."""
+        """Add goals for `pieces`, in whole containers; the rest of a container serves the next goal."""
         added: list[OpenGoal] = []
         over = 0
         for lack in lacks:

@@ -1,6 +1,6 @@
-"""Where parts lie, as heartbeats tell it to the strategist.
+"""The stock of parts in a plant, by heartbeats to the strategist.
 
-What was not heard for a minute does not count: a machine or a vehicle that has failed keeps what it has, and it counts again when it is back.
+The stock of an agent that was silent for a minute does not count; it counts again when the agent is back.
 """
 
 from __future__ import annotations
@@ -15,27 +15,27 @@ from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 
 COUNTS_S = 60.0
-"""So long after its last heartbeat what an agent has still counts."""
+"""Time for which an agent's stock counts after its last heartbeat (s)."""
 
 AGENTS_MAX = 4096
-"""With parts, more than a large plant has: whoever is not heard for longest is forgotten first."""
+"""Maximum agents with parts, more than a large plant has; the one silent for longest is forgotten first."""
 
 
 class PartStock:
     """The parts of one plant.
 
     Args:
-        plant: which items are parts, and who makes them.
+        plant: its parts and their machines.
     """
 
     def __init__(self, plant: Plant) -> None:
         self._plant = plant
         self._told: BoundedMap[str, MachineHeartbeat] = BoundedMap(AGENTS_MAX)
         self._lies: BoundedMap[str, tuple[float, Counter[str]]] = BoundedMap(AGENTS_MAX)
-        """By agent, when it was heard and which parts it has; of those that have some."""
+        """By agent: time of its last heartbeat and its parts; only agents with parts."""
 
     def on_machine(self, heartbeat: MachineHeartbeat, now_s: float) -> None:
-        """What lies in a machine's buffers, and of its goods what belongs to no goal."""
+        """Note a machine's buffers and spare goods."""
         told = self._told[heartbeat.machine] = with_stock(heartbeat, self._told.get(heartbeat.machine))
         lies: Counter[str] = Counter()
         for buffer in () if told.buffers is UNSET else told.buffers:
@@ -45,12 +45,12 @@ class PartStock:
         self._note(heartbeat.machine, lies, now_s)
 
     def on_station(self, _sender: str, heartbeat: StationHeartbeat, now_s: float) -> None:
-        """What lies in a storage."""
+        """Note a storage's stock."""
         lies = Counter({stock.item: stock.level for stock in heartbeat.stocks})
         self._note(heartbeat.station, lies, now_s)
 
     def on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """What a vehicle has on board, unless a customer gets it: a machine has goods carried away, and never what it uses."""
+        """Note a vehicle's load, unless it goes to a customer: a machine sends away only goods, and never material."""
         task = heartbeat.task
         makers = self._plant.machines_for(heartbeat.load)
         wanted = heartbeat.load and not (task is not None and task.coordinator in makers)
@@ -58,11 +58,11 @@ class PartStock:
         self._note(heartbeat.atv, lies, now_s)
 
     def lies(self, part: str, now_s: float) -> int:
-        """Pieces that are somewhere, as far as was heard."""
+        """Pieces in stock, as far as was heard."""
         return sum(lies[part] for heard_s, lies in self._lies.values() if now_s < heard_s + COUNTS_S)
 
     def excuse(self, span_s: float) -> None:
-        """The strategist was deaf for so long."""
+        """The strategist was deaf for this long."""
         for agent, (heard_s, lies) in self._lies.items():
             self._lies[agent] = heard_s + span_s, lies
 

@@ -1,4 +1,4 @@
-"""The other strategists of a plant: who is there, and how much each of them has in work."""
+"""The other strategists of a plant: which of them live, and their numbers of orders in work."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
 
 PEER_SILENCE_S = GOAL_SILENCE_S
-"""How long a strategist may be silent before its orders are taken over: its software starts again in less."""
+"""Silence after which a strategist's orders are taken over (s): a restart takes less."""
 
 
 class Peers:
-    """Those of one strategist.
+    """The peers of one strategist.
 
     Args:
-        agent: whose.
-        incarnation: how often that one was started.
+        agent: the strategist's id.
+        incarnation: how often it was started.
         others: all other strategists of the plant.
         keys: the plant's bus keys.
-        life: its agent's; its alarm is named `BEAT`.
+        life: the agent's life; its alarm is named `BEAT`.
         orders: how many orders the strategist has in work.
     """
 
@@ -43,7 +43,7 @@ class Peers:
         self._load = dict.fromkeys(others, 0)
 
     def start(self, now_s: float) -> None:
-        """Speak and listen; until they have had time to speak all are believed to be there."""
+        """Start heartbeats and subscriptions; all peers are assumed to live until they have had time to speak."""
         self._heard_s = dict.fromkeys(self._heard_s, now_s)
         self._life.subscribe(self._keys.all_strategist_heartbeats)
         for other in self._heard_s:
@@ -51,7 +51,7 @@ class Peers:
         self._life.beat_soon(now_s)
 
     def beat(self, now_s: float) -> None:
-        """Say that this one is there."""
+        """Send a heartbeat."""
         said = StrategistHeartbeat(
             self._agent, self._incarnation, self._life.count_beat(), now_s, self._orders()
         )
@@ -59,19 +59,19 @@ class Peers:
         self._life.beat_again(WORKING_INTERVAL_S, now_s)
 
     def on_heartbeat(self, sender: str, heartbeat: StrategistHeartbeat, now_s: float) -> None:
-        """Another one is there."""
+        """Note a peer's heartbeat."""
         newest = (heartbeat.incarnation, heartbeat.seq)
         if sender in self._heard_s and newest > self._newest[sender]:
             self._newest[sender], self._heard_s[sender] = newest, now_s
             self._load[sender] = heartbeat.orders
 
     def excuse(self, span_s: float) -> None:
-        """The strategist's own process was held up for so long: that is no silence of others."""
+        """The strategist's own process was held up for this long: peers' silence in that time does not count."""
         for other in self._heard_s:
             self._heard_s[other] += span_s
 
     def is_silent(self, other: str, now_s: float) -> bool:
-        """Whether another one has failed; somebody who is no strategist of this plant has."""
+        """Whether a peer has failed; an agent that is no strategist of this plant counts as failed."""
         heard_s = self._heard_s.get(other)
         return heard_s is None or now_s >= heard_s + PEER_SILENCE_S
 
@@ -79,7 +79,7 @@ class Peers:
         return any(self.is_silent(other, now_s) for other in self._heard_s)
 
     def before(self, order: str, now_s: float) -> int:
-        """How many of the others bid less for an order: they have fewer in work, or as many and an earlier place by its name."""
+        """How many peers bid less for an order: fewer orders in work, or as many and an earlier rank by name."""
         own = (self._orders(), spread_frac(f"{order} {self._agent}"), self._agent)
         return sum(
             not self.is_silent(other, now_s) and (load, spread_frac(f"{order} {other}"), other) < own

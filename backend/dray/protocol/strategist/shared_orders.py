@@ -1,4 +1,4 @@
-"""One of several strategists: what it answers, takes over and gives up. Who holds which order is kept in `order_holding`."""
+"""One of several strategists: its answers, takeovers and losses of orders. `order_holding` knows the holders."""
 
 from __future__ import annotations
 
@@ -31,23 +31,23 @@ Handler = Callable[..., None]
 
 
 class SharedOrders:
-    """Those of one strategist among several.
+    """The orders of one strategist among several.
 
     Args:
         keys: the plant's bus keys.
         book: the orders that it holds.
-        auctions: of their goals.
-        shutdown: of the strategist: one that was asked to leave says no more that it is there, and claims nothing.
-        agent, incarnation, others: who it is, how often it was started, and who the others are.
-        handlers: what it does with what is said of orders that it holds.
-        follow: begins to watch whether a goal is made.
+        auctions: its goal auctions.
+        shutdown: of the strategist: while it drains it sends no heartbeats, and claims nothing.
+        agent, incarnation, others: its id, how often it was started, and the other strategists.
+        handlers: handlers of messages about orders that it holds.
+        follow: begins to watch a goal.
         unfollow: ends that.
-        settle: goes on with what people have changed of an order.
-        end_if_done: ends an order that is delivered.
-        take_back: withdraws what nobody makes yet of an order, and shuts the gate for the rest.
+        settle: continues people's change of an order.
+        end_if_done: ends a delivered order.
+        take_back: withdraws an order's goals without a machine, and shuts the gate for the others.
 
     Attributes:
-        message_handlers, report_handlers, alarms: for the strategist's tables.
+        message_handlers, report_handlers, alarms: entries for the strategist's tables.
     """
 
     def __init__(
@@ -98,35 +98,35 @@ class SharedOrders:
         self.alarms: dict[str, Callable[[Any, float], None]] = {BEAT: self._beat, CLAIM: self._claim}
 
     def commits(self) -> list[Commit]:
-        """What has changed of what is noted."""
+        """The changed notes."""
         return self._holding.commits()
 
     def restore(self, memory: Memory, gate: GateState) -> None:
-        """Take up what earlier lives have noted, and give up what another strategist holds by now."""
+        """Restore notes of earlier lives, and give up orders that another strategist holds now."""
         self._holding.restore(memory)
         for order in self._book.orders():
             if order.id not in gate.held:
                 self._book.give_up(order.id)
 
     def start(self, gate: GateState, now_s: float) -> None:
-        """Speak, listen, and go on with the orders that are held."""
+        """Start heartbeats and subscriptions, and continue the held orders."""
         self._peers.start(now_s)
         self._holding.start(gate.held, self._knows, now_s)
 
     def has_ended(self, order: str, release: int) -> None:
-        """Nothing is to be done any more for an order, up to this release."""
+        """An order has ended, up to this release."""
         self._holding.ended(order, release)
 
     def excuse(self, span_s: float) -> None:
-        """The strategist was deaf for so long."""
+        """The strategist was deaf for this long."""
         self._peers.excuse(span_s)
 
     def is_judge(self, machine: str, brief: GoalBrief) -> bool:
-        """Whether a machine's word about a goal is for this strategist: it holds the order. The machine hears so, if it does not know."""
+        """Whether this strategist holds the order of a machine's goal, and so decides; the machine is told if needed."""
         self._holding.on_brief(machine, brief)
         return self._holding.judges(brief.goal)
 
-    # --- what is heard ---
+    # --- messages ---
 
     def _on_said(self, sender: str, message: Said, now_s: float) -> None:
         if self._holding.on_said(sender, message, now_s):
@@ -141,10 +141,10 @@ class SharedOrders:
         if not self._shutdown.begun:
             self._holding.claim(order, now_s)
 
-    # --- orders come and go ---
+    # --- orders ---
 
     def _on_granted(self, held: OrderHeld, release: OrderReleased | None, now_s: float) -> None:
-        """Go on with an order that somebody has begun; one that nobody has is taken as if there were no others."""
+        """Continue an order that another strategist has begun; a fresh one is handled as with one strategist."""
         is_fresh = held.epoch == 1 and not held.goals and not any(held.arrived) and not held.over
         if is_fresh or release is None or self._book.knows(release.order, release.release):
             return
@@ -154,11 +154,11 @@ class SharedOrders:
             if goal.machine:
                 self._follow(goal, now_s)
         if held.over >= release.release:
-            # It was taken back, or has arrived: that is said again to whoever asks, and nothing is made of it.
+            # It was taken back, or has arrived: that is repeated on request, and nothing is made.
             self._take_back(order)
             return
         for known in (*held.done, *held.goals):
-            # What has come while nobody held the order is told by nobody else.
+            # No other strategist reports what has arrived while none held the order.
             if known.arrived:
                 self._tell_arrived(known, release.items[known.of.item].product)
         self._settle(order, now_s)
@@ -171,7 +171,7 @@ class SharedOrders:
         self._life.record(told)
 
     def _on_lost(self, order: str, now_s: float) -> None:
-        """Another strategist goes on with an order: nothing more is said of it here."""
+        """Another strategist goes on with an order: end its goals here."""
         given_up = self._book.give_up(order)
         goals = () if given_up is None else tuple(given_up.goals.values())
         for goal in goals:
@@ -184,7 +184,7 @@ class SharedOrders:
         return self._book.order(order) is not None or self._book.is_over(order)
 
     def _is_over(self, message: Said) -> bool:
-        """Whether what is said is of an order that has ended here: it is answered so."""
+        """Whether a message is about an order that has ended here, and is answered so."""
         order = message.order
         if self._book.order(order) is not None:
             return False

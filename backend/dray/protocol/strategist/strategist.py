@@ -1,25 +1,26 @@
-"""The strategist: turns sales orders into production goals, and never decides a transport (paper, 3.2).
+"""The strategist: it turns sales orders into production goals, and never decides a transport (paper, 3.2).
 
-An order is split into goals (`order_book`), each goal is put up for auction among the machines that can make
-its product (`goal_auctions`), and is followed from then on until all of it has arrived.
+An order is split into goals (`order_book`). Each goal is put up for auction among the machines for its product
+(`goal_auctions`). It is followed until all of it has arrived.
 
-What is delivered is counted by the gate of the delivery warehouses, its body. The gate is also the fence.
-A machine that does not name its goal any more has lost it: the gate is shut for that goal, says how
-much has arrived, and the rest is put up under a new name. Whatever the machine still sends finds the gate
-shut, so every ordered piece is delivered exactly once (invariant 4), and no machine needs a lease:
-all goes on while the strategist is away. Goals of parts have no gate (`part_goals`).
+The gate of the delivery warehouses, its body, counts deliveries. The gate is also the fence. A machine that does
+not name its goal any more has lost it. The gate is shut for that goal and reports its arrivals, and the rest is put
+up under a new name. Anything that the machine still sends finds the gate shut, so every ordered piece is delivered
+exactly once (invariant 4). No machine needs a lease: machines go on while the strategist is away. Goals of parts
+have no gate (`part_goals`).
 
-An order whose start is revoked ends in the same way (`order_revocations`). Only when all of its goals were counted is the
-answer given, with what is outstanding, so that another release orders that and no piece more.
+An order whose release is revoked ends in the same way (`order_revocations`). The answer is given only when all its
+goals were counted. It names the missing pieces, so that another release orders exactly those.
 
-Of several strategists each answers for the orders that it holds, and goes on with those of a silent one (`shared_orders`).
+Each of several strategists answers for the orders that it holds, and goes on with those of a silent one
+(`shared_orders`).
 
-One that is asked to leave takes no order and puts nothing up; it stays while a machine may be about to answer it.
+A strategist that is asked to leave takes no order and puts nothing up; it stays while a machine may still answer.
 
     UNCLAIMED --accepted--> MADE BY A MACHINE --all has arrived--> closed
         ^                      |
         |                      +-- not named for GOAL_SILENCE_S, offered by its machine, or broken
-        |                          for BREAKDOWN_S, and somebody else could make it: the gate is shut
+        |                          for BREAKDOWN_S, and another machine could make it: the gate is shut
         +-- the rest, as a new goal --+        (when its order was taken back: no new goal)
 """
 
@@ -71,17 +72,17 @@ from dray.protocol.strategist.part_goals import PartGoals
 from dray.protocol.strategist.shared_orders import SharedOrders
 
 ORDER_ID_MAX = 96
-"""Characters of an order's id: the ids of its goals begin with it, and have at most 128."""
+"""Maximum characters of an order's id: its goals' ids begin with it, and have at most 128."""
 
 GOAL_CHECK = "goal check"
-"""The alarm for looking whether a goal is still made, by goal."""
+"""Alarm of the check of a goal, by goal."""
 
 
 class Strategist(AgentBase):
     """One plant's strategist.
 
     Args:
-        plant: what can be made where.
+        plant: the plant with its machines and products.
         agent: its id.
         incarnation: how often it has been started.
         others: all other strategists of the plant (`shared_orders`).
@@ -155,7 +156,7 @@ class Strategist(AgentBase):
             self._share(others)
 
     def _share(self, others: tuple[str, ...]) -> None:
-        """Answer of all orders only those that this one holds."""
+        """Set up the sharing of orders with other strategists."""
         self._shared = shared = SharedOrders(
             self._keys,
             self._book,
@@ -188,16 +189,16 @@ class Strategist(AgentBase):
         self._parts.start(now_s)
 
     def _restore(self, memory: Memory, gate: GateState, now_s: float) -> None:
-        """Go on with what an earlier life was bound by, and with what has arrived since."""
+        """Continue an earlier life's orders with the arrivals since then."""
         self._book.restore(memory)
         if self._shared is not None:
             self._shared.restore(memory, gate)
         elif not memory:
-            # What the gate still lets in was given out by a life that is forgotten, and its orders come again.
+            # A forgotten life has given out what the gate still admits; its orders come again.
             self._life.do(*(Instruct(Admit(goal=goal, quantity=0)) for goal in gate.arrived))
         for goal in list(self._book):
             if not goal.machine:
-                # An award may be under way that nobody remembers: an answer to it comes too late.
+                # A forgotten award may be under way: an answer to it comes too late.
                 self._book.renew(goal)
                 continue
             if goal.work.part_of:
@@ -221,7 +222,7 @@ class Strategist(AgentBase):
 
     def _on_released(self, sender: str, message: OrderReleased, now_s: float) -> None:
         if self._shutdown.begun:
-            # Unanswered, it is sent again, to the next life.
+            # An unanswered order is sent again, to the next life.
             self._life.ignore("an order that came while the strategist was draining")
             return
         if len(message.order) > ORDER_ID_MAX:
@@ -232,7 +233,7 @@ class Strategist(AgentBase):
             return
         in_work = self._book.order(message.order)
         if in_work is not None and in_work.release < message.release:
-            # It was never answered as taken back; what is outstanding of it nobody can know yet.
+            # The order was never answered as taken back, so its missing pieces are still unknown.
             self._life.ignore("a release of an order that is in work")
             return
         if in_work is not None and (message.change > in_work.change or in_work.wanted):
@@ -298,7 +299,7 @@ class Strategist(AgentBase):
             if self._shared is not None and not self._shared.is_judge(machine, brief):
                 continue
             if goal is None:
-                # It has not heard that its goal is closed, or was away when others got it.
+                # It has not heard that its goal is closed, or was down when others got it.
                 self._auctions.say_over(machine, brief)
             elif goal.machine == machine:
                 goal.named_s = now_s
@@ -309,7 +310,7 @@ class Strategist(AgentBase):
                     self._check_goal(goal.id, now_s)
                 if not goal.work.part_of:
                     if brief.delivered > goal.arrived and not goal.by_people:
-                        # It believes that pieces are in which the gate has not seen.
+                        # It believes that pieces have arrived which the gate has not counted.
                         self._auctions.confirm(goal)
                     self._changes.on_named(goal, brief, now_s)
             elif goal.machine:
@@ -334,12 +335,12 @@ class Strategist(AgentBase):
             else:
                 self._give_to_others(goal, now_s)
         elif news and goal.machine:
-            self._auctions.confirm(goal)  # Its carrier waits for that word.
+            self._auctions.confirm(goal)  # Its carrier waits for that count.
         if order.wanted:
             self._changes.settle(order, now_s)
 
     def _note_arrived(self, goal: OpenGoal, arrived: int) -> int:
-        """Tell what has arrived; returns how many pieces are news."""
+        """Note a count of arrivals; returns the number of new pieces."""
         news, work = arrived - goal.arrived, goal.work
         if news <= 0:
             return 0
@@ -357,18 +358,18 @@ class Strategist(AgentBase):
         self._end_if_done(self._book.close(goal))
 
     def _end(self, goal: OpenGoal, outcome: Outcome) -> None:
-        """Follow a goal no longer."""
+        """Stop following a goal."""
         self._life.cancel((GOAL_CHECK, goal.id))
         self._auctions.close_goal(goal, outcome)
 
     def _check_goal(self, goal_id: str, now_s: float) -> None:
-        """See whether a goal is still made; if not, and somebody else could make it, have the gate shut for it until that has counted."""
+        """Check whether a goal is still made. If not, and another machine could, have the gate shut for it."""
         goal = self._book.goal(goal_id)
         if goal is None:
             return
         if now_s >= goal.named_s + GOAL_SILENCE_S:
-            goal.offered = False  # That was said in a life that its machine may have forgotten: it can make the goal as others can.
-        # Once the gate is shut there is no way back: an older answer of it must not be taken for the last.
+            goal.offered = False  # An old offer: its machine may have forgotten the goal, and can make it like any other.
+        # A shut gate is not opened again: an older answer must not count as the last one.
         failure = goal.failure or self._failure(goal, now_s)
         fit = self._monitor.anybody_fit(goal.work, now_s, goal.machine if goal.offered else "")
         if not failure:
@@ -384,7 +385,7 @@ class Strategist(AgentBase):
         self._life.alarm((GOAL_CHECK, goal.id), (now_s if failure else goal.named_s) + GOAL_SILENCE_S)
 
     def _failure(self, goal: OpenGoal, now_s: float) -> Reason | None:
-        """Why a goal is not made any more; None while it is."""
+        """Why a goal is not made any more; None if it is."""
         if now_s >= goal.named_s + GOAL_SILENCE_S:
             return self._monitor.failure(goal.machine, now_s) or Reason.FORGOTTEN
         if self._monitor.is_broken_for_long(goal.machine, now_s):
@@ -392,7 +393,7 @@ class Strategist(AgentBase):
         return (self._monitor.failure(goal.machine, now_s) or Reason.CLOSED) if goal.offered else None
 
     def _give_to_others(self, goal: OpenGoal, now_s: float) -> None:
-        """The gate is shut and has counted: put up what has not arrived, under a name of its own."""
+        """The gate is shut and has counted: put the missing pieces up as a new goal."""
         self._end(goal, "withdrawn")
         successor = self._book.succeed(goal)
         held = self._book.held_with(goal.work.order)

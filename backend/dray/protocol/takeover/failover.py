@@ -1,8 +1,7 @@
-"""The primaries of a coordinator's tasks: whether they live, and what follows when one does not.
+"""The primaries of a coordinator's tasks: whether they live, and the consequences of a failure.
 
-A primary that has failed is replaced by its secondary, which has TAKEOVER_TIMEOUT_S for that; else its task is
-announced anew. Either way the epoch rises, and that is the fence: there is one carrier, whoever else
-believes to be it.
+A failed primary is replaced by its secondary within TAKEOVER_TIMEOUT_S; otherwise its task is announced anew.
+Either way the epoch rises. The epoch is the fence: there is one carrier, even if another believes to be it.
 
     ASSIGNED --failed, with a secondary--> SUSPECTED --TakenOver--> ASSIGNED to another, epoch + 1
        |  ^                                  |  |
@@ -11,11 +10,11 @@ believes to be it.
        +-- failed without a secondary, restarted without it --> announced anew, epoch + 1
        +-- given back, no progress --> the secondary is asked, epoch + 1; else announced anew
 
-A carrier that lives and does not come nearer has failed too (`progress`), but its secondary does not see that: it is asked.
+A carrier that lives without progress has failed too (`progress`). Its secondary does not see that, so it is asked.
 
-Finished goods that have left their machine exist only once, and so does a thing without master data: nobody else can carry
-them, so their task waits for its carrier, or for a person's word (`left_aboard`). A load that was seen in the buffer is delivered, whether or
-not its carrier lives to say so.
+Finished goods that have left their machine exist only once, and so does a thing without master data. No other
+vehicle can carry them, so their task waits for its carrier or for a person's decision (`left_aboard`). A load that
+was counted in the buffer is delivered, even if its carrier fails before it reports that.
 """
 
 from __future__ import annotations
@@ -42,14 +41,14 @@ from dray.protocol.takeover.left_aboard import LeftAboard
 from dray.protocol.takeover.secondaries import Secondaries
 
 TAKEOVER_TIMEOUT_S = 2.0
-"""How long a secondary may take after its primary has failed, beside the delay of one message: both judge
-by the same heartbeats, which reach them within each other's lateness."""
+"""Time for a secondary to take over after its primary has failed (s), beside the delay of one message. Both detectors hear
+the same heartbeats, within each other's lateness."""
 
 PRIMARY_SILENCE = "primary silence"
 
 
 class Remedies(Protocol):
-    """What a coordinator can do for a task that is without a carrier."""
+    """A coordinator's remedies for a task without a carrier."""
 
     def reopen(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """Announce it anew, with a higher epoch."""
@@ -60,15 +59,15 @@ class Remedies(Protocol):
         ...
 
     def wait(self, task: OpenTask, trouble: Reason, now_s: float) -> None:
-        """Say in the heartbeat why it does not go on."""
+        """Report in the heartbeat why it does not progress."""
         ...
 
     def give_up(self, task: OpenTask, now_s: float) -> None:
-        """Its goods are lost."""
+        """Withdraw it: its goods are lost."""
         ...
 
     def conclude(self, task: OpenTask, now_s: float) -> None:
-        """Close it as delivered: its load was counted, though no handover was received."""
+        """Close it as delivered: its load was counted, although no handover was received."""
         ...
 
 
@@ -77,17 +76,17 @@ class Failover:
 
     Args:
         tasks: the coordinator's open tasks, by id.
-        secondaries: who watches them too.
-        subscriptions: which heartbeats the coordinator hears.
-        life: its agent's; its alarms are named ``(PRIMARY_SILENCE, task)``.
+        secondaries: the tasks' secondaries.
+        subscriptions: the coordinator's heartbeat subscriptions.
+        life: the agent's life; alarms are named ``(PRIMARY_SILENCE, task)``.
         remedies: the coordinator.
-        assessor: what it expects of its carriers, and has learned of them.
-        is_missing: whether the load of a task lies at the coordinator no more, by its own senses.
-        source_answers: whether the station where the load of a task is fetched lives, at a time (s).
+        assessor: the expected progress and the ratings of carriers.
+        is_missing: whether the coordinator's own sensors no longer see the load of a task.
+        source_answers: whether the station that has a task's load lives, at a time (s).
 
     Attributes:
         aboard: goods that were left on board.
-        alarms: what to call when an alarm of this class has come, with (task, now_s).
+        alarms: handlers of this class's alarms, called with (task, now_s).
     """
 
     def __init__(
@@ -113,26 +112,26 @@ class Failover:
         self.alarms = {PRIMARY_SILENCE: self._check, **self.aboard.alarms}
 
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
-        """A task has got its primary, which is expected to beat every `interval_s`."""
+        """A task has a primary, which is expected to beat every `interval_s`."""
         task.clear_trouble()
         self._subscriptions.follow(task.primary)
         task.contract.detector = FailureDetector(
             task.primary, interval_s, now_s, self._subscriptions.arrivals
         )
         self._life.alarm((PRIMARY_SILENCE, task.id), task.contract.detector.fails_at_s)
-        # Of a contract of an earlier life nobody knows how far it should be.
+        # The progress under an earlier life's contract is unknown.
         promised_s = task.contract.promised_s if task.witnessed else self._assessor.latest_s(task.work, now_s)
         task.contract.progress = self._assessor.progress(promised_s, now_s)
 
     def leave(self, task: OpenTask) -> None:
-        """A task has ended, or its primary is one no more."""
+        """A task has ended, or its primary was replaced."""
         if task.contract.detector is not None:
             self._subscriptions.unfollow(task.contract.detector.subject)
         self._life.cancel((PRIMARY_SILENCE, task.id))
         task.clear_trouble()
 
     def note_loaded(self, task: OpenTask) -> None:
-        """Finished goods, or a thing, are on board of their carrier. Whoever watches it goes on: it is asked first if they can be handed over."""
+        """The goods or thing are on board. The secondary keeps watching: it is asked first if a person hands them over."""
         if not task.is_loaded and not task.is_counted:
             task.states.enter(TaskState.IN_TRANSIT)
             self.aboard.forget(task)
@@ -140,7 +139,7 @@ class Failover:
             self._life.commit()
 
     def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """The primary lives; it may have lost its contract."""
+        """Handle a heartbeat of the primary, which may have lost its contract."""
         detector = task.contract.detector
         if detector is None or not detector.on_heartbeat(heartbeat, now_s):
             return
@@ -165,7 +164,7 @@ class Failover:
             self.replace(task, Reason.FORGOTTEN, now_s)
 
     def objection(self, task: OpenTask, sender: str, message: TakenOver, now_s: float) -> Reason | None:
-        """Why somebody may not take a task over; None when it is right."""
+        """Why a takeover is refused; None if it is right."""
         if sender != task.secondary:
             return Reason.ANOTHER_WATCHES
         if message.primary != task.primary:
@@ -180,7 +179,7 @@ class Failover:
         return None
 
     def replace(self, task: OpenTask, reason: Reason, now_s: float) -> None:
-        """The primary carries a task no more, and nobody has taken it over."""
+        """Replace the primary when no secondary has taken over."""
         if task.is_counted:
             self._remedies.conclude(task, now_s)
             return
@@ -191,11 +190,11 @@ class Failover:
             self._wait_for_goods(task, reason, now_s)
 
     def note_given_back(self, task: OpenTask, reason: Reason, now_s: float) -> None:
-        """The primary has given a task back, and need not have."""
+        """The primary has given a task back without need."""
         self._assessor.reliability.note_given_back(task.primary, task.id, reason, now_s)
 
     def give_back(self, task: OpenTask, reason: Reason, now_s: float) -> None:
-        """The primary has said that it carries a task no more: it is there to be relieved."""
+        """The primary lives and gives a task back: it can be relieved."""
         if task.is_counted or task.is_loaded:
             self.replace(task, reason, now_s)
         else:
@@ -204,13 +203,13 @@ class Failover:
             self._remedies.pass_on(task, reason, now_s)
 
     def blame(self, task: OpenTask, reason: Reason, now_s: float) -> None:
-        """The primary has dropped its contract; that is noted once."""
+        """Note once that the primary has dropped its contract."""
         if task.contract.progress is not None and not task.contract.progress.blamed:
             task.contract.progress.blamed = True
             self._assessor.reliability.note_dropped(task.primary, task.id, reason, now_s)
 
     def note_change(self, task: OpenTask, replaced: str, reason: Reason, silent_s: float) -> None:
-        """Write down that a task has another carrier, or none for now."""
+        """Record that a task has another carrier, or none for now."""
         changed = CarrierChanged(
             task=task.id,
             epoch=task.epoch,
@@ -222,10 +221,10 @@ class Failover:
         self._life.record(changed)
 
     def silent_s(self, task: OpenTask, now_s: float) -> float:
-        """How long nothing has been heard of the primary."""
+        """How long the primary has been silent (s)."""
         return max(0.0, now_s - task.contract.detector.heard_s) if task.contract.detector is not None else 0.0
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _check(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)
@@ -242,7 +241,7 @@ class Failover:
         if task.state is not TaskState.ASSIGNED or standby is None:
             self.replace(task, failure, now_s)
         elif detector.heard_s < standby.begun_s:
-            # The secondary has never heard the primary, and gives it longer than this coordinator has.
+            # The secondary has never heard the primary, and so allows it more time than this coordinator.
             self.blame(task, failure, now_s)
             self._remedies.pass_on(task, failure, now_s)
         else:
@@ -255,12 +254,12 @@ class Failover:
             task.states.enter(TaskState.ASSIGNED)
 
     def _may_have_left(self, task: OpenTask) -> bool:
-        """Whether a load may be on board, as its carrier says: this coordinator was away, or misses it, or it was elsewhere."""
+        """Whether a reported load may be on board: this coordinator was down or misses it, or it was elsewhere."""
         elsewhere = task.is_thing or bool(cast(Transport, task.work).handed_at)
         return elsewhere or not task.witnessed or self._is_missing(task)
 
     def _is_stuck(self, task: OpenTask) -> bool:
-        """Whether its carrier does not come nearer."""
+        """Whether its carrier makes no progress."""
         return task.contract.progress is not None and task.contract.progress.failed_s < NEVER_S
 
     def _look_at_progress(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
@@ -286,7 +285,7 @@ class Failover:
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
         if task.state is TaskState.SUSPECTED or task.trouble:
-            return  # It is in the history already.
+            return  # It is recorded already.
         suspected = PrimarySuspected(
             task=task.id, epoch=task.epoch, primary=task.primary, silent_s=self.silent_s(task, now_s)
         )
@@ -296,7 +295,7 @@ class Failover:
         detector = cast(FailureDetector, task.contract.detector)
         last = detector.last
         if task.is_thing and reason is Reason.FORGOTTEN and last is not None and last.load == THING:
-            # A person takes it off, whatever its carrier says of it after that.
+            # A person takes it off, even if its carrier reports otherwise later.
             task.contract.forgotten_aboard = True
         if task.contract.forgotten_aboard or detector.failure(now_s):
             self.aboard.strand(task, now_s)
@@ -304,6 +303,6 @@ class Failover:
         elif task.is_of_goods or cast(Transport, task.work).handed_at:
             self._remedies.give_up(task, now_s)
         else:
-            # Its carrier lives and has no thing any more: it is looked for where it was.
+            # Its carrier lives without the thing: search where it was.
             self.aboard.forget(task)
             self._remedies.reopen(task, reason, now_s)

@@ -1,15 +1,17 @@
-"""Finished goods on board of a vehicle that has failed: they wait for a person's word, and are made again only then.
+"""Finished goods on board of a failed vehicle: they wait for a person's decision, and are made again only after it.
 
-Each piece exists once, so nobody else can carry them as long as they are on board, and nobody makes them again while they may still
-come. A thing without master data exists once, too: it waits likewise, and when it is given up it is looked for where it was fetched. Their task keeps its carrier, its epoch and its secondary:
+Each piece exists once: no other vehicle can carry goods while they are on board, and no machine makes them again
+while they may still come. A thing without master data waits likewise; when it is given up, it is sought where it
+was fetched. The task keeps its carrier, its epoch and its secondary:
 
     IN_TRANSIT --its carrier has failed--> STRANDED --heard again--> IN_TRANSIT
                                               |
                                               +-- FETCH_GOODS: a person hands them over at a node. Epoch + 1; the
                                               |   secondary is asked first, then all, to fetch them there
-                                              +-- WRITE_OFF, or WRITTEN_OFF_AFTER_S without a word: they are made again
+                                              +-- WRITE_OFF, or WRITTEN_OFF_AFTER_S without a decision: they are
+                                              made again
 
-Until another vehicle has them on board that time runs on: who has promised to hand them over may forget it.
+The time runs until another vehicle has them on board: a person may promise to hand them over and forget it.
 """
 
 from __future__ import annotations
@@ -25,19 +27,19 @@ from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.runtime.life import Life
 
 WRITTEN_OFF_AFTER_S = 900.0
-"""How long goods wait for a word: as long as a person who has promised to come is waited for."""
+"""How long goods wait for a decision (s): as long as the system waits for a person who has promised to come."""
 
 GOODS_WAIT = "goods wait"
 
 
 class Remedies(Protocol):
-    """What a coordinator can do for goods that were left on board."""
+    """A coordinator's remedies for goods left on board."""
 
     def pass_on(self, task: OpenTask, reason: Reason, now_s: float) -> None:
-        """Ask the secondary of their task to carry it, with a higher epoch; announce it when that will not."""
+        """Ask the secondary of their task to carry it, with a higher epoch; announce it if the secondary declines."""
 
     def give_up(self, task: OpenTask, now_s: float) -> None:
-        """They are lost."""
+        """Withdraw their task: they are lost."""
 
 
 class LeftAboard:
@@ -45,11 +47,11 @@ class LeftAboard:
 
     Args:
         tasks: its open tasks, by id.
-        life: its agent's; its alarms are named ``(GOODS_WAIT, task)``.
+        life: the agent's life; alarms are named ``(GOODS_WAIT, task)``.
         remedies: the coordinator.
 
     Attributes:
-        alarms: what to call when an alarm of this class has come, with (task, now_s).
+        alarms: handlers of this class's alarms, called with (task, now_s).
     """
 
     def __init__(self, tasks: Mapping[str, OpenTask], life: Life, remedies: Remedies) -> None:
@@ -59,7 +61,7 @@ class LeftAboard:
         self.alarms = {GOODS_WAIT: self._end_wait}
 
     def restore(self, task: OpenTask, goods: StrandedGoods | None) -> None:
-        """Go on with what an earlier life has waited for."""
+        """Continue an earlier life's wait."""
         task.stranded = goods
         if goods is None:
             return
@@ -67,10 +69,10 @@ class LeftAboard:
             task.states.enter(TaskState.STRANDED)
         self._life.alarm((GOODS_WAIT, task.id), goods.until_s)
 
-    # --- how it comes to that ---
+    # --- stranding ---
 
     def strand(self, task: OpenTask, now_s: float) -> None:
-        """The carrier of goods has failed; harmless when that is known."""
+        """The carrier of goods has failed. Repeating this is harmless."""
         if task.state is TaskState.STRANDED:
             return
         task.states.enter(TaskState.STRANDED)
@@ -81,34 +83,34 @@ class LeftAboard:
         self._life.commit()
 
     def goes_on(self, task: OpenTask) -> None:
-        """Their carrier is well again; harmless when it was."""
+        """Their carrier works again. Repeating this is harmless."""
         if task.state is TaskState.STRANDED:
             task.states.enter(TaskState.IN_TRANSIT)
             task.contract.forgotten_aboard = False
             self.forget(task)
 
     def note_place(self, task: OpenTask, node: str) -> None:
-        """Their carrier drives about with them and has forgotten the task: this is where they are now."""
+        """Their carrier moves with them and has forgotten the task: note their new node."""
         if task.stranded is not None and task.stranded.node != node:
             task.stranded = replace(task.stranded, node=node)
             self._life.commit()
 
     def forget(self, task: OpenTask) -> None:
-        """They wait no more: somebody has them on board who can go on, or they are back."""
+        """End their wait: a working carrier has them on board, or they are back."""
         was_waiting, task.stranded = task.stranded is not None, None
         self._life.cancel((GOODS_WAIT, task.id))
         if was_waiting:
             self._life.commit()
 
-    # --- what people say ---
+    # --- people's decisions ---
 
     def fetch(self, task_id: str, node: str, now_s: float) -> CommandRefusal | None:
-        """A person hands them over at a node; why that changes nothing, None when they are fetched there now."""
+        """A person hands them over at a node. Returns the refusal; None when they are fetched there now."""
         task = self._tasks.get(task_id)
         if task is None or task.stranded is None or task.state is not TaskState.STRANDED:
             return CommandRefusal.NOT_STRANDED
         task.stranded = replace(task.stranded, handed_at=node)
-        # Whoever was to carry it has failed, and a person has taken it off: any other vehicle may fetch it.
+        # Their carrier has failed, and a person has taken them off: any other vehicle may fetch them.
         task.work = replace(
             cast(Transport, task.work), sources=(node,), handed_at=node, vehicle="", vehicle_until_s=None
         )
@@ -116,7 +118,7 @@ class LeftAboard:
         return None
 
     def write_off(self, task_id: str, now_s: float) -> CommandRefusal | None:
-        """They are lost; why that changes nothing, None when they are made again now."""
+        """A person writes them off. Returns the refusal; None when they are made again now."""
         task = self._tasks.get(task_id)
         if task is None or task.stranded is None:
             return CommandRefusal.NOT_STRANDED
@@ -124,11 +126,11 @@ class LeftAboard:
         return None
 
     def node_of(self, task_id: str) -> str:
-        """Where they are, by the last that was heard of their carrier; empty where nobody knows."""
+        """Their node by their carrier's last heartbeat; empty if unknown."""
         task = self._tasks.get(task_id)
         return "" if task is None or task.stranded is None else task.stranded.node
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _end_wait(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)

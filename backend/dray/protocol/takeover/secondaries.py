@@ -1,7 +1,7 @@
-"""The secondaries of a coordinator's tasks: one is kept elected for as long as its task can be taken over.
+"""The secondaries of a coordinator's tasks: one is elected as long as its task can be taken over.
 
-A secondary is not reserved (protocol, step 4): it resigns when it wins work of its own, it may fail, or
-its resignation may be lost; whenever a task is without one, another is sought.
+A secondary is not reserved (protocol, step 4). It resigns when it wins its own work, it may fail, or its
+resignation may be lost. A task without a secondary seeks another.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 
 WATCH_RULES = AuctionRules(radius_m=50.0, rest_s=10.0, rest_growth=1.0, rest_max_s=10.0, rest_aged_max_s=60.0)
-"""A missing watch is less urgent than a missing primary, so it asks wider and rests longer; and ever longer where all are
-at work, who watch nobody."""
+"""A missing secondary is less urgent than a missing primary, so it asks wider and rests longer. While all vehicles work, no
+vehicle watches, so the rest grows."""
 
 WATCH_AUCTION = "watch auction"
 SECONDARY_SILENCE = "secondary silence"
 
 
 class Secondaries:
-    """Who watches the primaries of one coordinator.
+    """The secondaries that watch one coordinator's primaries.
 
     Args:
         tasks: the coordinator's open tasks, by id.
-        auctions: how its auctions are set up.
-        subscriptions: which heartbeats it hears.
-        life: its agent's; its alarms are named ``(WATCH_AUCTION, task)`` and ``(SECONDARY_SILENCE, task)``.
+        auctions: the set-up of its auctions.
+        subscriptions: its heartbeat subscriptions.
+        life: the agent's life; alarms are named ``(WATCH_AUCTION, task)`` and ``(SECONDARY_SILENCE, task)``.
 
     Attributes:
-        alarms: what to call when an alarm of this class has come, with (task, now_s).
+        alarms: handlers of this class's alarms, called with (task, now_s).
     """
 
     def __init__(
@@ -56,11 +56,11 @@ class Secondaries:
         self.alarms = {WATCH_AUCTION: self._wake_auction, SECONDARY_SILENCE: self._check}
 
     def restore(self, task: OpenTask, atv: str, number: int, now_s: float) -> None:
-        """Go on with a secondary that an earlier life has elected."""
+        """Continue with a secondary that an earlier life has elected."""
         self._follow(task, atv, number, None, now_s)
 
     def seek(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
-        """Elect a secondary, of these candidates first; nobody is needed for what nobody could take over."""
+        """Elect a secondary, from these candidates first; a task that cannot be taken over needs none."""
         if task.is_loaded or task.recovered or cast(Transport, task.work).vehicle:
             return
         terms = Terms(
@@ -86,7 +86,7 @@ class Secondaries:
             self.unfollow(task)
 
     def seek_no_more(self, task: OpenTask) -> None:
-        """Who watches a task goes on watching, and nobody else is elected."""
+        """Stop the election; an elected secondary keeps watching."""
         if task.watch is not None:
             task.watch.cancel()
             task.watch = None
@@ -100,7 +100,7 @@ class Secondaries:
         self.seek(task, (), now_s)
 
     def standby_candidate(self, task: OpenTask) -> tuple[tuple[str, Bid], ...]:
-        """Whom to ask first when the primary gives a task back: its secondary, if there is one, with its bid."""
+        """The candidate to ask first when the primary gives a task back: the secondary with its bid."""
         bid = task.standby.bid
         return () if bid is None else ((task.secondary, bid),)
 
@@ -110,7 +110,7 @@ class Secondaries:
         self._life.cancel((SECONDARY_SILENCE, task.id))
         task.standby = StandbyContract()
 
-    # --- what is heard ---
+    # --- messages ---
 
     def on_bid(self, task: OpenTask, sender: str, bid: Bid, now_s: float) -> None:
         if task.watch is not None and sender != task.primary:
@@ -131,7 +131,7 @@ class Secondaries:
             self._auctions.arm(WATCH_AUCTION, task.watch)
 
     def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """The secondary lives; it may have forgotten that it watches."""
+        """Handle a heartbeat of the secondary, which may have forgotten its watch."""
         detector = task.standby.detector
         if detector is None or not detector.on_heartbeat(heartbeat, now_s):
             return
@@ -157,7 +157,7 @@ class Secondaries:
 
     @property
     def _all_are_busy(self) -> bool:
-        """Whether transports wait for a vehicle: then nobody has time to watch either."""
+        """Whether transports wait for a vehicle: then no vehicle has time to watch either."""
         return any(task.auction.waits for task in self._tasks.values())
 
     def _check(self, task_id: str, now_s: float) -> None:
@@ -171,7 +171,7 @@ class Secondaries:
         else:
             self._life.alarm((SECONDARY_SILENCE, task.id), task.standby.detector.fails_at_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _bind(self, task: OpenTask, watch: Auction, now_s: float) -> None:
         task.watch = None

@@ -1,7 +1,7 @@
-"""A secondary's watches: whom it guards, for which tasks, and when their failure is noticed.
+"""A secondary's watches: its primaries, their tasks, and when their failure is noticed.
 
-A watch reserves nothing: the vehicle goes on bidding, and gives every watch back when it wins work
-of its own (protocol, step 4).
+A watch reserves nothing. The vehicle goes on bidding, and resigns from every watch when it wins its own work
+(protocol, step 4).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from dray.protocol.runtime.life import Life
 WATCHED_SILENCE = "watched silence"
 
 OVER_AFTER_S = 15.0
-"""A primary that has named another task, or none, for this long has finished the one that is
-watched: the coordinator's release was lost on the way."""
+"""A primary that has named another task, or none, for this long has finished the watched one (s). The coordinator's release
+was lost."""
 
 
 class Watch:
@@ -34,11 +34,11 @@ class Watch:
         self.named_s = now_s
         """When the primary last named this task as its own."""
         self.reported = False
-        """The present failure of the primary is in the history."""
+        """Whether the primary's present failure is recorded."""
 
     @property
     def can_be_taken_over(self) -> bool:
-        """Whether the load can still be fetched: goods that have left their machine exist only once, and things."""
+        """Whether the load can still be fetched: goods that have left their machine exist only once, and so do things."""
         work, last = self.award.work, self.detector.last
         if not isinstance(work, Transport) or not (work.goal or work.item == THING):
             return True
@@ -62,8 +62,8 @@ class Standby:
     """All watches of one vehicle.
 
     Args:
-        subscriptions: which heartbeats the vehicle hears.
-        life: its agent's; its alarms are named ``(WATCHED_SILENCE, task)``.
+        subscriptions: the vehicle's heartbeat subscriptions.
+        life: the agent's life; alarms are named ``(WATCHED_SILENCE, task)``.
     """
 
     def __init__(self, subscriptions: HeartbeatSubscriptions, life: Life) -> None:
@@ -78,17 +78,17 @@ class Standby:
         return task in self._watches
 
     def holds(self, task: str, epoch: int) -> bool:
-        """Whether exactly this watch was taken already."""
+        """Whether this vehicle has the watch in exactly this epoch."""
         watch = self._watches.get(task)
         return watch is not None and watch.award.epoch == epoch
 
     def coordinator_of(self, task: str) -> str:
-        """Who has asked for a watch that is kept; empty when none is."""
+        """The coordinator of a watch; empty without that watch."""
         watch = self._watches.get(task)
         return "" if watch is None else watch.coordinator
 
     def last_heard(self, task: str) -> AtvHeartbeat | None:
-        """What the primary of a task that is watched has said last; None where nothing was heard."""
+        """The last heartbeat of a watched task's primary; None if there was none."""
         watch = self._watches.get(task)
         return None if watch is None else watch.detector.last
 
@@ -109,12 +109,12 @@ class Standby:
         self._life.record(taken)
 
     def renew(self, award: Award) -> None:
-        """A watch that is kept was asked for once more; a release of the earlier award does not end it."""
+        """Renew a watch with a repeated award; a release of the earlier award does not end it."""
         watch = self._watches[award.task]
         watch.award = replace(award, primary=watch.award.primary)
 
     def release(self, message: Release) -> bool:
-        """The coordinator lets a watch go; False when it was taken by another award."""
+        """The coordinator releases a watch; False if the watch has another award."""
         watch = self._watches.get(message.task)
         if watch is None or watch.award.number != message.number:
             return False
@@ -122,7 +122,7 @@ class Standby:
         return True
 
     def unwatch(self, task: str, reason: Reason) -> None:
-        """End a watch; harmless when there is none for this task."""
+        """End a watch; ignored if there is none for this task."""
         watch = self._watches.pop(task, None)
         if watch is None:
             return
@@ -132,12 +132,12 @@ class Standby:
         self._life.record(ended)
 
     def resign(self, reason: Reason) -> None:
-        """Give every watch back to its coordinator, who elects another."""
+        """Resign from every watch; each coordinator elects another secondary."""
         for task in list(self._watches):
             self.resign_from(task, reason)
 
     def resign_from(self, task: str, reason: Reason, detail: str = "") -> None:
-        """Give one watch back; `detail` tells people more."""
+        """Resign from one watch; `detail` tells people more."""
         watch = self._watches[task]
         resigned = Resigned(
             task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason, detail=detail
@@ -146,12 +146,12 @@ class Standby:
         self.unwatch(task, Reason.RESIGNED)
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """Note a heartbeat of a primary that is watched."""
+        """Note a heartbeat of a watched primary."""
         for task, watch in list(self._watches.items()):
             if watch.award.primary != heartbeat.atv or not watch.detector.on_heartbeat(heartbeat, now_s):
                 continue
             watch.reported = False
-            # A heartbeat may bring the failure nearer: the time for help is over, or was cut short.
+            # A heartbeat may advance the failure: the time for help is over, or was shortened.
             self._life.alarm((WATCHED_SILENCE, task), watch.detector.fails_at_s)
             if heartbeat.task is not None and heartbeat.task.task == task:
                 watch.named_s = now_s
@@ -159,10 +159,10 @@ class Standby:
                 self.unwatch(task, Reason.OVER)
 
     def failed(self, task: str, now_s: float) -> Watch | None:
-        """Look after a primary whose time may have come.
+        """Check a primary whose alarm is due.
 
         Returns:
-            Its watch when it has failed and the task can be taken over; None otherwise.
+            The watch if its primary has failed and the task can be taken over; None otherwise.
         """
         watch = self._watches.get(task)
         if watch is None:
@@ -183,6 +183,6 @@ class Standby:
             self._life.record(suspected)
         if watch.can_be_taken_over:
             return watch
-        # Its coordinator waits for it too. It may speak up again, and that sets the alarm anew.
+        # The coordinator waits for the primary too. A new heartbeat sets the alarm again.
         self._life.cancel((WATCHED_SILENCE, task))
         return None

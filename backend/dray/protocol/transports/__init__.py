@@ -1,5 +1,5 @@
 """Transports as their coordinator sees them, be it a machine or the station of a storage.
 
-Whoever receives a load coordinates its transport, since it counts what is put down; goods on their way to a delivery warehouse, which
-has no agent, are coordinated by the machine that made them.
+The receiver of a load coordinates its transport, because it counts what is put down. A delivery warehouse has no
+agent, so the machine that made the goods coordinates their transport there.
 """

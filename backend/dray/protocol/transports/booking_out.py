@@ -1,14 +1,14 @@
-"""Loads that others have fetched from a place whose body does not count: each is booked out once its vehicle says that it has it.
+"""Loads fetched by others from a place whose body does not count: each is booked out once its vehicle reports it on board.
 
-A vehicle that was let in to load is listened to.
+The place follows the heartbeats of a vehicle that was let in to load:
 
     it names the task, in the same epoch, with the load on board    booked out: the body is told (`Book`)
-    it names the task no more, and was heard at it until then       it has left without, unless it has such a load on board
-    it names the task no more, after a time in which it was not     its coordinator is asked, as long as it takes: it says whether the
-    heard (this agent was down, or deaf)                            load was fetched, or that it cannot know. In doubt it is booked
-                                                                    out: nothing is promised that may not lie there
+    it names the task no more, and was heard at it until then       it has left without, unless such a load is on board
+    it names the task no more, after a time in which it was not     its coordinator is asked until it answers whether the load was
+    heard (this agent was down, or deaf)                            fetched, or that it cannot know. In doubt it is booked out:
+                                                                    nothing is promised that may not lie there
 
-The question is `StockReserved`, which a coordinator that counts on the pieces no more answers with `StockFreed`.
+The question is `StockReserved`. A coordinator that needs the pieces no more answers with `StockFreed`.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.life import Life
 
 AGAIN_S = 10.0
-"""A coordinator that has not answered is asked again after this."""
+"""Time after which a silent coordinator is asked again (s)."""
 
 
 class BookingOut:
-    """Those who were let in to load at one place, and of whom it is not known yet whether they have.
+    """Vehicles that were let in to load at one place, and have not reported the result yet.
 
     Args:
-        subscriptions: whose heartbeats are heard.
-        bookings: what its body is told.
+        subscriptions: for following vehicles' heartbeats.
+        bookings: reports to the place's body.
         left: called with a vehicle that has left without its load.
     """
 
@@ -46,21 +46,21 @@ class BookingOut:
         self._subscriptions, self._bookings = subscriptions, bookings
         self._life, self._left = life, left
         self._let_in: dict[str, ReservationMemory] = {}
-        """By vehicle, what it may take."""
+        """By vehicle: the load that it may take."""
         self._heard_s: dict[str, float] = {}
-        """By vehicle, when it was heard or seen at its task last; none of those that this life has not heard."""
+        """By vehicle: when it was last heard or seen at its task; only those that this life has heard."""
         self._asked_s: dict[str, float] = {}
-        """By vehicle, when its coordinator was asked last whether it has fetched the load."""
+        """By vehicle: when its coordinator was last asked whether it has fetched the load."""
 
     def let_in(self, load: ReservationMemory, now_s: float) -> None:
-        """A vehicle stands here and may load now. Harmless when that was said before."""
+        """A vehicle stands here and may load now. Repeating this is harmless."""
         self._follow(load)
         self._heard_s[load.vehicle] = now_s
         self._asked_s.pop(load.vehicle, None)
         self._life.commit()
 
     def on_carrier_heard(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """A vehicle may have left with a load."""
+        """Handle a heartbeat: the vehicle may have left with a load."""
         load, carries = self._let_in.get(heartbeat.atv), heartbeat.task
         if load is None:
             return
@@ -76,9 +76,9 @@ class BookingOut:
             self._ask(load, now_s)
 
     def on_docked(self, vehicle: str, docked: Docked, now_s: float) -> None:
-        """A vehicle stands here: it may be back for something else before it has told of its load.
+        """A vehicle stands here, perhaps for another load before it has reported the last one.
 
-        Said before the dock is opened for it: a body shuts its dock when it books.
+        Called before the dock is opened for it: a body shuts its dock when it books.
         """
         load = self._let_in.get(vehicle)
         if load is None or (docked.task, docked.epoch) == (load.task, load.opened):
@@ -89,13 +89,13 @@ class BookingOut:
             self._book(load)
 
     def note_aboard(self, vehicle: str, item: str) -> None:
-        """A vehicle has this on board, by all that it does: it has taken it here if it was let in for it."""
+        """A vehicle has this item on board: if it was let in for it, it took it here."""
         load = self._let_in.get(vehicle)
         if load is not None and load.item == item:
             self._book(load)
 
     def on_freed(self, sender: str, freed: StockFreed) -> bool:
-        """A coordinator counts on pieces no more; one that was asked says so whether they were fetched. Returns whether they are booked out now."""
+        """A coordinator frees pieces, and tells whether they were fetched. Returns whether they were booked out."""
         for vehicle in list(self._asked_s):
             load = self._let_in[vehicle]
             if (load.task, load.coordinator) != (freed.task, sender):
@@ -107,15 +107,15 @@ class BookingOut:
         return False
 
     def waits_for(self, vehicle: str) -> bool:
-        """Whether a vehicle may still tell that it has the load that it was let in for."""
+        """Whether a vehicle may still report the load that it was let in for."""
         return vehicle in self._let_in
 
     def memories(self) -> tuple[ReservationMemory, ...]:
-        """For the next life, which hears the vehicle in this one's place."""
+        """The followed vehicles' loads, for the next life."""
         return tuple(self._let_in.values())
 
     def restore(self, memories: Iterable[ReservationMemory]) -> None:
-        """Go on listening to whom an earlier life has let in."""
+        """Go on following the vehicles that an earlier life has let in."""
         for load in memories:
             self._follow(load)
 
@@ -125,12 +125,12 @@ class BookingOut:
         self._let_in[load.vehicle] = load
 
     def _was_heard(self, load: ReservationMemory, now_s: float) -> bool:
-        """Whether a vehicle was heard at its task until now."""
+        """Whether a vehicle was recently heard at its task."""
         return now_s - self._heard_s.get(load.vehicle, -UNHEARD_S) < UNHEARD_S
 
     def _ask(self, load: ReservationMemory, now_s: float) -> None:
         if not load.coordinator:
-            self._book(load)  # Nobody can be asked: only a vehicle has spoken of it.
+            self._book(load)  # No coordinator to ask: only a vehicle has named it.
         elif now_s - self._asked_s.get(load.vehicle, -AGAIN_S) >= AGAIN_S:
             self._asked_s[load.vehicle] = now_s
             asked = StockReserved(load.task, load.opened, load.item, load.quantity)
@@ -141,7 +141,7 @@ class BookingOut:
         self._forget(load.vehicle)
 
     def _leave(self, vehicle: str) -> None:
-        """It has left without its load."""
+        """A vehicle has left without its load."""
         self._left(vehicle)
         self._forget(vehicle)
 

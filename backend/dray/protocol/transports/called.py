@@ -1,12 +1,12 @@
-"""Plain transports that people and programs have asked one place for: each is done once, whatever is lost on the way.
+"""Plain transports that people and programs order to one place: each is done once, even if messages are lost.
 
     ordered --room--> set aside, given out --carried, counted--> DELIVERED
        |       ^             |
        |       +-------------+ its task was withdrawn, or only a part was counted: given out again under another name
        +--- cancelled before it is on board, or refused --> CANCELLED
 
-An order is repeated by its gateway until it is answered, so it is known by its name, also for a while after it has ended. What
-is known of it is written down before anything is said of it.
+A gateway repeats an order until it is answered. The order is recognised by its name, also for a while after it has
+ended. Its state is stored before it is answered.
 """
 
 from __future__ import annotations
@@ -38,25 +38,25 @@ from dray.protocol.transports.sourcing import Sourcing
 from dray.protocol.transports.transports import Transports
 
 OPEN_MAX = 200
-"""Transports of one place that have not ended: hours of work of its dock. More are not taken, and are said again."""
+"""Maximum open transports of one place: hours of its dock's work. Further orders are ignored, and repeated."""
 
 WISH_ENDS = "wish_ends"
-"""Alarm of a transport: from now on any vehicle may carry it."""
+"""Alarm of a transport: any vehicle may carry it from now on."""
 
 LOOK_AGAIN_S = 10.0
-"""How soon it is looked again whether the wanted vehicle, which has a contract by then, has given it back."""
+"""Interval for checking whether the wanted vehicle, which has a contract, has given it back (s)."""
 
 ENDED_KEPT = 4096
-"""That have ended, and whose repeated order is still recognised: a gateway asks every ten minutes for what it believes open."""
+"""Ended transports whose repeated order is recognised: a gateway asks every ten minutes for those it believes open."""
 
 NOTE = "transport "
-"""Names the note of a transport, before its own name."""
+"""Prefix of a transport's note, before its name."""
 
 _ON_BOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER})
 
 
 class CalledTransport:
-    """One that somebody has asked for."""
+    """One ordered transport."""
 
     __slots__ = (
         "ability",
@@ -81,14 +81,14 @@ class CalledTransport:
         self.ability = order.ability
         self.state = TransportState.WAITING
         self.done = 0
-        """Pieces that were counted."""
+        """Pieces counted."""
         self.attempt = 0
         self.task = ""
-        """The name under which it is given out; empty while it waits for room."""
+        """Id of its task; empty while it waits for room."""
         self.told: TransportProgressed | None = None
 
     def memory(self) -> TransportMemory:
-        """For the next life."""
+        """The record for the next life."""
         return TransportMemory(
             transport=self.id,
             source=self.source,
@@ -105,7 +105,7 @@ class CalledTransport:
 
 
 class Flow(Protocol):
-    """What is needed of a place's material flow."""
+    """What this class needs of a place's material flow."""
 
     tasks: Transports
     sourcing: Sourcing
@@ -117,25 +117,25 @@ class Flow(Protocol):
         """End a transport that is not needed any more."""
 
     def drop(self, task: str) -> None:
-        """Ask for a load no more for which nobody was hired yet."""
+        """Cancel the request for a load that no vehicle was hired for."""
 
     def inbound(self, item: str) -> int:
-        """Pieces that are on their way to this place, or are to be."""
+        """Pieces on their way to this place, or ordered to it."""
 
 
 class CalledTransports:
-    """Those of one place.
+    """The ordered transports of one place.
 
     Args:
-        place: where they go.
-        plant: who keeps what.
-        stock: what lies here.
+        place: their destination.
+        plant: the plant with its storages.
+        stock: the place's stock.
         flow: has loads set aside and fetched.
-        life: its agent's; its alarms are named ``(WISH_ENDS, transport)``.
-        incarnation: how often its agent was started: no two lives give the same names to tasks.
+        life: the agent's life; alarms are named ``(WISH_ENDS, transport)``.
+        incarnation: how often the agent was started; it makes task names differ between lives.
 
     Attributes:
-        alarms: what to call when an alarm of these names has come.
+        alarms: handlers of these alarms.
     """
 
     def __init__(
@@ -146,7 +146,7 @@ class CalledTransports:
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {WISH_ENDS: self._end_wish}
         self._open: dict[str, CalledTransport] = {}
         self._ended: dict[str, TransportState] = {}
-        """How those have ended that are still recognised, the oldest first."""
+        """Outcomes of ended transports that are still recognised, the oldest first."""
         self._unwritten: dict[str, TransportMemory | None] = {}
 
     def __iter__(self) -> Iterator[CalledTransport]:
@@ -156,13 +156,13 @@ class CalledTransports:
         return len(self._open)
 
     def has(self, task: str) -> bool:
-        """Whether a task is one that somebody has asked for."""
+        """Whether a task belongs to an ordered transport."""
         return any(called.task == task for called in self)
 
-    # --- what is asked ---
+    # --- orders ---
 
     def on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
-        """Somebody asks for a transport, for the first time or again."""
+        """Handle an order, new or repeated."""
         if not self._may_ask(sender, order.transport, order.source):
             self._life.ignore("a machine asked for what does not lie there")
             return
@@ -183,7 +183,7 @@ class CalledTransports:
             self._answer(sender, called.id, self._state_of(called.id) or called.state)
 
     def on_cancelled(self, sender: str, message: TransportCancelled) -> bool:
-        """Somebody does not need a transport any more; returns whether it has ended by that."""
+        """Handle a cancellation; returns whether it has ended the transport."""
         if not self._may_ask(sender, message.transport, sender):
             self._life.ignore("a machine called off what it has not asked for")
             return False
@@ -197,16 +197,16 @@ class CalledTransports:
                 self._flow.drop(called.task)
             self._end(called, TransportState.CANCELLED)
         elif called is None and message.transport not in self._ended:
-            # It may be overtaken by its own order, which must not begin it.
+            # Its own order may come after it, and must not start it.
             self._note_ended(message.transport, TransportState.CANCELLED, None)
         state = self._state_of(message.transport) or TransportState.CANCELLED
         self._answer(sender, message.transport, state)
         return ends
 
-    # --- what becomes of them ---
+    # --- progress ---
 
     def pursue(self, now_s: float) -> None:
-        """Have fetched what there is room for."""
+        """Have loads fetched for which there is room."""
         for called in list(self):
             missing = called.quantity - called.done
             if called.task or self._stock.room(called.item) - self._flow.inbound(called.item) < missing:
@@ -229,7 +229,7 @@ class CalledTransports:
             self._flow.seek(called.task, work, called.due_s, now_s)
 
     def _end_wish(self, transport: str, now_s: float) -> None:
-        """One vehicle was asked long enough: unless it has taken the transport, any may carry it."""
+        """The time for one vehicle is over: unless it has the transport, any vehicle may carry it."""
         called = self._open.get(transport)
         if called is None:
             return
@@ -247,7 +247,7 @@ class CalledTransports:
         self.review(now_s)
 
     def on_lost(self, task: OpenTask) -> bool:
-        """A task was withdrawn; returns whether it was one of these, which is given out again."""
+        """A task was withdrawn; returns whether it was one of these, which is ordered again."""
         called = next((each for each in self if each.task == task.id), None)
         if called is None:
             return False
@@ -259,7 +259,8 @@ class CalledTransports:
         called = next((each for each in self if each.task == task.id), None)
         if called is None:
             if task.recovered and (name := _transport_of(task.id)) not in self._ended:
-                # Of a life that has left no notes: its order may come again, and must not be done again.
+                # The life that ordered it left no notes: its order may be repeated, and must not be done
+                # again.
                 self._note_ended(name, TransportState.DELIVERED, None)
             return False
         called.done += min(counted, called.quantity - called.done)
@@ -271,14 +272,14 @@ class CalledTransports:
         return True
 
     def review(self, _now_s: float) -> None:
-        """Tell what has changed."""
+        """Report changes."""
         for called in self:
             self._tell(called)
 
-    # --- from life to life ---
+    # --- over a restart ---
 
     def restore(self, memory: Memory) -> None:
-        """Go on with those of an earlier life; its tasks are there again by now."""
+        """Continue the transports of an earlier life, whose tasks are restored already."""
         for note in memory.values():
             if not isinstance(note, TransportMemory):
                 continue
@@ -300,22 +301,22 @@ class CalledTransports:
             self._take_up(called)
 
     def commits(self) -> Sequence[Commit]:
-        """What is to be written down."""
+        """The changes to store."""
         if not self._unwritten:
             return ()
         commits = [Commit(note, NOTE + name) for name, note in self._unwritten.items()]
         self._unwritten.clear()
         return commits
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _may_ask(self, sender: str, transport: str, source: str) -> bool:
-        """A machine has its own things fetched, and nothing else."""
+        """Whether the sender may order: a machine may only have its own things fetched."""
         of_machine = sender in self._plant.machines
         return not of_machine or (source == sender and transport.startswith((f"{sender}-", f"{sender}.")))
 
     def _take_up(self, called: CalledTransport) -> None:
-        """Its load may be on its way for an earlier life."""
+        """Resume a transport, whose load may be on its way for an earlier life."""
         if called.vehicle and called.vehicle_until_s is not None:
             self._life.alarm((WISH_ENDS, called.id), called.vehicle_until_s)
         for task in self._flow.tasks:
@@ -329,13 +330,13 @@ class CalledTransports:
         room = self._stock.level(item) + self._stock.room(item)
         if item not in plant.materials or not 0 < order.quantity <= room:
             return TransportRefusal.NOT_KEPT_HERE
-        keepers = (*plant.keepers_of(item), sender)  # A machine has what it makes fetched, too.
+        keepers = (*plant.keepers_of(item), sender)  # A machine has its products fetched, too.
         if order.source == self._place or order.source not in keepers:
             return TransportRefusal.NOT_KEPT_THERE
         return TransportRefusal.TOO_LARGE if order.quantity > plant.materials[item].lot else None
 
     def _refusal_of_thing(self, order: TransportOrdered) -> TransportRefusal | None:
-        """It is fetched at any place that has a dock, once, by a vehicle that can carry what somebody says that it is like."""
+        """Check a thing: it is fetched once, from any place with a dock, by a vehicle with the named ability."""
         plant = self._plant
         if order.quantity != 1:
             return TransportRefusal.TOO_LARGE
@@ -371,7 +372,7 @@ class CalledTransports:
 
     def _wait(self, called: CalledTransport, task: OpenTask | None) -> TransportWait:
         if task is not None:
-            # It stays so while it is offered again: what is told since when is the first round in vain.
+            # The state remains while it is offered again: the wait begins with the first failed round.
             return TransportWait.NO_BID if task.auction.found_nobody else TransportWait.UNDECIDED
         if not called.task:
             return TransportWait.NO_ROOM
@@ -430,7 +431,7 @@ class CalledTransports:
 
 
 def _transport_of(task: str) -> str:
-    """The transport that a task is an attempt at, by its name; some other name for tasks of other kinds."""
+    """The transport that a task is an attempt at, by its id; an unknown name for other tasks."""
     name, _, _ = task.rpartition("-")
     before, _, life = name.rpartition(".")
     return before if before and life.isdigit() else name

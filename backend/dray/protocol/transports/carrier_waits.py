@@ -1,4 +1,4 @@
-"""How long carriers of one coordinator have waited where they load and unload: seen in their phases, told to the next ones."""
+"""Waiting times of a coordinator's carriers at docks: measured from their phases, told to the next bidders."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.events import NEVER_S, Subscribe
 
 ONE_AFTER_ANOTHER_S = 1.2
-"""From one announcement to the next where carriers queue at docks: a window for bids, and the award."""
+"""Interval between announcements where carriers queue at docks (s): a bidding window, and the award."""
 
 SETTLES_S = 10.0
-"""A promise is settled so long after it was given: whoever was hired by others at the same moment has told by then when it comes.
-Three in five of the promises that were missed at 85 % load had somebody hired for one of their docks within that time."""
+"""Time after which a promise is settled (s): vehicles that others hired at the same moment have reported their arrival by
+then. At 85 % load three in five missed promises had another vehicle hired for one of their docks within that time.
+"""
 
 
 def docks_heard(place: str, items: Iterable[str], plant: Plant, keys: Keys) -> tuple[Subscribe, ...]:
-    """What a coordinator listens to, to know who is expected where its transports begin and end."""
+    """The dock topics that a coordinator subscribes to: the places where its transports begin and end."""
     storages = (storage for item in items for storage in plant.storages_of(item))
     places = dict.fromkeys(
         (place, *storages, *(plant.delivery_warehouses if place in plant.machines else ()))
@@ -33,15 +34,15 @@ def docks_heard(place: str, items: Iterable[str], plant: Plant, keys: Keys) -> t
 
 
 class CarrierWaits:
-    """What one coordinator has seen of its carriers' waits.
+    """One coordinator's measurements of its carriers' waits.
 
     Args:
-        place: whose carriers.
-        handling_s: the longest loading or unloading; what is beyond that is a wait.
-        tasks: those that have not ended, by their ids.
+        place: the coordinator's place.
+        handling_s: the longest loading or unloading; more than that is a wait.
+        tasks: the open tasks, by id.
 
     Attributes:
-        docks: who is expected where, as vehicles with right of way have told.
+        docks: expected vehicles at docks, as vehicles with right of way report.
     """
 
     def __init__(self, place: str, handling_s: float, tasks: Mapping[str, OpenTask]) -> None:
@@ -52,7 +53,7 @@ class CarrierWaits:
         self.docks = DockQueues()
 
     def note_phase(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """See how far a carrier has come, and how long it had to wait for that."""
+        """Note a carrier's phase, and how long it waited before it."""
         brief, contract = heartbeat.task, task.contract
         if brief is None or brief.task != task.id or brief.phase is contract.phase:
             return
@@ -64,7 +65,7 @@ class CarrierWaits:
         contract.phase, contract.phase_s = brief.phase, now_s
 
     def on_expected(self, sender: str, said: DockExpected, now_s: float) -> None:
-        """A vehicle tells of a place: whoever has just promised to be done there may stand behind it."""
+        """Handle a vehicle's arrival report: a carrier with a fresh promise may stand behind it."""
         self.docks.on_expected(sender, said, now_s)
         for task in self._tasks.values():
             contract = task.contract
@@ -72,16 +73,16 @@ class CarrierWaits:
                 self.foresee(task, now_s)
 
     def foresee(self, task: OpenTask, now_s: float) -> None:
-        """Settle what the carrier of a task has promised: it may stand behind others, of whom it had not heard then.
+        """Settle the promise of a task's carrier: it may stand behind vehicles that it had not heard of.
 
-        What its promise has beyond the way that it tells of are waits that it has counted itself. Whatever it tells, it is given no
-        more than it has promised and the waits behind others.
+        The part of its promise beyond its reported way is waiting time that it counted itself. It gets at most what
+        it promised and the waits behind others.
         """
         contract, there = task.contract, cast(Transport, task.work).destination
         loads = self.docks.of(contract.source, contract.primary)
         unloads = self.docks.of(there, contract.primary)
         if loads is None or unloads is None or unloads.comes_s < contract.bound_s:
-            return  # It has not told yet when it will be there.
+            return  # It has not reported its arrival yet.
         comes_s = max(loads.comes_s, contract.bound_s)
         waits_s = self.docks.wait_s(contract.source, comes_s, contract.primary, now_s)
         waits_s += self.docks.wait_s(there, unloads.comes_s + waits_s, contract.primary, now_s)
@@ -91,7 +92,7 @@ class CarrierWaits:
             contract.progress.allow(contract.promised_s)
 
     def told(self, work: Transport, now_s: float) -> tuple[Wait, ...]:
-        """What is known of waits at the places of a transport: lately, of who stands there now, and of who is expected there."""
+        """Known waits at a transport's places: recent ones, the present one, and those behind expected vehicles."""
         for task in self._tasks.values():
             if task.contract.held_s < NEVER_S:
                 self._waits.note(self._place, task.primary, now_s - task.contract.held_s, now_s)

@@ -1,8 +1,8 @@
-"""A coordinator's dock: who may load or unload now, and whose handover counts.
+"""A coordinator's dock: which vehicle may load or unload now, and whose handover counts.
 
-This is where the epoch fences. A carrier asks before every transfer (`Docked`), and its word that the
-load is down (`Handover`) is taken once per task, from the carrier of the present epoch. Whoever is not
-that carrier hears `Superseded` with the epoch that is right, and brings its load back.
+The epoch fences here. A carrier asks before every transfer (`Docked`). Its `Handover`, the report that the load is
+down, is accepted once per task, from the carrier of the present epoch. Any other vehicle hears `Superseded` with
+the right epoch, and brings its load back.
 """
 
 from __future__ import annotations
@@ -20,27 +20,27 @@ from dray.protocol.transports.transports import Transports
 
 
 class Stock(Protocol):
-    """What lies at a coordinator's place."""
+    """The stock at a coordinator's place."""
 
     def level(self, item: str) -> int:
-        """Pieces that lie there."""
+        """Pieces in stock."""
 
     def room(self, item: str) -> int:
-        """Pieces that still find room."""
+        """Pieces for which there is room."""
 
 
 class Dock:
     """The dock of one coordinator.
 
     Args:
-        place: whose dock.
+        place: the dock's place.
         tasks: its open transports.
-        stock: what lies there.
+        stock: its stock.
         door: its door.
-        departures: those who are not wanted at it any more.
+        departures: vehicles that may still be at it after their transport ended there.
 
     Attributes:
-        counts: whether the coordinator's body counts what vehicles bring and take.
+        counts: whether the coordinator's body counts loads.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Dock:
             self._door.agree(sender, message)
 
     def is_opening(self, vehicle: str) -> bool:
-        """Whether a vehicle waits for the body to open the dock: that is no want of room."""
+        """Whether a vehicle waits for the body to open the dock, and not for room."""
         return self._door.is_opening(vehicle)
 
     def on_ready(self, vehicle: str, now_s: float) -> None:
@@ -89,7 +89,7 @@ class Dock:
                     task.contract.held_s = NEVER_S
 
     def leave(self, task: OpenTask) -> None:
-        """The primary of a task carries it no more: a manoeuvre that it has begun ends without effect, where the dock can see to that."""
+        """The primary has lost the task: a transfer that it has begun ends without effect, if the dock can do that."""
         vehicle, work = task.primary, cast(Transport, task.work)
         if task.contract.receipt.booked or task.is_counted:
             self._door.close(vehicle, task.id)
@@ -99,10 +99,10 @@ class Dock:
         self._door.shut(vehicle, task.id, load)
 
     def on_handover(self, sender: str, message: Handover) -> OpenTask | None:
-        """Somebody says that its load is down.
+        """A vehicle reports its load as down.
 
         Returns:
-            The task that it carries, of which it says so; None for anybody else, who is answered.
+            The sender's task; None for any other vehicle, which is answered here.
         """
         task = self._tasks.get(message.task)
         if task is not None and message.epoch == task.epoch and sender == task.primary:
@@ -121,7 +121,7 @@ class Dock:
         return "" if self._stock.room(work.item) >= work.quantity else "the buffer is full"
 
     def accept(self, task: OpenTask) -> None:
-        """A load is there: its carrier is free."""
+        """The load is there: release its carrier."""
         self._accept(task.primary, task.id, task.epoch)
         self._tasks.close(task, "delivered")
 

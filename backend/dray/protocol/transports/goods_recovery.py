@@ -1,7 +1,8 @@
-"""Goods and things that failed vehicles have on board: people are asked to hand them over, and say what becomes of them.
+"""Goods and things on board of failed vehicles: people are asked to hand them over, and decide about them.
 
-For each of them their coordinator calls for help where they are (`protocol.calls`), until a person has handed them over or written them off,
-they go on, or are given up (`takeover.left_aboard`). Where their vehicle is heard and calls somebody itself, nobody is asked twice.
+For each load the coordinator calls a person to its place (`protocol.calls`). The call ends when the load is handed
+over, written off or given up, or its vehicle goes on (`takeover.left_aboard`). A vehicle that calls a person itself
+needs no second call.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ from dray.protocol.transports.held import HeldTransports
 from dray.protocol.transports.transports import Transports
 
 LEFT_ABOARD = Problem(kind=ProblemKind.LOAD, needs_person=True)
-"""Why a person is asked to come for goods."""
+"""The reason of a call for goods."""
 
 
 class GoodsRecovery:
-    """For one coordinator.
+    """The recovery of one coordinator's loads.
 
     Args:
-        plant: where vehicles can be sent.
+        plant: the nodes where vehicles can be sent.
         tasks: its transports.
-        held: those for whose loads a person has to look; they are called for in the same way.
+        held: transports whose loads a person must look for; they are called for alike.
     """
 
     def __init__(self, plant: Plant, tasks: Transports, held: HeldTransports) -> None:
@@ -36,12 +37,12 @@ class GoodsRecovery:
         self._aboard = tasks.failover.aboard
 
     def update_calls(self, calls: HelpCalls, now_s: float, *, expected: bool) -> None:
-        """Call somebody for each of these loads while a person is needed, and nobody longer than that.
+        """Open and close the calls for these loads.
 
         Args:
-            calls: the coordinator's.
+            calls: the coordinator's calls.
             now_s: the present time.
-            expected: False for one that leaves: its next life calls.
+            expected: False for an agent that leaves: its next life calls.
         """
         waiting = [task for task in self._tasks if expected and _needs_person(task, now_s)]
         held = self._held.names() if expected else ()
@@ -57,15 +58,15 @@ class GoodsRecovery:
             calls.open(LEFT_ABOARD, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
 
     def names(self, now_s: float) -> tuple[str, ...]:
-        """The transports whose loads wait for a person who is not asked yet by their vehicle."""
+        """Transports whose loads wait for a person whom their vehicle has not called."""
         return tuple(task.id for task in self._tasks if _needs_person(task, now_s))
 
     def fetch(self, task: str, node: str, now_s: float) -> CommandRefusal | None:
-        """A person hands them over at a node; why that changes nothing, None when they are fetched there now.
+        """A person hands goods over at a node. Returns the refusal; None when they are fetched there now.
 
         Args:
             task: their transport.
-            node: where; empty for the nearest node beside the vehicle.
+            node: the node; empty for the nearest one beside the vehicle.
             now_s: the present time.
         """
         node = node or self._beside(self._aboard.node_of(task))
@@ -73,11 +74,11 @@ class GoodsRecovery:
 
     @property
     def _nodes(self) -> tuple[str, ...]:
-        """Where vehicles can be sent; a place's name means the place."""
+        """Nodes where vehicles can be sent, without places."""
         return tuple(node for node in self._plant.stops if not self._plant.has_place(node))
 
     def _beside(self, node: str) -> str:
-        """The nearest node where another vehicle can come to one that stands at this node: no dock, if possible. Empty where there is none."""
+        """The nearest other node for a second vehicle, if possible without a dock; empty if there is none."""
         here = self._plant.nodes.get(node)
         docks = {self._plant.node_of(place) for place in self._plant.places}
 
@@ -89,17 +90,17 @@ class GoodsRecovery:
         return min((other for other in self._nodes if other != node), key=away, default="")
 
     def write_off(self, task: str, now_s: float) -> CommandRefusal | None:
-        """They are lost; why that changes nothing, None when they are made again now."""
+        """A person writes goods off. Returns the refusal; None when they are made again now."""
         return self._aboard.write_off(task, now_s)
 
     def place_m(self, task: str) -> tuple[float, float] | None:
-        """Where they are (x, y); None where nobody knows."""
+        """Their position (x, y) in m; None if unknown."""
         node = self._plant.nodes.get(self._aboard.node_of(task))
         return None if node is None else (node.x_m, node.y_m)
 
 
 def _needs_person(task: OpenTask, now_s: float) -> bool:
-    """Whether goods wait for a person who is not asked yet by their vehicle, and who has not handed them over."""
+    """Whether goods wait for a person whom their vehicle has not called, and are not handed over."""
     if task.stranded is None or task.stranded.handed_at:
         return False
     detector = task.contract.detector

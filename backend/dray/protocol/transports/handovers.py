@@ -1,4 +1,4 @@
-"""The handovers of one coordinator's transports: carriers' words, the counts that come beside them, and what they differ by."""
+"""The handovers of a coordinator's transports: carriers' reports, counts, and their differences."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from dray.protocol.transports.receiving import GateCount, Verdict, verdict_on
 from dray.protocol.transports.transports import Transports
 
 DISPUTES_MAX = 2
-"""Handovers of one load that may be disputed. One may be a lie, or a sensor that was dirty; after two of them another load would be lost too."""
+"""Maximum disputed handovers of one load. One may be a lie or a dirty sensor; after two another load would be lost too."""
 
 
 class Handovers:
-    """Compares what carriers say with what is counted (`receiving`), and ends their transports.
+    """Compares carriers' reports with the counts (`receiving`), and ends their transports.
 
     Args:
-        place: whose.
+        place: the coordinator's place.
         tasks: its open transports.
-        goal_of: what the gate has counted of a goal, by its name; None for what no goal wants.
-        dock: where loads come and go.
-        bookings: what a body that does not count is told.
-        ask: called with a goal of which the gate may have counted more than is known, and now_s.
-        settled: called when a transport has ended well, with its task, its carrier, the pieces that were counted, and now_s.
+        goal_of: the gate's count of a goal, by its name; None if no goal wants it.
+        dock: the coordinator's dock.
+        bookings: reports to a body that does not count.
+        ask: called with a goal of which the gate may have counted more, and now_s.
+        settled: called when a transport was delivered, with its task, its carrier, the counted pieces, and now_s.
 
     Attributes:
-        counts: whether the coordinator's body counts what vehicles bring and take; else it is told what they say.
+        counts: whether the coordinator's body counts loads; otherwise it is told the carriers' reports.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Handovers:
         self.counts = True
 
     def on_handover(self, sender: str, message: Handover, now_s: float) -> None:
-        """A carrier says that its load is down."""
+        """A carrier reports its load as down."""
         task = self._dock.on_handover(sender, message)
         if task is None:
             return
@@ -73,11 +73,11 @@ class Handovers:
         self._judge(task, now_s)
 
     def on_stock_changed(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
-        """The body has counted material that a vehicle has brought.
+        """The body has counted or booked a vehicle's material.
 
         Args:
-            report: what it says.
-            word: what it was told and has answered by this. A body that does not count knows of no other load.
+            report: the body's report.
+            word: the report that the body answers. A body that does not count knows of no other load.
             now_s: the present time.
         """
         for task in list(self._tasks):
@@ -90,7 +90,7 @@ class Handovers:
                 self._judge(task, now_s)
 
     def on_carrier_heard(self, heartbeat: AtvHeartbeat) -> None:
-        """A vehicle may have left with goods: a body that does not count is told."""
+        """A vehicle may have left with goods: tell a body that does not count."""
         carries = heartbeat.task
         if self.counts or carries is None or carries.phase not in GOODS_ABOARD:
             return
@@ -99,15 +99,15 @@ class Handovers:
                 self._book(task)
 
     def on_goal_counted(self, goal: str, now_s: float) -> None:
-        """The gate's count of a goal is known anew: carriers may wait for it."""
+        """The gate's count of a goal was updated: carriers may wait for it."""
         for task in list(self._tasks):
             if cast(Transport, task.work).goal == goal:
                 self._judge(task, now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _judge(self, task: OpenTask, now_s: float) -> None:
-        """See what was counted of a load that its carrier says to be down."""
+        """Compare the count of a load with its carrier's report."""
         receipt = task.contract.receipt
         if receipt.said_s == NEVER_S:
             return
@@ -133,11 +133,11 @@ class Handovers:
         self._settled(task, carrier, counted, now_s)
 
     def _count_dispute(self, task: OpenTask, goal: GateCount | None, now_s: float) -> None:
-        """Nothing of a load was counted: another carrier is sought, or a person who looks."""
+        """No piece of a load was counted: seek another carrier, or a person to look."""
         task.disputes += 1
         disputes = task.disputes
         if goal is not None and task.is_loaded:
-            # Its next load has another name.
+            # Its next load is another task.
             goal.disputes += 1
             disputes = max(disputes, goal.disputes)
         if disputes < DISPUTES_MAX:
@@ -163,11 +163,11 @@ class Handovers:
         return cast(Transport, task.work).destination == self._place
 
     def _book(self, task: OpenTask) -> None:
-        """The body does not count: it is told what the carrier says, once."""
+        """Tell a body that does not count of the carrier's report, once."""
         work, comes = cast(Transport, task.work), self._comes(task)
-        # Goods that a person has handed over have left before, with whoever had them first.
+        # Goods that a person has handed over were booked out before, with their first carrier.
         if not task.contract.receipt.booked and (comes or not work.handed_at):
             task.contract.receipt.booked = True
-            # No vehicle brings more than it was given: what it says beyond that is disputed.
+            # A vehicle brings at most what it was given: more is disputed.
             change = min(task.contract.receipt.said, work.quantity) if comes else -work.quantity
             self._bookings.say(DepartureMemory(task.primary, task.id, task.epoch, work.item, change))

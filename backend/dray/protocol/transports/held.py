@@ -1,14 +1,14 @@
-"""Transports whose handover was disputed twice: a person is asked to look, and says whether the load is there.
+"""Transports whose handover was disputed twice: a person is asked whether the load is there.
 
-A third load might be lost as the two before it. So nobody carries the transport until a person who answers for the place where the
-load was to go has said what is there:
+A third load might be lost like the first two. So no vehicle carries the transport before a person who is
+responsible for the destination has looked:
 
     ASSIGNED, IN_TRANSIT --nothing was counted, again--> HELD --LOAD_THERE--> DELIVERED
                                                           |
-                                                          +--LOAD_MISSING--> announced anew, and disputes are counted from 0;
+                                                          +--LOAD_MISSING--> announced anew, with disputes reset to 0;
                                                                              goods that had left their machine are made again
 
-It waits for that as long as it takes, over restarts too. What is not needed any more ends as ever.
+It waits without a limit, over restarts too. A transport that is not needed any more ends as usual.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.transports.transports import Transports
 
 LOOK_FOR_LOAD = Problem(kind=ProblemKind.LOAD, needs_person=True)
-"""Why a person is asked to come."""
+"""The reason of the call."""
 
 
 class HeldTransports:
-    """Those of one place.
+    """The held transports of one place.
 
     Args:
-        plant: where loads go.
+        plant: the plant, for destinations' positions.
         tasks: its transports.
     """
 
@@ -37,7 +37,7 @@ class HeldTransports:
         self._plant, self._tasks = plant, tasks
 
     def obey(self, command: MachineCommand, now_s: float) -> CommandRefusal | None:
-        """A person has looked; why that changes nothing, None when the transport has ended or goes on."""
+        """A person has looked. Returns the refusal; None when the transport has ended or goes on."""
         task = self._held(command.task)
         if task is None:
             return CommandRefusal.NOT_HELD
@@ -48,16 +48,16 @@ class HeldTransports:
         return None
 
     def place_m(self, task: str) -> tuple[float, float] | None:
-        """Where a load was to go (x, y); None where its transport is not held."""
+        """The destination of a held transport's load (x, y) in m; None if it is not held."""
         held = self._held(task)
         return None if held is None else self._plant.position_of(cast(Transport, held.work).destination)
 
     def names(self) -> tuple[str, ...]:
-        """The transports that are held."""
+        """The held transports' ids."""
         return tuple(task.id for task in self._tasks if task.is_held)
 
     def call(self, calls: HelpCalls, now_s: float) -> None:
-        """Call somebody for each of them; harmless where that was done."""
+        """Call a person for each of them. Repeating this is harmless."""
         for task in self._tasks:
             if task.is_held:
                 work = cast(Transport, task.work)

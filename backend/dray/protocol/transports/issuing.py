@@ -1,7 +1,7 @@
-"""Where others have loads fetched: what is set aside for whom, and for whom the dock opens to load.
+"""Loads that others have fetched here: reservations, and the vehicles for which the dock opens to load.
 
-Whoever coordinates a transport asks here to set its load aside before anybody is hired (`sourcing`). A storage's station
-hands out what lies in the storage, a machine what lies in its buffers when somebody wants it taken away.
+The coordinator of a transport asks for its load before it hires a vehicle (`sourcing`). A storage's station gives
+out what lies in the storage; a machine gives out what is to be taken from its buffers.
 """
 
 from __future__ import annotations
@@ -27,20 +27,20 @@ DRAINING = "asked for while the station was draining"
 
 
 class Issuing:
-    """What one place gives out.
+    """The loads that one place gives out.
 
     Args:
-        place: whose.
-        book: what lies there, and what of it is promised.
-        life: its agent's; its alarms are named `LAPSE`.
-        door: of its dock.
-        departures: those who are not wanted at it any more.
-        booking_out: those who were let in to load, where the body does not count.
+        place: the place's id.
+        book: its stock and reservations.
+        life: the agent's life; alarms are named `LAPSE`.
+        door: the door of its dock.
+        departures: vehicles that may still be at the dock after their transport ended there.
+        booking_out: vehicles that were let in to load, if the body does not count.
         drains: whether its agent was asked to leave.
-        changed: called with now_s after every change, to see to what follows (`settle`).
+        changed: called with now_s after every change, to settle reservations (`settle`).
 
     Attributes:
-        message_handlers, alarms: for the agent's tables.
+        message_handlers, alarms: entries for the agent's tables.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Issuing:
         }
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {LAPSE: self._lapse}
 
-    # --- who counts on what ---
+    # --- reservations ---
 
     def _on_asked(self, sender: str, asked: StockAsked, now_s: float) -> None:
         known = self._book.get(asked.task)
@@ -82,7 +82,7 @@ class Issuing:
             self._say_short(ask)
 
     def _refusal(self, sender: str, asked: StockAsked, known: Ask | None) -> str:
-        """Why a question is not answered; empty when it is."""
+        """Why a request is ignored; empty if it is answered."""
         if not self._book.holds(asked.item, asked.quantity):
             return NOT_KEPT
         if self._book.was_taken(asked.task, asked.epoch):
@@ -96,7 +96,7 @@ class Issuing:
 
     def _on_freed(self, sender: str, freed: StockFreed, now_s: float) -> None:
         if self._booking_out.on_freed(sender, freed):
-            return  # The body says that it is gone.
+            return  # The body reports that it is gone.
         ask = self._book.get(freed.task)
         if ask is None or ask.coordinator != sender:
             self._life.ignore("gave back what it does not have")
@@ -133,23 +133,23 @@ class Issuing:
             self._open(sender, docked, ask, now_s)
 
     def opened_for(self, task: str) -> ReservationMemory | None:
-        """What a vehicle may load now, or once the body is ready; None where the dock is shut for this task."""
+        """The load that a vehicle may take now, or once the body is ready; None if the dock is shut for this task."""
         ask = self._book.get(task)
         return ask.memory() if ask is not None and ask.opened else None
 
     def shut_unknown(self, opened: Iterable[str]) -> None:
-        """Shut the dock for vehicles for which an earlier life has opened it, and of which nothing is known any more."""
+        """Shut the dock for vehicles of an earlier life that are unknown now."""
         known = {ask.vehicle for ask in self._book if ask.opened}
         for vehicle in opened:
             if vehicle not in known:
                 self._door.shut(vehicle, "")
 
     def on_taken(self, vehicle: str, item: str) -> None:
-        """The body has counted that a vehicle has fetched something."""
+        """The body has counted an item fetched by a vehicle."""
         self._book.take(vehicle, item)
 
     def _stand(self, sender: str, docked: Docked, now_s: float) -> Ask | None:
-        """Nothing is set aside for its task; it waits before all others, for as long as it asks."""
+        """Queue a vehicle without a reservation before all others, while it keeps asking."""
         if not self._book.holds(docked.item, docked.quantity):
             return None
         asked = StockAsked(docked.task, docked.epoch, docked.item, docked.quantity)
@@ -165,15 +165,15 @@ class Issuing:
         self._door.open(vehicle, docked, ask.item, ask.quantity, now_s, comes=False)
         self._changed(now_s)
 
-    # --- what follows ---
+    # --- consequences ---
 
     @property
     def is_held(self) -> bool:
-        """Whether a vehicle may load at this moment."""
+        """Whether a vehicle may load now."""
         return any(ask.opened for ask in self._book)
 
     def settle(self, now_s: float) -> None:
-        """Promise what is free, and take back what cannot be kept."""
+        """Reserve free pieces, and cancel reservations that the stock does not cover."""
         for ask in self._book.overdrawn():
             if ask.vehicle:
                 self._door.shut(ask.vehicle, ask.task)

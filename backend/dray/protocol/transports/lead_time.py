@@ -1,4 +1,4 @@
-"""How long it takes until a load is brought: a first guess, until that is measured."""
+"""Lead time of a load: a first estimate until it is measured."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from dray.plant import Plant
 from dray.plant.restrictions import OPEN
 
 TYPICAL_APPROACH_S = 45.0
-"""A first guess of how long a vehicle needs to reach a storage, until lead times are measured."""
+"""First estimate of a vehicle's approach to a storage (s), until lead times are measured."""
 
 
 def first_lead_s(plant: Plant, place: str, sources: Collection[str]) -> float:
-    """How long it takes until a load is brought, before anything was learned of it (s).
+    """The estimated lead time of a load before any measurement (s).
 
-    The ways are those of the plant file: what is closed at the moment may be open when somebody comes. Vehicles that have none count for nothing.
+    The ways ignore present closures, which may be lifted by then. Vehicles without a way do not count.
     """
     node, starts = plant.node_of(place), tuple(map(plant.node_of, sources))
     nearest_s = min(plant.routes(kind, OPEN).nearest_s(starts, node) for kind in plant.vehicle_types)

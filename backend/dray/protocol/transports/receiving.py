@@ -1,17 +1,17 @@
-"""What a coordinator makes of a carrier's word that its load is down: the dock where it was to go has the last word.
+"""How a coordinator judges a carrier's report that its load is down: the destination's count decides.
 
     counted     that much is there, and the transport has ended
-    waits       the dock may still tell: its count may come later than the carrier's word
-    short       the dock has told something else by COUNT_S: the difference is disputed, and what is missing is missing.
-                Where nothing was counted twice, a person is asked to look (`held`)
+    waits       the count may come later than the carrier's report
+    short       the count differs by COUNT_S: the difference is disputed, and missing pieces are missing.
+                After two handovers without a counted piece a person is asked to look (`held`)
 
-Material is counted by the coordinator's own body, and taken by its carrier's name (`StockChanged`). Finished goods are counted as
-they leave by the machine's own body, and as they arrive by the gate of the delivery warehouses: the strategist tells
-whose pieces have come in (`Confirmed`). While the strategist says nothing at all, the carrier is let go on its word, and the
-pieces are compared with the gate's count as soon as it is heard again. So it is where people count at the gate, who say it later: what they
-have not said yet is not missing.
+The coordinator's own body counts material, by its carrier's name (`StockChanged`). The machine's body counts
+finished goods as they leave, and the gate of the delivery warehouses as they arrive; the strategist reports whose
+pieces have come (`Confirmed`). While the strategist is silent, the carrier is released on its report, and the
+pieces are compared with the gate's count later. The same holds where people count at the gate: pieces that they
+have not reported yet are not missing.
 
-Nobody has counted, and the carrier's word is taken, where the contract was made by an earlier life of the coordinator, and
+The carrier's report is accepted without a count under a contract of the coordinator's earlier life. The same holds
 for pieces that no goal wants any more.
 """
 
@@ -24,29 +24,29 @@ from dray.messages import Transport
 from dray.protocol.contract_net.task import OpenTask
 
 COUNT_S = 8.0
-"""A count may come so much later than the carrier's word: it is repeated until it is heard, as that word is. Well below
-the half minute after which a carrier gives its machine up."""
+"""Maximum delay of a count after the carrier's report (s): both are repeated until they are heard. Well below the half
+minute after which a carrier gives its machine up."""
 
 
 class GateCount(Protocol):
-    """What the gate of the delivery warehouses has counted of one goal, as its machine has heard it."""
+    """The delivery warehouse gate's count of one goal, as its machine has heard it."""
 
     disputes: int
-    """Handovers of its pieces, one after the other, of which nothing was counted."""
+    """Successive handovers of its pieces without a counted piece."""
 
     by_people: bool
-    """People count, later than goods come."""
+    """Whether people count, later than goods come."""
 
     @property
     def heard_s(self) -> float:
-        """When the strategist has told it last (plant clock)."""
+        """When the strategist last reported it (plant clock)."""
 
     def arrived_by(self, vehicle: str) -> int:
-        """Pieces that a vehicle has brought and that no other transport was ended by."""
+        """Pieces that a vehicle has brought and that have ended no other transport."""
 
 
 class Verdict(Enum):
-    """What the dock says of a carrier's word."""
+    """The verdict on a carrier's report."""
 
     COUNTED = "counted"
     WAITS = "waits"
@@ -54,11 +54,11 @@ class Verdict(Enum):
 
 
 def verdict_on(task: OpenTask, goal: GateCount | None, place: str, now_s: float) -> tuple[Verdict, int]:
-    """How much of a load that is said to be down has been counted.
+    """How much of a reported load was counted.
 
     Args:
-        task: the transport; its carrier has said so (`Receipt.said_s`).
-        goal: whose goods these are; None for material, and for pieces that no goal wants.
+        task: the transport; its carrier has reported the load as down (`Receipt.said_s`).
+        goal: the goods' goal; None for material, and for pieces that no goal wants.
         place: its coordinator.
         now_s: the present time.
 
@@ -80,7 +80,7 @@ def verdict_on(task: OpenTask, goal: GateCount | None, place: str, now_s: float)
         return (
             Verdict.COUNTED,
             work.quantity,
-        )  # The strategist is away, and the gate goes on letting goods in.
+        )  # The strategist is away, and the gate still lets goods in.
     return _judged(min(arrived, work.quantity), work.quantity, is_patient)
 
 

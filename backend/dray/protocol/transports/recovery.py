@@ -1,7 +1,7 @@
-"""After a restart: a coordinator listens for vehicles that work for it, and that it does not know of.
+"""After a restart a coordinator listens for unknown vehicles that work for it.
 
-Its own notes tell what it had announced, and nearly always who carries it. An award that was accepted
-while it was away is in nobody's notes but the vehicle's, and so is everything when the notes are lost.
+Its notes tell what it had announced, and nearly always the carrier. An award that was accepted while it was down is
+noted only by the vehicle. The same holds for everything if the notes are lost.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from dray.protocol.transports.transports import RECOVERY_WAIT_S, Transports
 RECOVERY_WAIT = "recovery wait"
 
 ON_THE_WAY = frozenset({Phase.APPROACHING, Phase.LOADING, Phase.CARRYING, Phase.UNLOADING})
-"""Phases of a transport that has not been handed over: only such a one is news to a coordinator that forgot all."""
+"""Phases of a transport before its handover: only these are taken up by a coordinator without notes."""
 
 
 class Recovery:
     """The first seconds of a coordinator's later lives.
 
     Args:
-        place: who was started again.
-        plant: where materials come from.
-        subscriptions: whose heartbeats it listens to.
+        place: the restarted coordinator.
+        plant: the plant, for the sources of materials.
+        subscriptions: its heartbeat subscriptions.
         tasks: its transports.
-        items: what is brought to it.
-        ordered: called with the work of a transport that was taken up on its carrier's word.
-        life: its agent's; its alarms are named `RECOVERY_WAIT`.
+        items: the items that are brought to it.
+        ordered: called with the work of a transport that was recovered from its carrier's report.
+        life: the agent's life; alarms are named `RECOVERY_WAIT`.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Recovery:
         self._items, self._ordered = items, ordered
         self._life = life
         self._forgetful = False
-        """It has no notes of the life before."""
+        """Whether notes of the life before are missing."""
 
     def listen(self, forgetful: bool, now_s: float) -> None:
         """Listen to all vehicles for a while."""
@@ -60,22 +60,22 @@ class Recovery:
         self._life.alarm(RECOVERY_WAIT, now_s + RECOVERY_WAIT_S)
 
     def stop_listening(self) -> None:
-        """The alarm has come: listen to all vehicles no longer."""
+        """Stop listening to all vehicles, after the alarm."""
         self._subscriptions.unfollow(EVERYBODY)
 
     @property
     def is_listening_for_all(self) -> bool:
-        """Whether it has no notes, and carriers may still tell of their tasks."""
+        """Whether notes are missing, and carriers may still report their tasks."""
         return self._forgetful and self._life.awaits(RECOVERY_WAIT)
 
     def waits_for_word_on(self, task: str) -> bool:
-        """Whether a task that is not known may be one of an earlier life, of which its carrier's heartbeat tells."""
+        """Whether an unknown task may be one of an earlier life, which its carrier's heartbeat may still name."""
         if not self.is_listening_for_all:
             return False
         return self._tasks.get(task) is None and self._tasks.closed(task) is None
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """A vehicle may name this coordinator as the one that it carries for."""
+        """Handle a heartbeat, which may name this coordinator."""
         brief = heartbeat.task
         if brief is None or brief.coordinator != self._place or not self._life.awaits(RECOVERY_WAIT):
             return
@@ -101,7 +101,7 @@ class Recovery:
             self._ordered(work)
 
     def _carries_already(self, atv: str) -> bool:
-        """Whether the word of a vehicle was taken before: it has one contract, whatever it says."""
+        """Whether a vehicle has a contract already: one vehicle has at most one."""
         return any(task.primary == atv for task in self._tasks)
 
     def _is_ours(self, brief: Brief) -> bool:

@@ -1,4 +1,4 @@
-"""What of a place's stock is promised to whom, and who waits for more. Pure.
+"""Reservations of a place's stock, and the queue for more. Pure.
 
     asked --enough is free--> RESERVED --fetched--> gone
       |                         |  ^
@@ -8,11 +8,11 @@
 
 The rules
 ---------
-1. What is promised lies there: `promised <= level` of every material, at all times.
-2. First come, first served, in one queue for each material; only a vehicle that stands at the dock goes before
-   all others, for it blocks the place.
-3. A reservation is for one task. When its epoch rises before anything was fetched it serves the next carrier; what was
-   fetched is gone, and a higher epoch has to ask for other pieces.
+1. Promised pieces lie there: `promised <= level` of every material, at all times.
+2. First come, first served, in one queue per material. Only a vehicle at the dock has precedence, because it blocks
+   the place.
+3. A reservation is for one task. If its epoch rises before the load was fetched, it serves the next carrier.
+   Fetched pieces are gone, and a higher epoch has to ask for others.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S
 
 LEASE_S = 180.0
-"""A reservation lapses so long after it was asked for last: three times what passes between two renewals
-(`sourcing.RENEW_S`), and longer than a machine needs to be started again."""
+"""Lease of a reservation since its last request (s): three renewal intervals (`sourcing.RENEW_S`), and longer than a
+machine's restart."""
 
 QUEUED_S = 30.0
-"""A place in the queue lapses likewise: three times `sourcing.AGAIN_S`, or six questions of a vehicle at the dock."""
+"""Lease of a place in the queue (s): three times `sourcing.AGAIN_S`, or six requests of a vehicle at the dock."""
 
 MAX_ASKED = 64
-"""By one coordinator: more than its buffers hold lots. Whoever asks for more invents tasks."""
+"""Maximum open requests per coordinator: more than its buffers hold lots. A coordinator with more invents tasks."""
 
 TAKEN_KEPT = 1024
-"""Tasks whose load was fetched: a renewal that is under way for longer than so many has no sender any more."""
+"""Remembered tasks whose load was fetched: a renewal older than so many has no sender any more."""
 
 
 class Ask:
-    """One task for which pieces are asked.
+    """The pieces requested for one task.
 
     Attributes:
-        coordinator: who asks; empty while only a vehicle at the dock has spoken of it.
-        vehicle: who fetches it: it stands at the dock; empty for nobody yet.
-        opened: the epoch of the task in which the dock was opened for it; 0 before.
-        reserved: the pieces are set aside.
-        lapses_s: when it lapses.
+        coordinator: the requesting coordinator; empty if only a vehicle at the dock has named the task.
+        vehicle: the fetching vehicle, which stands at the dock; empty before.
+        opened: the task's epoch in which the dock was opened for it; 0 before.
+        reserved: whether the pieces are set aside.
+        lapses_s: end of its lease.
     """
 
     __slots__ = (
@@ -71,7 +71,7 @@ class Ask:
         self.lapses_s = NEVER_S
 
     def memory(self) -> ReservationMemory:
-        """For the next life."""
+        """The record for the next life."""
         return ReservationMemory(
             task=self.task,
             epoch=self.epoch,
@@ -87,7 +87,7 @@ class Reservations:
     """The reservations of one place.
 
     Args:
-        capacity: pieces of every material that find room there.
+        capacity: pieces of every material for which there is room.
     """
 
     def __init__(self, capacity: Mapping[str, int]) -> None:
@@ -95,29 +95,29 @@ class Reservations:
         self._level = dict.fromkeys(capacity, 0)
         self._seq = 0
         self._asks: dict[str, Ask] = {}
-        """By task, in the order in which they were asked."""
+        """By task, in the order of their requests."""
         self._taken: BoundedMap[str, int] = BoundedMap(TAKEN_KEPT)
-        """By task, the epoch in which its load was fetched."""
+        """By task: the epoch in which its load was fetched."""
 
     def __iter__(self) -> Iterator[Ask]:
         return iter(self._asks.values())
 
-    # --- what lies there ---
+    # --- stock ---
 
     def take_count(self, stock: Mapping[str, int], seq: int) -> None:
-        """Take the storage's count at the start."""
+        """Take the storage's initial count."""
         self._seq = seq
         self._set(stock)
 
     def assume(self, level: Callable[[str], int]) -> None:
-        """Take the levels as somebody else keeps them, who hears of every change."""
+        """Take the levels from another bookkeeper that hears of every change."""
         self._level = {item: level(item) for item in self._capacity}
 
     def sense(self, stock: Mapping[str, int], seq: int) -> bool:
-        """Take its count, unless it is of another moment: what it has reported since is still to come.
+        """Take the storage's count, unless reports on later changes are still to come.
 
         Returns:
-            True when it is not what was believed.
+            True if it differs from the levels here.
         """
         if seq != self._seq:
             return False
@@ -126,9 +126,9 @@ class Reservations:
         return self._level != believed
 
     def change(self, item: str, pieces: int, seq: int) -> None:
-        """Pieces came, or went if negative, as the storage reports; what is known already changes nothing.
+        """Apply a reported change of pieces, negative for taken ones; an old report is ignored.
 
-        A level is never below 0, nor above what can be told: a storage that counts wrongly is heard all the same.
+        A level is kept between 0 and COUNT_MAX, so that a wrong count of a storage has no other effect.
         """
         if seq <= self._seq:
             return
@@ -140,18 +140,18 @@ class Reservations:
         return self._level.get(item, 0)
 
     def room(self, item: str) -> int:
-        """Pieces that still find room; of things that nobody counts as many as come."""
+        """Pieces for which there is room; unlimited for things, which are not counted."""
         if item == THING:
             return COUNT_MAX
         return self._capacity.get(item, 0) - self.level(item)
 
     def keep(self, item: str, capacity: int) -> None:
-        """Something more may lie there; what does already is not changed."""
+        """Add an item that may lie there; a known item is not changed."""
         if item not in self._capacity:
             self._capacity[item], self._level[item] = capacity, 0
 
     def free(self, item: str) -> int:
-        """Pieces that are promised to nobody; of things that nobody counts whoever asks for one knows that it is there."""
+        """Pieces without a reservation; unlimited for things: their requester knows that they are there."""
         if item == THING:
             return COUNT_MAX
         return self.level(item) - self.promised(item)
@@ -161,11 +161,11 @@ class Reservations:
         return self._sum(item, reserved=True)
 
     def asked(self, item: str) -> int:
-        """Pieces that somebody waits for, or that are set aside."""
+        """Pieces that are requested or set aside."""
         return self._sum(item, reserved=False) + self.promised(item)
 
     def levels(self) -> tuple[StockLevel, ...]:
-        """Everything, for the heartbeat."""
+        """All levels, for the heartbeat."""
         return tuple(
             StockLevel(
                 item=item,
@@ -178,12 +178,12 @@ class Reservations:
         )
 
     def holds(self, item: str, quantity: int) -> bool:
-        """Whether so much can lie there at all."""
+        """Whether this quantity can lie there at all."""
         if item == THING:
             return quantity == 1
         return 0 < quantity <= self._capacity.get(item, 0)
 
-    # --- who asks ---
+    # --- requests ---
 
     def get(self, task: str) -> Ask | None:
         return self._asks.get(task)
@@ -193,11 +193,11 @@ class Reservations:
         return epoch <= self._taken.get(task, -1)
 
     def has_too_many(self, coordinator: str) -> bool:
-        """Whether somebody asks for more than anybody needs."""
+        """Whether a coordinator has MAX_ASKED open requests."""
         return sum(ask.coordinator == coordinator for ask in self) >= MAX_ASKED
 
     def ask(self, asked: StockAsked, coordinator: str, now_s: float) -> Ask:
-        """Note who asks, for the first time or again."""
+        """Note a request, new or repeated."""
         ask = self._asks.get(asked.task)
         if ask is None:
             ask = self._asks[asked.task] = Ask(
@@ -208,7 +208,7 @@ class Reservations:
         return ask
 
     def stand(self, vehicle: str, asked: StockAsked, now_s: float) -> Ask:
-        """A vehicle asks at the dock for pieces that nobody has had set aside, or that could not be."""
+        """A vehicle at the dock asks for pieces that are not set aside."""
         for other in [each for each in self if each.vehicle == vehicle and each.task != asked.task]:
             self.release(other)
         ask = self._asks.get(asked.task)
@@ -219,15 +219,15 @@ class Reservations:
         return ask
 
     def renew(self, ask: Ask, now_s: float) -> None:
-        """It was asked for again."""
+        """Extend the lease after a repeated request."""
         ask.lapses_s = now_s + (LEASE_S if ask.reserved else QUEUED_S)
 
     def release(self, ask: Ask) -> None:
-        """Give a reservation, or its place in the queue, back."""
+        """Give back a reservation, or its place in the queue."""
         self._asks.pop(ask.task, None)
 
     def take(self, vehicle: str, item: str) -> bool:
-        """A vehicle has fetched what the dock was open for; False when that was nobody's."""
+        """A vehicle has fetched the load that the dock was open for; False if there was none."""
         for ask in self:
             if ask.opened and ask.vehicle == vehicle and ask.item == item:
                 self._taken[ask.task] = ask.epoch
@@ -236,9 +236,9 @@ class Reservations:
         return False
 
     def promise(self, now_s: float) -> list[Ask]:
-        """Reserve what is free, first come first served. Returns those that were reserved now."""
+        """Reserve free pieces, first come, first served. Returns the new reservations."""
         promised: list[Ask] = []
-        short: set[str] = set()  # Only ever asked for membership.
+        short: set[str] = set()  # Membership tests only.
         for ask in sorted((each for each in self if not each.reserved), key=lambda each: not each.vehicle):
             if ask.item in short:
                 continue
@@ -251,7 +251,7 @@ class Reservations:
         return promised
 
     def overdrawn(self) -> list[Ask]:
-        """Cancel reservations that the stock does not cover, the latest first. Returns those that were cancelled."""
+        """Cancel reservations that the stock does not cover, the latest first. Returns them."""
         broken: list[Ask] = []
         latest_first = tuple(reversed(self._asks.values()))
         for ask in sorted(latest_first, key=lambda each: bool(each.vehicle)):
@@ -273,18 +273,18 @@ class Reservations:
 
     @property
     def short_items(self) -> tuple[str, ...]:
-        """Materials for which somebody waits."""
+        """Materials with a queue."""
         waiting = {ask.item for ask in self if not ask.reserved}
         return tuple(item for item in self._capacity if item in waiting)
 
     # --- over a restart ---
 
     def memories(self) -> tuple[ReservationMemory, ...]:
-        """What is set aside; who waits asks again."""
+        """The reservations; queued requests are repeated by their coordinators."""
         return tuple(ask.memory() for ask in self if ask.reserved)
 
     def restore(self, memory: ReservationMemory, opened: tuple[str, ...], now_s: float) -> None:
-        """Go on with a reservation of an earlier life, unless its vehicle has fetched the load meanwhile."""
+        """Restore a reservation of an earlier life, unless its vehicle has fetched the load meanwhile."""
         if memory.vehicle and memory.vehicle not in opened:
             self._taken[memory.task] = memory.epoch
             return

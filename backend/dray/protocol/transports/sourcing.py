@@ -1,18 +1,18 @@
-"""Where a coordinator gets what is to be brought to it: it asks the stations of storages to set it aside before it hires anybody.
+"""The sources of a coordinator's material: it has stations of storages set it aside before it hires a vehicle.
 
     ASKING --all have answered, one has it--> announced, from those that have it --contracted--> one of them
        |                                          ^
        +--nobody has it--> WAITING --its turn-----+
 
-Until a station has set the material aside nobody is hired for it, and the machine tells what it waits for. It is in the
-queue of every station that it has asked. The first that has it is taken; what others set aside is given back, at
-the latest when a vehicle has chosen where to fetch it. A reservation is renewed until the load is on board.
+No vehicle is hired before a station has set the material aside, and the machine reports what it waits for. It is in
+the queue of every station that it has asked. The first station with the material is taken. What others set aside is
+given back, at the latest when a vehicle has chosen its source. A reservation is renewed until the load is on board.
 
-A station that does not answer is one that has nothing: without it the dock would not open. A carrier that stands before it
-meanwhile is not to blame.
+A silent station counts as one without material: without it the dock would not open. A carrier that waits there is
+not to blame.
 
-All stations are asked regularly, those that have answered too: what is set aside, and a place in a queue, lapse unless they are
-renewed. This is no repetition of an unanswered message (`runtime.retransmission`), although a lost one is made good by it.
+All stations are asked regularly, even after an answer: reservations and queue places lapse unless they are renewed.
+This is not a retransmission (`runtime.retransmission`), although it also makes up for a lost message.
 """
 
 from __future__ import annotations
@@ -31,39 +31,39 @@ SOURCE = "source"
 RENEW = "renew"
 
 ANSWER_S = 2.0
-"""So long all stations are waited for before a task is announced from those that have answered."""
+"""Time to wait for all stations before a task is announced from those that have answered (s)."""
 
 AGAIN_S = 10.0
-"""Who waits for material asks again so often: a station that was silent may be back."""
+"""Interval of requests while waiting for material (s): a silent station may be back."""
 
 RENEW_S = 60.0
-"""A reservation is renewed so often, until the load is on board: most are fetched before the first time."""
+"""Interval of renewals until the load is on board (s): most loads are fetched before the first."""
 
 LIVES_S = 10.0
-"""A station at which a carrier stands for too long is asked so often whether it is there."""
+"""Interval for asking a station where a carrier stands too long (s)."""
 
 ASKED_MAX = 4
-"""Storages that are asked for one task, the closest: as many as a vehicle compares chargers."""
+"""Maximum storages asked for one task, the closest: as many as a vehicle compares chargers."""
 
 PARTS_ASKED_MAX = 8
-"""For parts, which their machines have, too."""
+"""Maximum places asked for parts, which machines have, too."""
 
 PART_WAITS_S = 25.0
-"""Who has waited so long for parts takes as many as lie somewhere: no more may come there. Not while others of them wait
-for a carrier: vehicles are few then, and each would go for a piece or two."""
+"""Wait for parts after which a smaller quantity is taken (s): no more may come. Not while other loads of it wait for a
+carrier: vehicles are few then, and each would fetch only a piece or two."""
 
 _NOT_YET_FETCHED = frozenset({Phase.APPROACHING, Phase.LOADING})
 
 
 class Need:
-    """Material that is needed, and for which nobody is hired yet.
+    """Needed material for which no vehicle is hired yet.
 
     Attributes:
-        task: the name that its transport will have.
-        work: from all storages that are asked.
+        task: the id of its future transport.
+        work: its work, with all storages that are asked.
         deadline_s: when it should be there.
-        since_s: when it was asked for first.
-        waits: it was not to be had when it was asked for first.
+        since_s: time of the first request.
+        waits: whether it was not available at first.
     """
 
     __slots__ = ("answered", "deadline_s", "reserved", "short", "since_s", "task", "waits", "work")
@@ -73,9 +73,9 @@ class Need:
         self.reserved: dict[str, None] = {}
         """Stations that have set it aside."""
         self.short: dict[str, int] = {}
-        """Stations that have said that they cannot, with the pieces that they could."""
+        """Stations that are short of it, with the pieces that they have."""
         self.answered: dict[str, None] = {}
-        """Stations that have answered since they were asked last."""
+        """Stations that have answered the last request."""
         self.waits = False
 
     @property
@@ -86,7 +86,7 @@ class Need:
         )
 
     def wait(self) -> MaterialWait:
-        """What the heartbeat tells of it."""
+        """The need's entry in the heartbeat."""
         return MaterialWait(
             item=self.work.item,
             quantity=self.work.quantity,
@@ -97,21 +97,21 @@ class Need:
 
 
 class Sourcing:
-    """The material that one coordinator has asked for.
+    """The material that one coordinator has requested.
 
     Args:
-        place: whose.
+        place: the coordinator's place.
         plant: its storages.
-        life: its agent's; its alarms are named ``(SOURCE, task)`` and ``(RENEW, task)``.
-        announce: called with a need for which material is set aside in all of its sources, and now_s.
-        task_of: an open task by its name.
-        may_be_fetched: whether the load of a task that is not open was fetched in an epoch, or may have been, for nothing is known of it.
-        starve: called with an open task whose material is not there any more, before anybody was hired, and now_s.
-        changed: called with now_s when something is waited for.
-        resized: called with what was to be brought and what is, when less has to do.
+        life: the agent's life; alarms are named ``(SOURCE, task)`` and ``(RENEW, task)``.
+        announce: called with a need whose material is set aside in all of its sources, and now_s.
+        task_of: an open task by its id.
+        may_be_fetched: whether the load of a task that is not open was, or may have been, fetched in an epoch.
+        starve: called with an open task without a carrier whose material is gone, and now_s.
+        changed: called with now_s when a need begins to wait.
+        resized: called with the work before and after its quantity was reduced.
 
     Attributes:
-        alarms: what to call when an alarm of this class has come, with (task, now_s).
+        alarms: handlers of this class's alarms, called with (task, now_s).
     """
 
     def __init__(
@@ -137,22 +137,22 @@ class Sourcing:
         self._resized = resized
         self._needs: dict[str, Need] = {}
         self._held: dict[str, dict[str, None]] = {}
-        """By open task, the stations that have set its material aside, as far as is known."""
+        """By open task: the stations that have set its material aside, as far as is known."""
         self._asked_s: dict[str, float] = {}
-        """By station of the plant, when it was asked last, and when it has answered last."""
+        """By station: the last request and the last answer."""
         self._heard_s: dict[str, float] = {}
         self.alarms: dict[str, Callable[[str, float], None]] = {SOURCE: self._ask_again, RENEW: self._renew}
 
     def __iter__(self) -> Iterator[Need]:
-        """What is needed and not announced yet, the oldest first."""
+        """Needs that are not announced yet, the oldest first."""
         return iter(self._needs.values())
 
     def waits(self) -> tuple[MaterialWait, ...]:
-        """For the heartbeat: what nobody is hired for, because it is not to be had."""
+        """For the heartbeat: needs whose material is not available."""
         return tuple(need.wait() for need in self if need.waits)
 
     def told(self) -> str:
-        """The same in words; empty when nothing is waited for."""
+        """The same in words; empty if no need waits."""
         by_item = {wait.item: wait.told(wait.item) for wait in self.waits()}
         return "waits for " + ", ".join(by_item.values()) if by_item else ""
 
@@ -161,7 +161,7 @@ class Sourcing:
         return station in self._held.get(task, ())
 
     def answers(self, task: OpenTask, now_s: float) -> bool:
-        """Whether the station has answered lately where an open task's load is fetched; it is asked if it has not."""
+        """Whether the station of an open task's source has answered lately; if not, it is asked."""
         station = task.contract.source
         if not _is_material(task, self._place) or station not in _work(task).sources:
             return True
@@ -172,7 +172,7 @@ class Sourcing:
             self._ask(task.id, task.epoch, _work(task), (station,))
         return False
 
-    # --- before anybody is hired ---
+    # --- before a vehicle is hired ---
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have material set aside for a task that is to be announced."""
@@ -185,7 +185,7 @@ class Sourcing:
         self._life.alarm((SOURCE, task), now_s + ANSWER_S)
 
     def drop(self, need: Need) -> None:
-        """It is not needed any more."""
+        """Drop a need."""
         del self._needs[need.task]
         self._life.cancel((SOURCE, need.task))
         self._free(need.task, need.work.sources)
@@ -222,15 +222,15 @@ class Sourcing:
         if not held and not task.primary and not task.is_held:
             self._starve(task, now_s)
 
-    # --- while somebody carries it ---
+    # --- with a carrier ---
 
     def follow(self, task: OpenTask, now_s: float) -> None:
-        """An open task has got its carrier, has lost it, or is one of an earlier life."""
+        """An open task has a carrier, has lost it, or comes from an earlier life."""
         if not _is_material(task, self._place):
             return
         if task.primary:
             if task.contract.source:
-                # Those that were not chosen.
+                # Sources that were not chosen.
                 others = [each for each in self._held.get(task.id, ()) if each != task.contract.source]
                 self._free(task.id, others)
                 self._held[task.id] = (
@@ -239,27 +239,27 @@ class Sourcing:
         else:
             self._held.pop(task.id, None)
         if not self._held.get(task.id):
-            # Nothing is set aside for this epoch yet, as far as is known.
+            # No station has set material aside for this epoch, as far as is known.
             self._ask(task.id, task.epoch, _work(task), _sources(task))
         self._life.alarm((RENEW, task.id), now_s + RENEW_S)
 
     def on_task_closed(self, task: OpenTask, *, fetched: bool) -> None:
-        """A task has ended; what was set aside for it and not fetched is given back."""
+        """A task has ended: give back what was set aside and not fetched."""
         held = self._held.pop(task.id, None)
         self._life.cancel((RENEW, task.id))
         if _is_material(task, self._place) and not fetched:
-            # A carrier may have it, or may have had it in an earlier epoch: a station that has asked hears that.
+            # A carrier may have it now or from an earlier epoch: a station that has asked is told.
             carried = bool(task.primary) or task.epoch > 1
             self._free(task.id, tuple(held or _sources(task)), fetched=carried)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _note_heard(self, station: str, now_s: float) -> None:
         if self._plant.has_place(station):
             self._heard_s[station] = now_s
 
     def _settle(self, need: Need, now_s: float) -> None:
-        """Announce what can be fetched, when all have answered or were waited for."""
+        """Announce a need that can be fetched, after all answers or the answer timeout."""
         if need.silent and not need.waits:
             return
         if not need.reserved:
@@ -270,7 +270,7 @@ class Sourcing:
             return
         del self._needs[need.task]
         self._life.cancel((SOURCE, need.task))
-        # Whoever has none keeps nobody in its queue who has found another.
+        # Cancel our request at stations that are short or silent.
         self._free(need.task, (*need.short, *need.silent))
         there = tuple(each for each in need.work.sources if each in need.reserved)
         need.work = replace(need.work, sources=there)
@@ -287,7 +287,7 @@ class Sourcing:
             self._changed(now_s)
         self._settle(need, now_s)
         if task_id in self._needs:
-            # Whoever has not answered the last time may not be there any more.
+            # A station that did not answer the last request may be down.
             need.short = {each: free for each, free in need.short.items() if each in need.answered}
             need.answered.clear()
             self._take_less(need, now_s)
@@ -295,7 +295,7 @@ class Sourcing:
             self._life.alarm((SOURCE, task_id), now_s + AGAIN_S)
 
     def _take_less(self, need: Need, now_s: float) -> None:
-        """Of parts that nobody has enough of, as many are asked for as lie somewhere."""
+        """Reduce a need for parts to the largest available quantity if no station has enough."""
         there = max(need.short.values(), default=0)
         is_part = need.work.item in self._plant.parts
         if not is_part or not 0 < there < need.work.quantity or now_s < need.since_s + PART_WAITS_S:
@@ -308,7 +308,7 @@ class Sourcing:
         self._resized(before, need.work)
 
     def _wait_for_carrier(self, item: str) -> bool:
-        """Whether some of it is set aside already, and nobody is hired for it yet."""
+        """Whether an open task with this item has no carrier yet."""
         tasks = map(self._task_of, self._held)
         return any(task is not None and _work(task).item == item and not task.primary for task in tasks)
 
@@ -336,7 +336,7 @@ class Sourcing:
 
 
 def _is_material(task: OpenTask, place: str) -> bool:
-    """Whether a place gives the load: not people, who hand over what a failed vehicle had on board."""
+    """Whether a place gives the load, and not a person who hands over a failed vehicle's load."""
     work = task.work
     return isinstance(work, Transport) and work.destination == place and not work.handed_at
 
@@ -346,12 +346,12 @@ def _work(task: OpenTask) -> Transport:
 
 
 def _sources(task: OpenTask) -> tuple[str, ...]:
-    """Where the load of a task is to be fetched, by all that is known."""
+    """The known sources of a task's load."""
     return (task.contract.source,) if task.contract.source else _work(task).sources
 
 
 def _was_fetched(task: OpenTask) -> bool:
-    """Whether the load is on board, as its carrier has told last."""
+    """Whether the load is on board by its carrier's last heartbeat."""
     last = task.contract.detector.last if task.contract.detector is not None else None
     brief = last.task if last is not None else None
     return brief is not None and brief.task == task.id and brief.phase not in _NOT_YET_FETCHED

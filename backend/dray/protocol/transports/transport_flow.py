@@ -1,8 +1,8 @@
-"""What is brought to one place: asked for, fetched, counted and found again after a restart, be it a machine's or a storage's.
+"""The transports to one machine or storage: requested, fetched, counted, and recovered after a restart.
 
-The transports are in `transports`, what they fetch in `sourcing`, the place's dock in `dock`, what carriers say of their loads in
-`handovers`, what people and programs have asked for in `called`. Here these parts are joined. What a machine needs beside it, its
-own orders of material and its finished goods, is added where it is made (`dray.protocol.machine.material_flow`).
+This class joins the parts: the transports in `transports`, their sources in `sourcing`, the dock in `dock`,
+carriers' reports in `handovers`, orders of people and programs in `called`. A machine's own orders and finished
+goods are added in `dray.protocol.machine.material_flow`.
 """
 
 from __future__ import annotations
@@ -60,42 +60,42 @@ NOT_REMEMBERED = "about a task that may be of a life that has left no notes"
 NOT_KEPT = "brought back what is not kept here, or more than can lie here"
 
 HELD_MAX_S = 60.0
-"""How long a vehicle may wait for room: two or three cycles, if the machine can work at all."""
+"""How long a vehicle may wait for room (s): two or three cycles of a working machine."""
 
 
 class FlowOwner(Protocol):
-    """What an agent does when its material moves."""
+    """The agent that owns a material flow."""
 
     def pursue(self, now_s: float) -> None:
-        """Something has come or gone: go on with what can be done now."""
+        """Continue after a change of material."""
 
 
 class TransportFlow:
     """The transports to one place.
 
     Args:
-        place: its id in the plant, which is its agent's.
-        plant: the plant it stands in.
+        place: its id in the plant, and its agent's id.
+        plant: its plant.
         keys: the plant's bus keys.
-        items: what may be brought to it.
-        stock: what lies there.
-        rules: patience and reach of its auctions.
+        items: the items that may be brought to it.
+        stock: its stock.
+        rules: time-outs and radius of its auctions.
         owner: its agent.
-        incarnation: how often that was started.
+        incarnation: how often the agent was started.
 
     Attributes:
         tasks: its open transports.
-        sourcing: what is waited for before anybody is hired.
-        held: those for whose loads a person has to look.
-        goods_recovery: the goods and things that failed vehicles have on board.
-        called: what people and programs have asked for.
-        door: of its dock, for whoever loads or unloads.
-        bookings: what its body was told of loads, and has not answered.
-        booking_out: what others have fetched, where the body does not count.
-        departures: vehicles that may still be at its dock though they are not wanted there any more.
-        message_handlers: by the type of a message, what to call with (sender, message, now_s).
-        alarms: what to call when an alarm of these names has come.
-        subscriptions: which heartbeats it hears.
+        sourcing: needs without a hired vehicle.
+        held: transports whose loads a person must look for.
+        goods_recovery: goods and things on board of failed vehicles.
+        called: transports ordered by people and programs.
+        door: the door of its dock, for all who load or unload.
+        bookings: reports that its body has not answered.
+        booking_out: loads that others fetch, if the body does not count.
+        departures: vehicles that may still be at its dock after their transport ended there.
+        message_handlers: by message type, handlers called with (sender, message, now_s).
+        alarms: handlers of these alarms.
+        subscriptions: its heartbeat subscriptions.
     """
 
     def __init__(
@@ -198,24 +198,24 @@ class TransportFlow:
         }
 
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
-        """What the body counts and says by itself."""
+        """Take over what the body can count and report by itself."""
         self._handovers.counts, self.door.answers = body.counts, body.answers
         self._dock.counts = self.door.counts = body.counts
         self.door.restore(body.opened)
 
     def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
-        """Somebody else's vehicle may load now; None for nobody."""
+        """Another coordinator's vehicle may load now; None for no vehicle."""
         if load is not None and not self._handovers.counts:
             self.booking_out.let_in(load, now_s)
 
     def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:
-        """A vehicle stands here with a load that nobody waits for any more; a body that counts, and opens at once, takes it without a question.
+        """Take a load back that is not awaited any more; a body that counts and opens at once needs no check.
 
         Args:
-            vehicle: which.
-            docked: what it has asked for.
+            vehicle: its id.
+            docked: its request.
             now_s: the present time.
-            is_kept: whether so much of it can lie here; else it is taken, and booked nowhere.
+            is_kept: whether the load can lie here; otherwise it is taken without a booking.
         """
         counts = self._handovers.counts
         if counts and not self.door.answers:
@@ -225,14 +225,15 @@ class TransportFlow:
             self._life.ignore(NOT_KEPT)
         quantity = docked.quantity if is_kept and not counts else 0
         load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
-        # It may have taken it here, and its next heartbeat would say so: with its forks inside, and the dock shut behind it.
+        # It may have taken the load here. Its next heartbeat would say so with its forks inside and the dock
+        # shut.
         self.booking_out.note_aboard(vehicle, docked.item)
         self.booking_out.on_docked(vehicle, docked, now_s)
         self.departures.take_back(load, now_s)
         self.door.open(vehicle, docked, docked.item, docked.quantity, now_s, comes=True)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
-        """Go on with the transports of an earlier life, and with those that people have asked for."""
+        """Restore the transports of an earlier life, and ordered ones."""
         for kept in memories:
             if not (task := self.tasks.restore(kept, now_s)).is_held:
                 self.sourcing.follow(task, now_s)
@@ -240,7 +241,7 @@ class TransportFlow:
         self.called.restore(memory)
 
     def recover(self, forgetful: bool, now_s: float) -> None:
-        """Listen for vehicles that work for this place, and that it does not know of."""
+        """Listen for unknown vehicles that work for this place."""
         self._recovery.listen(forgetful, now_s)
 
     def _end_recovery(self, _about: None, now_s: float) -> None:
@@ -248,40 +249,40 @@ class TransportFlow:
         self._on_recovered(now_s)
         self._owner.pursue(now_s)
 
-    # --- what the agent asks and tells ---
+    # --- requests and reports of the agent ---
 
     @property
     def is_held(self) -> bool:
-        """Whether somebody may be about to answer, or is at the dock."""
+        """Whether an answer may still come, or a vehicle is at the dock."""
         return self.tasks.awaits_answers or any(task.is_changing_hands for task in self.tasks)
 
     @property
     def hears_out(self) -> bool:
-        """Whether carriers may still tell of what they bring for an earlier life, which has left no notes."""
+        """Whether carriers may still report loads for an earlier life without notes."""
         return self._recovery.is_listening_for_all
 
     def knows(self, task: str) -> bool:
-        """Whether a task is, or was, one of this place's."""
+        """Whether a task is, or was, this place's."""
         return not (self.tasks.get(task) is None and self.tasks.closed(task) is None)
 
     def _may_be_fetched(self, task: str, epoch: int) -> bool:
-        """Whether a load may have left its place in an epoch: only where no carrier was bound in it is it known that it has not."""
+        """Whether a load may have been fetched in an epoch; excluded only if no carrier was bound in it."""
         closed = self.tasks.closed(task)
         return closed is None or epoch != closed.epoch or bool(closed.carrier)
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
-        """Have a load set aside where it is to be fetched, and then fetched."""
+        """Have a load set aside at its source, and then fetched."""
         self._note_ordered(work)
         self.sourcing.seek(task, self._docked_here(work), deadline_s, now_s)
 
     def drop(self, task: str) -> None:
-        """Ask for a load no more for which nobody was hired yet."""
+        """Drop the need for a load without a hired vehicle."""
         for need in list(self.sourcing):
             if need.task == task:
                 self._drop(need)
 
     def drop_needs(self) -> None:
-        """Nothing is to be hired any more for what nobody was hired for yet."""
+        """Drop all needs without a hired vehicle."""
         for need in list(self.sourcing):
             self._drop(need)
             for called in self.called:
@@ -289,12 +290,12 @@ class TransportFlow:
                     called.task = ""
 
     def inbound(self, item: str) -> int:
-        """Pieces that are on their way to this place, or are to be."""
+        """Pieces on their way to this place, or ordered to it."""
         works = [*(cast(Transport, task.work) for task in self.tasks), *(need.work for need in self.sourcing)]
         return sum(work.quantity for work in works if work.destination == self._place and work.item == item)
 
     def offer(self, sender: str, message: WorkSought, now_s: float) -> None:
-        """Offer what waits to a vehicle that asks for work."""
+        """Offer a waiting transport to a vehicle that asks for work."""
         if not self.tasks.offer(sender, message.abilities, now_s):
             self._life.ignore("asked for work, and none waits")
 
@@ -304,18 +305,18 @@ class TransportFlow:
         self._life.beat_soon(now_s)
 
     def on_carried_away(self, vehicle: str) -> None:
-        """People have carried a vehicle away: it is inside no more, and waits for nothing here."""
+        """People have carried a vehicle away: it is outside, and its requests are dropped."""
         self.departures.on_carried_away(vehicle)
         self.door.on_carried_away(vehicle)
 
     def dismiss(self, gone: Iterable[str]) -> None:
-        """Tell the body, of vehicles whose word it awaits, which of them have none to say any more."""
+        """Tell the body which of these vehicles will not report any more."""
         for vehicle in gone:
             if not self.booking_out.waits_for(vehicle):
                 self.door.note_left(vehicle)
 
     def note_booked(self, report: StockChanged) -> DepartureMemory | None:
-        """The body has counted what a vehicle has moved, or has booked it: the word that it has answered is returned, None for none."""
+        """The body has counted or booked a vehicle's load. Returns the agent's report that it answers; None for none."""
         if not report.vehicle:
             return None
         word = self.bookings.on_stock_changed(report)
@@ -323,11 +324,11 @@ class TransportFlow:
         return word
 
     def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
-        """Material has come, or was taken; `word`: what the body has answered by this."""
+        """Material has come, or was taken; `word`: the agent's report that the body answers."""
         self._handovers.on_stock_changed(report, word, now_s)
 
     def _announce_sourced(self, need: Need, now_s: float) -> None:
-        """What is to be fetched is set aside: have it fetched."""
+        """Announce a transport whose load is set aside."""
         self._announce(need.task, need.work, self._latest_s(need, now_s), now_s)
 
     def _announce(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
@@ -336,12 +337,12 @@ class TransportFlow:
         self._life.beat_soon(now_s)
 
     def _drop(self, need: Need) -> None:
-        """Nothing is needed any more for which nobody was hired yet."""
+        """Drop a need without a hired vehicle."""
         self.sourcing.drop(need)
         self._note_settled(need.work, None)
 
     def _resize(self, before: Transport, now: Transport) -> None:
-        """Less is to come than was asked for."""
+        """A smaller load is to come than was requested."""
         self._note_settled(before, None)
         self._note_ordered(now)
 
@@ -357,7 +358,7 @@ class TransportFlow:
 
     def _on_cancelled(self, sender: str, message: TransportCancelled, now_s: float) -> None:
         if self.called.on_cancelled(sender, message):
-            # The place may need what is not brought now, and has counted on it.
+            # The place may have counted on the cancelled load.
             self._owner.pursue(now_s)
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
@@ -380,7 +381,7 @@ class TransportFlow:
         if not self._is_remembered(message.task):
             return
         if (task := self.tasks.get(message.task)) is not None and self._lacks(task):
-            # Nothing would ever make them come: they are lost, and the books do not know.
+            # A lost load never comes, and the books do not show it.
             self._on_lacking(now_s)
         if message.station == self._place:
             self.booking_out.on_docked(sender, message, now_s)
@@ -398,25 +399,25 @@ class TransportFlow:
             self.tasks.on_resigned(sender, message, now_s)
             return
         if self.sourcing.holds(task.id, message.short):
-            # Its station says otherwise, as far as is known.
+            # The station's reservation, as far as is known, contradicts this.
             self.tasks.failover.note_given_back(task, message.reason, now_s)
-        # Nobody else would find more there: nobody is hired before a station has it.
+        # Another vehicle would find no more: hire none before a station has it.
         self.withdraw(task, now_s)
 
     def _is_remembered(self, task: str) -> bool:
-        """Whether a word about a task can be answered yet; else it is said again."""
+        """Whether a message about a task can be handled yet; otherwise it is repeated."""
         if self._recovery.waits_for_word_on(task):
             self._life.ignore(NOT_REMEMBERED)
             return False
         return True
 
-    # --- what becomes of a transport ---
+    # --- progress of a transport ---
 
     def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
         self._life.commit()
         self._life.beat_soon(now_s)
         if task.is_held:
-            # What was set aside for it others may need meanwhile.
+            # Others may need the reserved material meanwhile.
             self.sourcing.on_task_closed(task, fetched=False)
         else:
             self.sourcing.follow(task, now_s)
@@ -426,7 +427,7 @@ class TransportFlow:
         self.sourcing.on_task_closed(task, fetched=outcome == "delivered")
 
     def _on_task_lost(self, task: OpenTask, now_s: float) -> None:
-        """A task was withdrawn; what is needed in its place is given out anew."""
+        """A task was withdrawn: order anew what is still needed."""
         self._note_lost(task, now_s)
         self.called.on_lost(task)
         self._life.commit()
@@ -440,60 +441,60 @@ class TransportFlow:
         self._life.commit()
 
     def withdraw(self, task: OpenTask, now_s: float) -> None:
-        """End a transport that keeps a vehicle from whatever would help: it finds no room, or nothing to fetch."""
+        """End a transport that finds no room or no load, and so blocks its vehicle."""
         self.tasks.close(task, "withdrawn")
         self._on_task_lost(task, now_s)
 
     def _settle(self, task: OpenTask, now_s: float) -> None:
-        """A transport was delivered, though its carrier has not said so."""
+        """A transport was delivered, although its carrier has not reported it."""
         self._settle_counted(task, "", cast(Transport, task.work).quantity, now_s)
 
     def _settle_counted(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
-        """A transport was delivered, so many pieces of it."""
+        """A transport was delivered with `counted` pieces."""
         self._life.commit()
         self._note_delivered(task, carrier, counted, now_s)
         self.called.on_settled(task, counted)
         self._life.beat_soon(now_s)
         self._owner.pursue(now_s)
 
-    # --- what a machine adds: the default is a place that neither makes nor uses anything ---
+    # --- hooks for a machine: the default place neither makes nor uses anything ---
 
     def _latest_s(self, need: Need, now_s: float) -> float:
-        """By when a load should be there that can be fetched only now (plant clock)."""
+        """Deadline of a load that can be fetched only now (plant clock)."""
         return max(need.deadline_s, now_s + first_lead_s(self._plant, self._place, need.work.sources))
 
     def _docked_here(self, work: Transport) -> Transport:
-        """A transport as others need it to be told."""
+        """A transport in the form that others need."""
         return work
 
     def _note_ordered(self, work: Transport) -> None:
         """A load is to come."""
 
     def _note_settled(self, work: Transport, took_s: float | None) -> None:
-        """A load comes no more, or has come after so long."""
+        """A load was cancelled, or has come after `took_s`."""
 
     def _note_lost(self, task: OpenTask, now_s: float) -> None:
         """A task was withdrawn."""
 
     def _note_delivered(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
-        """A task came to its good end."""
+        """A task was delivered."""
 
     def _on_restored(self, work: Transport) -> None:
-        """A task of an earlier life is there again."""
+        """A task of an earlier life was restored."""
 
     def _on_recovered(self, now_s: float) -> None:
-        """All who work for an earlier life have been heard."""
+        """The recovery wait is over: all carriers of an earlier life were heard."""
 
     def _lacks(self, task: OpenTask) -> bool:
-        """Whether the load of a task lies here no more, though nobody has fetched it."""
+        """Whether the load of a task is gone from here, although no vehicle has fetched it."""
         return False
 
     def _on_lacking(self, now_s: float) -> None:
-        """The load of some task lies here no more."""
+        """The load of a task is gone from here."""
 
     def _counted_of(self, goal: str) -> GateCount | None:
-        """What the gate has counted of a goal; None for what no goal wants."""
+        """The gate's count of a goal; None if no goal wants it."""
         return None
 
     def _ask_for_count(self, goal: str, now_s: float) -> None:
-        """The gate may have counted more of a goal than is known."""
+        """Ask for a newer gate count of a goal."""

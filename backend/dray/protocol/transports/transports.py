@@ -1,15 +1,16 @@
-"""A coordinator's transports: from the first announcement to the end, with a watch over whoever carries them.
+"""A coordinator's transports: from the first announcement to the end, with failure detection of the carriers.
 
-Beyond what every coordinator does (`coordinator`), a transport has a secondary as long as it can be taken over
-(`secondaries`), its primary is replaced when it fails (`failover`), and it outlives a restart of its coordinator.
+Beyond the common coordinator (`coordinator`), a transport has a secondary while it can be taken over
+(`secondaries`). Its primary is replaced when it fails (`failover`), and the transport outlives a restart of its
+coordinator.
 
     AUCTION --accepted--> CARRIED --delivered, withdrawn--> closed
        ^                    |  ^
        |                    |  +-- taken over: epoch + 1, another carrier
-       +--- epoch + 1 ------+ nobody carries it any more; where its primary has given it
-                              back, the secondary is asked before anything is announced
+       +--- epoch + 1 ------+ no carrier any more; if its primary has given it back,
+                              the secondary is asked before the announcement
 
-One whose handover was disputed twice is held instead of announced a third time, until a person has looked (`held`).
+After two disputed handovers it is held, not announced again, until a person has looked (`held`).
 """
 
 from __future__ import annotations
@@ -50,11 +51,11 @@ from dray.protocol.takeover.secondaries import Secondaries
 from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
 
 RECOVERY_WAIT_S = 10.0
-"""How long a coordinator that was started again listens for vehicles that work for it: many heartbeats."""
+"""How long a restarted coordinator listens for vehicles that work for it (s): many heartbeats."""
 
 
 def stands_back(task: OpenTask, others: Iterable[OpenTask]) -> bool:
-    """Whether the same vehicles were sought in vain for something more urgent, which waits for them."""
+    """Whether a more urgent task waits for the same vehicles after a failed round."""
     wanted, urgency = _wanted(task), _urgency(task)
     return any(
         other.auction.was_in_vain and _wanted(other) == wanted and _urgency(other) < urgency
@@ -63,7 +64,7 @@ def stands_back(task: OpenTask, others: Iterable[OpenTask]) -> bool:
 
 
 def most_urgent(tasks: Iterable[OpenTask], atv: str, abilities: Collection[str]) -> OpenTask | None:
-    """What a vehicle with these abilities should be offered first; None where nothing waits for it."""
+    """The most urgent waiting task for a vehicle with these abilities; None if there is none."""
     waiting = [
         task
         for task in tasks
@@ -75,7 +76,7 @@ def most_urgent(tasks: Iterable[OpenTask], atv: str, abilities: Collection[str])
 
 
 def _wanted(task: OpenTask) -> tuple[tuple[str, ...], str]:
-    """The abilities that a vehicle needs for it, and the only one that may carry it; empty for any."""
+    """The abilities that a task needs, and its only permitted vehicle; empty for any."""
     work = cast(Transport, task.work)
     return work.needed, work.vehicle
 
@@ -90,23 +91,23 @@ class Transports(Coordinator):
     Args:
         machine: the coordinator's id.
         place: where it stands.
-        audience: for a task's work and a radius (m), the bus keys of those to ask.
-        rules: the auction's patience and reach.
-        subscriptions: which heartbeats it hears.
-        assessor: what it asks of bids beside their price, and what it has learned of its carriers.
-        contracted: called when a task has got its primary, another one, or is without one again.
-        lost: called when a task is given up with the vehicle that has carried it.
-        is_missing: whether the load of a task lies at its place no more, by its own senses.
-        source_answers: whether the station where the load of a task is fetched lives, at a time (s).
-        left: called with a task whose primary does not carry it any more, before that is forgotten.
-        unloaded: called when a task has ended because its load is down, though nobody has said so.
-        ended: called with a task that has ended, before that is forgotten, and how.
+        audience: for a task's work and a radius (m), the bus keys of the agents to ask.
+        rules: the auctions' time-outs and radius.
+        subscriptions: its heartbeat subscriptions.
+        assessor: checks bids, and rates carriers.
+        contracted: called when a task has a primary, another one, or none again.
+        lost: called when a task is given up with its carrier.
+        is_missing: whether the coordinator's own sensors no longer see the load of a task.
+        source_answers: whether the station that has a task's load lives, at a time (s).
+        left: called with a task that has lost its primary, before the primary is cleared.
+        unloaded: called when a task has ended with a counted load but without a handover.
+        ended: called with an ended task and its outcome, before the task is removed.
         incarnation: how often it was started.
 
     Attributes:
-        failover: the watch over its carriers.
-        reliability: what it has learned of them.
-        waits: what it knows of waits at the places of its transports, and who is expected there.
+        failover: the failover of its carriers.
+        reliability: the ratings of its carriers.
+        waits: known waits and expected vehicles at the places of its transports.
     """
 
     def __init__(
@@ -152,36 +153,36 @@ class Transports(Coordinator):
         self.alarms |= self._secondaries.alarms | self.failover.alarms
 
     def superseded(self, task_id: str, epoch: int) -> Superseded:
-        """What to tell somebody who believes to carry a task in this epoch, and does not."""
+        """The answer to a vehicle that wrongly believes to carry a task in this epoch."""
         task, closed = self._open.get(task_id), self._closed.get(task_id)
         if task is not None:
             return Superseded(task=task_id, epoch=task.epoch)
-        # Of a task that has ended no epoch is right any more, also not one that was never heard of.
+        # No epoch of an ended or unknown task is valid any more.
         return Superseded(task=task_id, epoch=max(closed.epoch, epoch) if closed is not None else 0)
 
     # --- without a carrier (`dray.protocol.takeover.failover.Remedies`) ---
 
     def reopen(self, task: OpenTask, reason: Reason, now_s: float) -> None:
-        """Announce a task anew, with a higher epoch; whoever carried it is superseded."""
+        """Announce a task anew, with a higher epoch; its carrier is superseded."""
         if task.recovered:
             self.give_up(task, now_s)
         else:
             self._replace(task, (), reason, now_s)
 
     def pass_on(self, task: OpenTask, reason: Reason, now_s: float) -> None:
-        """Ask the secondary of a task to carry it, with a higher epoch; announce it when that will not."""
+        """Ask the secondary to carry a task, with a higher epoch; announce it if the secondary declines."""
         if task.recovered:
             self.give_up(task, now_s)
         else:
             self._replace(task, self._secondaries.standby_candidate(task), reason, now_s)
 
     def wait(self, task: OpenTask, trouble: Reason, now_s: float) -> None:
-        """Let a task wait for its carrier, and say why."""
+        """Let a task wait for its carrier, and report why."""
         task.trouble, task.detail = trouble, ""
         self._contracted(task, now_s)
 
     def hold(self, task: OpenTask, now_s: float) -> None:
-        """Release the carrier of a task, and let nobody carry it before a person has looked whether its load is there."""
+        """Release the carrier of a task; no vehicle carries it before a person has looked for its load."""
         left = task.is_loaded
         self.failover.aboard.forget(task)
         replaced, silent_s = self._supersede(task, task.epoch + 1, Reason.NOT_COUNTED, now_s)
@@ -195,7 +196,7 @@ class Transports(Coordinator):
         self._contracted(task, now_s)
 
     def resume(self, task: OpenTask, now_s: float) -> None:
-        """A person has looked, and the load of a held task is not there: it is announced anew, or made again where it was goods that had left."""
+        """A person reports that a held task's load is missing: announce it anew; goods that had left are made again."""
         if task.recovered or task.left:
             self.give_up(task, now_s)
             return
@@ -208,17 +209,17 @@ class Transports(Coordinator):
         self._contracted(task, now_s)
 
     def give_up(self, task: OpenTask, now_s: float) -> None:
-        """Finished goods are lost with their carrier, or it has left nothing that others could go on with."""
+        """End a task whose goods are lost, or of which nothing remains for another carrier."""
         self.close(task, "withdrawn")
         self._lost(task, now_s)
 
     def conclude(self, task: OpenTask, now_s: float) -> None:
-        """Close a task as delivered: its load was counted, though no handover was received."""
+        """Close a task as delivered: its load was counted, although no handover was received."""
         self.close(task, "delivered")
         self._unloaded(task, now_s)
 
     def close(self, task: OpenTask, outcome: Outcome) -> None:
-        """End a task; who has delivered it has kept its word, or was late."""
+        """End a task; a delivered one is rated as kept or late."""
         if outcome == "delivered" and task.contract.progress is not None:
             now_s, late_s = task.contract.progress.heard_s, task.contract.progress.late_s
             self.reliability.note_kept(task.primary, task.id, late_s, now_s)
@@ -228,11 +229,11 @@ class Transports(Coordinator):
     # --- after a restart ---
 
     def restore(self, memory: TaskMemory, now_s: float) -> OpenTask:
-        """Go on with a task of an earlier life.
+        """Continue a task of an earlier life.
 
-        One that had a primary is followed as if nothing had been: the vehicle's own heartbeat shows soon
-        enough whether it still carries it. One that had none may have been accepted while nobody listened:
-        it is announced after RECOVERY_WAIT_S, with a higher epoch, unless a vehicle has named it by then.
+        A known primary is followed as before: its heartbeat soon shows whether it still carries the task. A task
+        without one may have been accepted while the coordinator was down. It is announced after RECOVERY_WAIT_S,
+        with a higher epoch, unless a vehicle has named it by then.
         """
         epoch = memory.epoch + 1 if memory.offered and not memory.primary else memory.epoch
         deadline_s = prolonged_s(memory.deadline_s, memory.opened_s, now_s)
@@ -254,20 +255,20 @@ class Transports(Coordinator):
         return task
 
     def acknowledge_carrier(self, atv: str, brief: Brief, now_s: float) -> None:
-        """Acknowledge the contract of a vehicle that names this coordinator, after a restart, if it may have it."""
+        """Acknowledge the contract of a vehicle that names this coordinator after a restart, if it is possible."""
         task = self._open.get(brief.task)
         if task is not None and self._may_be_carried(task, brief.epoch):
             self._bind_carrier(task, atv, brief.epoch, brief.due_s or 0.0, now_s)
 
     def acknowledge_unknown(self, atv: str, brief: Brief, work: Work, now_s: float) -> None:
-        """Acknowledge the contract of a vehicle for a task that no notes tell of."""
+        """Acknowledge a vehicle's contract for a task without notes."""
         deadline_s = brief.due_s if brief.due_s is not None else now_s
         auction = self._auction(brief.task, brief.epoch, work, deadline_s)
         task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
         task.recovered, task.witnessed = True, False
         self._bind_carrier(task, atv, brief.epoch, deadline_s, now_s)
 
-    # --- what is heard ---
+    # --- messages ---
 
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
@@ -283,7 +284,7 @@ class Transports(Coordinator):
     def on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
         task = self._open.get(answer.task)
         if answer.role is Role.PRIMARY and task is not None and self._may_be_carried(task, answer.epoch):
-            # The award is in nobody's notes but the vehicle's, which has been started again too.
+            # Only the vehicle has noted the award, and it was restarted too.
             self._bind_carrier(task, sender, answer.epoch, by_our_clock(answer, now_s).finish_s, now_s)
             return
         task = self._present(answer)
@@ -303,9 +304,9 @@ class Transports(Coordinator):
             super().on_declined(sender, answer, now_s)
 
     def on_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
-        """A secondary leaves, or a primary gives its task back: another one is sought at once.
+        """A secondary resigns, or a primary gives its task back: seek another at once.
 
-        A primary may say so until it hears that its contract is over.
+        A primary may repeat this until it hears that its contract is over.
         """
         task = self._open.get(message.task)
         if task is None or message.epoch != task.epoch:
@@ -320,12 +321,12 @@ class Transports(Coordinator):
             self._life.ignore("resigned from a contract that it does not have")
 
     def on_taken_over(self, sender: str, message: TakenOver, now_s: float) -> None:
-        """A secondary carries a task from now on, because its primary has failed."""
+        """A secondary has taken a task over, because its primary has failed."""
         task = self._open.get(message.task)
         if task is not None and task.primary == sender and task.epoch == message.epoch:
             self._confirm(task)
         elif task is not None and task.epoch == message.epoch and task.auction.asked == sender:
-            # It has taken over what it is just being asked for: the words have crossed, and its own is its answer.
+            # The messages have crossed: its takeover counts as its answer to the award.
             number, at_s = task.auction.number, message.at_s
             answer = Accepted(task.id, task.epoch, Role.PRIMARY, message.finish_s, number, at_s)
             self.on_accepted(sender, answer, now_s)
@@ -341,7 +342,7 @@ class Transports(Coordinator):
             self._change_carrier(task, sender, by_our_clock(message, now_s), now_s)
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """Note that a contracted vehicle lives, and whether it knows of its contract."""
+        """Note a contracted vehicle's heartbeat, and whether it names its contract."""
         for task in list(self._open.values()):
             if task.primary == heartbeat.atv:
                 self.waits.note_phase(task, heartbeat, now_s)
@@ -350,17 +351,17 @@ class Transports(Coordinator):
                 self._secondaries.on_heartbeat(task, heartbeat, now_s)
 
     def offer(self, atv: str, abilities: Collection[str], now_s: float) -> bool:
-        """Offer the most urgent transport that waits to a vehicle that asks for work; False when none does."""
+        """Offer the most urgent waiting transport to a vehicle that asks for work; False if there is none."""
         if any(task.primary == atv for task in self) or (task := most_urgent(self, atv, abilities)) is None:
             return False
         task.auction.offer(atv, now_s)
         return True
 
     def announced_waits(self, work: Work, now_s: float) -> tuple[Wait, ...]:
-        """What is known of waits at the places of a transport."""
+        """Known waits at the places of a transport."""
         return self.waits.told(cast(Transport, work), now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
         task = self._open.get(task_id)
@@ -371,7 +372,7 @@ class Transports(Coordinator):
         else:
             super()._wake_auction(task_id, now_s)
         if not was_offered:
-            self._life.commit()  # Somebody may accept from now on: another life must use a higher epoch.
+            self._life.commit()  # A vehicle may accept from now on: another life must use a higher epoch.
 
     def _announce(self, task: OpenTask, now_s: float) -> None:
         asked = sum(other.auction.awaits_answers for other in self) if self.waits.docks else 0
@@ -381,14 +382,14 @@ class Transports(Coordinator):
             return
         if stands_behind:
             task.auction.stand_behind(now_s)
-        else:  # Whoever bids is to know of those before it at the docks: one is hired after the other.
+        else:  # Bidders must know the vehicles before them at docks, so vehicles are hired one by one.
             task.auction.open_later(now_s + asked * ONE_AFTER_ANOTHER_S, tell=True)
         self._auctions.arm(PRIMARY_AUCTION, task.auction)
 
     def _may_be_carried(self, task: OpenTask, epoch: int) -> bool:
-        """Whether somebody may have accepted a task of an earlier life in this epoch, and nobody since.
+        """Whether a vehicle may have accepted an earlier life's task in this epoch, and no other since.
 
-        Once others were asked, or a carrier was told of an epoch, in this life or before, the epoch must not fall.
+        Once others were asked, or a carrier was told of an epoch, in any life, the epoch must not fall.
         """
         least = max(task.epoch - 1, task.least_epoch)
         is_free = not task.primary and not task.is_offered and not task.is_held
@@ -425,7 +426,7 @@ class Transports(Coordinator):
         task.contract = CarrierContract()
 
     def _bind(self, task: OpenTask, atv: str, source: str, promised_s: float, now_s: float) -> None:
-        """A vehicle carries a task, though no auction of this life has found it."""
+        """Bind a vehicle to a task without an auction of this life."""
         if task.witnessed:
             promised_s = self._assessor.believed_s(task.work, None, promised_s, now_s)
         task.assign(CarrierContract(atv, source, promised_s, now_s))
@@ -448,7 +449,7 @@ class Transports(Coordinator):
     ) -> None:
         replaced, silent_s = self._supersede(task, task.epoch + 1, reason, now_s)
         task.states.enter(TaskState.UNASSIGNED)
-        # Who can carry it may need all the time that the rounds before had to come to.
+        # A new carrier may need as much time as the earlier rounds had reached.
         deadline_s = max(prolonged_s(task.due_s, task.opened_s, now_s), now_s + task.auction.span_s)
         task.auction = self._auction(task.id, task.epoch, task.work, deadline_s, candidates)
         self.failover.note_change(task, replaced, reason, silent_s)
@@ -456,7 +457,7 @@ class Transports(Coordinator):
         self._contracted(task, now_s)
 
     def _supersede(self, task: OpenTask, epoch: int, reason: Reason, now_s: float) -> tuple[str, float]:
-        """Fence the present carrier off. Returns its name, and how long nothing was heard of it (s)."""
+        """Fence off the present carrier. Returns its id, and how long it has been silent (s)."""
         replaced, silent_s = task.primary, self.failover.silent_s(task, now_s)
         self._let_go(task, reason)
         task.epoch = task.least_epoch = epoch

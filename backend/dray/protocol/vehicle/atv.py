@@ -1,16 +1,17 @@
 """An autonomous transport vehicle: bids, carries, watches, charges itself (paper, 3.2).
 
-The state machine of the paper, as everybody sees it:
+The state machine of the paper, as other agents see it:
 
-    IDLE     bids for whatever is announced near by; parks out of the way
-    CHARGING bids too, as far as its battery keeps what it promises
+    IDLE     bids for tasks announced near by; parks out of the way
+    CHARGING bids too, as far as its battery allows
     WORKING  primary of one task (invariant 3), and of nothing else
     STOPPED  held by an operator: moves again only after an acknowledge and a resume (invariant 5)
-    ERROR    something keeps it from going on
+    ERROR    cannot go on
 
-STOPPED and ERROR end no contract: the job waits inside them. How long is in the heartbeat (`assistance`); after that another
-vehicle takes the task. A vehicle that is left with its radio keeps its task too, and takes nothing else. One that is asked to leave
-gives its watches back, and its task too while the load is not on board; where it cannot move it leaves as it is.
+STOPPED and ERROR end no contract: the job waits. The heartbeat tells how long (`assistance`); after that another
+vehicle takes the task. A vehicle with only its radio keeps its task too, and takes no other. A vehicle that is
+asked to leave resigns from its watches, and from a task without the load on board. If it cannot move, it leaves as
+it is.
 """
 
 from __future__ import annotations
@@ -69,7 +70,7 @@ from dray.protocol.vehicle.status_report import StatusReport
 
 
 class CellSubscription:
-    """The announcements that one vehicle hears: those for the cell that it is in.
+    """The announcements that one vehicle follows: those for its present cell.
 
     Args:
         plant: its cells.
@@ -83,10 +84,10 @@ class CellSubscription:
         self._keys = keys
         self._life = life
         self._cell = ""
-        """Empty before the vehicle knows where it is."""
+        """The present cell; empty before the position is known."""
 
     def move(self, x_m: float, y_m: float) -> None:
-        """The vehicle is here now."""
+        """Follow the cell of this position."""
         cell = self._plant.cell_of(x_m, y_m)
         if cell == self._cell:
             return
@@ -105,10 +106,10 @@ class Atv(AgentBase):
         vehicle_type: id of its type; by default that of the fleet's entry.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
-        probation: transports that it has to do well before it takes long ones; 0 for an agent that is known to be good.
-        trusts: whose grants count when people command it.
-        traffic: of the plant; None to drive without right of way, as if there were no other vehicle.
-        sign_request: signs what it says to replicas of reservation tables.
+        probation: transports to do well before it takes long ones; 0 for a known good agent.
+        trusts: the trusted signers of people's grants.
+        traffic: of the plant; None to drive without right of way, as if it were alone.
+        sign_request: signs its messages to replicas of reservation tables.
     """
 
     def __init__(
@@ -322,11 +323,11 @@ class Atv(AgentBase):
             self._contracts.standby.resign(Reason.ON_MESH)
         self._life.beat_soon(now_s)
 
-    # --- what its contracts ask and tell (`dray.protocol.vehicle.contracts.Owner`) ---
+    # --- for its contracts (`dray.protocol.vehicle.contracts.Owner`) ---
 
     @property
     def right_of_way(self) -> RightOfWay | None:
-        """Its right of way, once its life has begun; None for one that drives without."""
+        """Its right of way, once its life has begun; None if it drives without one."""
         driver = self._driver
         return driver.right_of_way if isinstance(driver, ReservedDriver) and driver.node else None
 
@@ -340,7 +341,7 @@ class Atv(AgentBase):
 
     @property
     def gives_back(self) -> Reason | None:
-        """Why it gives back what is not on board yet; None while it does not."""
+        """Why it gives back a task whose load is not on board; None if it does not."""
         if self._shutdown.begun:
             return Reason.GRACEFUL_SHUTDOWN
         out = self._commands.out_of_service
@@ -361,7 +362,7 @@ class Atv(AgentBase):
         self._idle.stop()
 
     def note_ended(self, reason: str, now_s: float) -> None:
-        """Look for what comes next: the contract has ended."""
+        """The contract has ended: look for the next work."""
         self._commands.assistance.over()
         self.obstacles.note_ended(now_s)
         self.update_status(now_s, reason)
@@ -374,7 +375,7 @@ class Atv(AgentBase):
             self._idle.soon(now_s)
 
     def note_denied(self, now_s: float) -> None:
-        """A person has said that it was carried away, and it drives: it stops until a person has seen to it."""
+        """A person said that it was carried away, but it drives: it stops until a person has checked it."""
         self._commands.stop()
         self._contracts.standby.resign(Reason.STOPPED)
         self._life.commit()
@@ -406,7 +407,7 @@ class Atv(AgentBase):
 
     def _on_command(self, sender: str, command: VehicleCommand, now_s: float) -> None:
         done = self._commands.on_command(sender, command, self._driver.position_m, now_s)
-        # A refusal is kept too: what was refused must not be obeyed when it comes again in the next life.
+        # A refusal is stored too: the command must not be obeyed when it is repeated in the next life.
         self._life.commit()
         if done:
             if command.kind is CommandKind.STOP:
@@ -423,10 +424,10 @@ class Atv(AgentBase):
         self.update_status(now_s, command.kind.value)
         self._life.beat_soon(now_s)
 
-    # --- what others see ---
+    # --- the status ---
 
     def update_status(self, now_s: float, reason: str) -> None:
-        """Work the status out anew, and tell the reason if it has changed."""
+        """Update the status, and report the reason if it has changed."""
         self._driver.be_stuck(self._is_stuck, now_s)
         status = self._status_report.status
         if status is not self._status:

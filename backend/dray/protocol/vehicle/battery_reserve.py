@@ -1,7 +1,7 @@
-"""What must be left in a vehicle's battery, by where it is: the way to a charger, and the queue there.
+"""The minimum charge of a vehicle's battery by position: for the way to a charger, and the queue there.
 
-The reserve of a fleet is something else: vehicles (`dray.plant.spare_places`). The arithmetic is `dray.plant.charger_queue`, with which
-`dray plant check` reckons too. Here are the ways that are open now.
+The reserve of a fleet means vehicles instead (`dray.plant.spare_places`). The arithmetic is in
+`dray.plant.charger_queue`, which `dray plant check` uses too. This module adds the ways that are open now.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from dray.plant.charger_queue import SPARE_FRAC
 from dray.plant.restrictions import OPEN
 
 COMPARED = 4
-"""Chargers whose ways are compared, the closest as the crow flies."""
+"""Chargers whose ways are compared, the closest in a straight line."""
 
 NEVER_FRAC = 2.0
-"""Stands for "no charger can be reached": more than any battery holds."""
+"""Means that no charger can be reached: more than any battery holds."""
 
 
 class BatteryReserve:
-    """The reserve in the batteries of one type of vehicle, by place.
+    """The battery reserve of one type of vehicle, by node.
 
     Args:
-        plant: where the chargers are.
+        plant: its chargers.
         vehicle_type: id of the type.
     """
 
@@ -34,13 +34,13 @@ class BatteryReserve:
         self._queue = plant.charger_queue
         self._restrictions = OPEN
         self._needed_frac: dict[str, float] = {}
-        """By node, under these restrictions."""
+        """By node, under the present restrictions."""
 
     def needed_frac(self, node: str) -> float:
-        """What must be left at a node, so that the nearest charger can be reached, and waited for while others charge.
+        """The charge needed at a node to reach the nearest charger, and to wait while others charge.
 
-        More than a battery holds where no charger can be reached: nothing can be promised that ends there. Chargers that
-        are closed to all count as they are when they are open again, or a closure would end all work.
+        More than a battery holds where no charger can be reached: no task may end there. If all chargers are
+        closed, they count as open, because otherwise a closure would end all work.
         """
         if self._restrictions is not self._plant.restrictions:
             self._restrictions = self._plant.restrictions
@@ -55,12 +55,12 @@ class BatteryReserve:
         return frac
 
     def is_enough_after(self, start: str, place: str, battery_frac: float) -> bool:
-        """Whether a vehicle that goes from one node to rest at another comes to a charger from there, or is nearer to one than now.
+        """Whether a vehicle can still reach a charger after it has moved to a resting place, or is nearer to one there.
 
         Args:
-            start: where the vehicle is.
-            place: where it would rest.
-            battery_frac: what its battery holds now.
+            start: the vehicle's node.
+            place: the node of the resting place.
+            battery_frac: its present charge.
         """
         queue, routes = self._queue, self._plant.routes(self._type)
         near = self._plant.closest(place, self._plant.chargers, COMPARED)
@@ -75,7 +75,7 @@ class BatteryReserve:
         return not charger or on.duration_s <= routes.duration_s(start, charger)
 
     def nearest_charger(self, node: str) -> str:
-        """The node of the nearest charger, whoever has it; empty where none can be reached."""
+        """The node of the nearest charger, even if it is occupied; empty if none can be reached."""
         near = self._plant.closest(node, self._plant.chargers, COMPARED)
         try:
             return self._plant.node_of(self._plant.routes(self._type).nearest(node, near)[0])

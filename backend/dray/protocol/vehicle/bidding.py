@@ -1,4 +1,4 @@
-"""The contractor's side of the Contract Net: hear, price, bid, or say why not (paper, 4.1)."""
+"""The contractor's side of the Contract Net: evaluate, price, bid, or refuse (paper, 4.1)."""
 
 from __future__ import annotations
 
@@ -16,51 +16,51 @@ from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.pricing import Pricer, Quote, Unable
 
 MAX_WATCHES = 3
-"""Tasks that one vehicle watches at most: it can take over only one of them."""
+"""Maximum tasks that one vehicle watches: it can take over only one of them."""
 
 PLACES_TOLD = 32
-"""Places whose waiting time one announcement tells: its sources, and its destination."""
+"""Maximum places whose waiting time one announcement tells: its sources, and its destination."""
 
 
 RESERVE_AFTER_S = 300.0
-"""A task that has waited for so long beyond the time when it was needed is carried by a vehicle of the reserve, too: those at work may be
-broken, or unable to carry it."""
+"""Time after which a vehicle of the reserve may carry an overdue task (s): the vehicles at work may be broken, or unable to
+carry it."""
 
 
 class Standing(msgspec.Struct, frozen=True):
-    """A vehicle's circumstances at the moment of an announcement or an award."""
+    """A vehicle's state at an announcement or an award."""
 
     node: str
-    """Where it is, or will be next."""
+    """Its present node, or the next one."""
     node_at_s: float
     x_m: float
     y_m: float
     speed_frac: float
-    """The limit that a person has set, as a part of its own top speed."""
+    """The limit set by a person, as a fraction of its top speed."""
     battery_frac: float
     unfit: str
-    """Why it may not work at all: stopped, in error, on the mesh; empty when it may."""
+    """Why it may not work at all: stopped, in error, on the mesh; empty if it may."""
     busy_with: str
-    """The task it is primary of; empty for none."""
+    """The task that it is primary of; empty for none."""
     watches: int
     battery_reckoned: bool = False
-    """`battery_frac` is not measured."""
+    """Whether `battery_frac` is estimated, not measured."""
     silent_one: str = ""
-    """A silent vehicle that it has waited for in vain; empty for none."""
+    """A silent vehicle that it has waited for without success; empty for none."""
     is_reserve: bool = False
-    """It belongs to the reserve of a fleet that is too large for the roads (`dray.plant.spare_places`)."""
+    """Whether it belongs to the reserve of a fleet that is too large for the roads (`dray.plant.spare_places`)."""
 
 
 class Bidder:
-    """Decides for one vehicle whether to bid, and at what price.
+    """Decides for one vehicle whether to bid, and at which price.
 
     Args:
-        atv: the vehicle.
-        plant: where the ways are.
+        atv: the vehicle's id.
+        plant: its ways.
         vehicle_type: id of the vehicle's type.
-        probation: of the vehicle.
-        charging: of the vehicle: whether its battery lets it work.
-        waits: what the vehicle has learned of places; announcements tell of them, too.
+        probation: the vehicle's probation.
+        charging: the vehicle's charging: whether its battery permits work.
+        waits: learned waits at places; announcements add to them.
     """
 
     def __init__(
@@ -79,22 +79,22 @@ class Bidder:
         self._probation = probation
         self._waits = waits
         self._expected: BoundedMap[str, tuple[DockTime, ...]] = BoundedMap(DOCKS_MAX)
-        """Place -> who is expected there, as announcements have told last."""
+        """By place: the expected vehicles by the last announcement."""
         self._charging = charging
         self._refusals = Refusals(life)
         self._life = life
 
     def on_announced(self, message: TaskAnnounced, standing: Standing, now_s: float) -> Refusal | None:
-        """Answer an announcement with a bid, or note the refusal and its reason.
+        """Answer an announcement with a bid, or note the refusal with its reason.
 
         Returns:
-            The reason of a refusal; None for a bid, and for an announcement that is for others.
+            The reason of a refusal; None for a bid, and for an announcement to others.
         """
         dx_m, dy_m = message.x_m - standing.x_m, message.y_m - standing.y_m
         if dx_m * dx_m + dy_m * dy_m > message.radius_m * message.radius_m:
-            return None  # A neighbour of those who were asked: its cell only touches the circle.
+            return None  # It is outside the radius: its cell only touches the circle.
         if isinstance(message.work, Transport) and message.work.vehicle not in ("", self._atv):
-            return None  # Only another one may carry it.
+            return None  # Only another vehicle may carry it.
         if self._is_left_to_others(message, standing, now_s):
             self._refusals.note(
                 message, Refusal.NOT_FIT, "in the reserve: the floor has no room for more at work"
@@ -124,7 +124,7 @@ class Bidder:
         return None
 
     def _is_left_to_others(self, message: TaskAnnounced, standing: Standing, now_s: float) -> bool:
-        """Whether this vehicle waits in the reserve, enough others can carry the load, and it has not waited for long."""
+        """Whether this vehicle waits in the reserve, enough others can carry the load, and the task is not long overdue."""
         work = message.work
         if not standing.is_reserve or message.role is not Role.PRIMARY or not isinstance(work, Transport):
             return False
@@ -133,7 +133,7 @@ class Bidder:
         return now_s < (message.needed_s or message.deadline_s) + RESERVE_AFTER_S
 
     def _has_able_at_work(self, work: Transport) -> bool:
-        """Whether a third of the vehicles that can carry a load are at work, even if all places of the reserve are taken by such ones."""
+        """Whether a third of the able vehicles are at work even if able ones take all reserve places."""
         plant = self._plant
         able = sum(
             set(work.needed) <= set(plant.vehicle_types[spec.type].abilities) for spec in plant.fleet.values()
@@ -141,14 +141,14 @@ class Bidder:
         return plant.spare_places.holds_back_from(able)
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:
-        """Whether an award can still be taken, from where the vehicle is now."""
+        """Whether an award can still be accepted from the vehicle's present position."""
         work = award.work
         if isinstance(work, Transport) and award.source:
             work = msgspec.structs.replace(work, sources=(award.source,))
         return self._consider(work, award.role, award.primary, award.deadline_s, standing, now_s)
 
     def quote(self, work: Work, standing: Standing, now_s: float) -> Quote | Unable:
-        """What it would take to carry this from here, however late: for a task that is taken over."""
+        """The price of carrying this from here without a deadline, for a takeover."""
         return self._consider(work, Role.PRIMARY, "", float("inf"), standing, now_s)
 
     def _consider(
@@ -173,11 +173,11 @@ class Bidder:
             if primary in ("", self._atv):
                 return Unable(Refusal.IS_PRIMARY, "")
             if self._probation.lasts:
-                # A watch is a promise to carry what somebody else has taken, short or long.
+                # A watch is a promise to carry another vehicle's task, short or long.
                 return Unable(Refusal.NOT_FIT, "on probation, and watches nobody")
             if standing.watches >= MAX_WATCHES:
                 return Unable(Refusal.WATCHING_ENOUGH, f"{standing.watches} tasks")
-            # A watch is taken over only when its primary fails, and late is better than never then.
+            # A watch matters only if its primary fails, and late is better than never then.
             deadline_s = float("inf")
         quote = self._pricer.quote(
             work,

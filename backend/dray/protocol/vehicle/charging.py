@@ -1,11 +1,11 @@
-"""When a vehicle charges, whether it may work, and when it leaves its charger to another one.
+"""Charging decisions: when a vehicle charges, whether it may work, and when it gives its charger to another vehicle.
 
     FREE --less than it must have--> NEEDY: takes no work --charged for WORTH_FRAC more--> FREE
-    FREE or NEEDY --a person sends it--> SENT: takes no work --as full as it is ever charged, or a person says so--> FREE
+    FREE or NEEDY --a person sends it--> SENT: takes no work --fully charged, or a person ends it--> FREE
 
-The thresholds are those of its type (`dray.plant.model.Charging`). Between needing a charge and working again lies
-a charge that was worth the way, so that nobody drives to a charger for the battery of a single transport. It is no
-longer than that: where chargers are few, what lies in batteries carries nothing.
+The thresholds come from its type (`dray.plant.model.Charging`). Before a needy vehicle works again, it charges
+enough to make the way worthwhile, not just for one transport. It does not charge longer than that: where chargers
+are few, energy in a waiting vehicle's battery carries nothing.
 """
 
 from __future__ import annotations
@@ -17,54 +17,54 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.vehicle.battery_reserve import BatteryReserve
 
 SPENT_FRAC = 0.05
-"""Below `up_to_frac`, before a vehicle that stands at a charger plugs in again."""
+"""Margin below `up_to_frac` under which a vehicle at a charger plugs in again."""
 
 GIVES_WAY_AGAIN_S = 1800.0
-"""The shortest time between two times that a charger is left to the same vehicle, or less where a small battery is charged for
-WORTH_FRAC and spends that sooner. One that lies about its battery gains no more than that."""
+"""Minimum interval between two times that a charger is given to the same vehicle (s); less where a small battery gains and
+spends WORTH_FRAC sooner. A vehicle that lies about its battery gains no more than that."""
 
 REMEMBERED = 64
-"""How many vehicles to whom the charger was left are remembered: fewer want one charger in half an hour."""
+"""Remembered vehicles that were given the charger: fewer want one charger in half an hour."""
 
 HOUR_S, DAY_H = 3600.0, 24.0
 
 
 class Charging:
-    """The battery of one vehicle, as it decides about work and chargers.
+    """One vehicle's battery in decisions about work and chargers.
 
     Args:
-        plant: where the chargers are.
+        plant: its chargers.
         vehicle_type: id of the vehicle's type.
 
     Attributes:
-        is_sent: a person has sent it to charge, and it is not full yet.
+        is_sent: whether a person has sent it to charge, and it is not full yet.
     """
 
     def __init__(self, plant: Plant, vehicle_type: str) -> None:
         self.is_sent = False
         self._battery_frac = 1.0
-        """As it was noted last."""
+        """The last noted charge."""
         self._has_charger = bool(plant.chargers)
         self._rules = plant.vehicle_types[vehicle_type].charging
         self._working_time = plant.working_time
         self._enough_frac = plant.charger_queue.enough_frac(vehicle_type)
-        """From here on one that had to charge takes work again."""
+        """Charge from which a needy vehicle takes work again."""
         self._must_below_frac = max(self._rules.must_below_frac, plant.charger_queue.base_frac(vehicle_type))
-        """Below this a vehicle of its type must charge wherever it is."""
+        """Charge below which a vehicle of its type must charge at any position."""
         self._again_s = min(GIVES_WAY_AGAIN_S, _worth_s(plant.vehicle_types[vehicle_type]))
         self._reserve = BatteryReserve(plant, vehicle_type)
         self._is_needy = False
         self._is_short = False
-        """It could not take some work for want of battery, and has not charged since."""
+        """Whether it lacked charge for some work, and has not charged since."""
         self._gave_way_s: BoundedMap[str, float] = BoundedMap(REMEMBERED)
-        """By vehicle, when this one has left a charger to it."""
+        """By vehicle: when this one gave it a charger."""
 
     def note(self, battery_frac: float, node: str) -> None:
-        """Take note of the battery, before anything is decided by it.
+        """Note the battery before any decision.
 
         Args:
-            battery_frac: what is in it.
-            node: where the vehicle is, or will be next.
+            battery_frac: its charge.
+            node: the vehicle's node, or the next one.
         """
         rules, self._battery_frac = self._rules, battery_frac
         if battery_frac < max(rules.must_below_frac, self._reserve.needed_frac(node)):
@@ -75,7 +75,7 @@ class Charging:
             self._is_short = self.is_sent = False
 
     def send(self) -> CommandRefusal | None:
-        """A person sends it to charge; why that is refused, None when it goes after its present work."""
+        """A person sends it to charge. Returns the refusal; None when it goes after its present work."""
         if not self._has_charger:
             return CommandRefusal.NOT_SUPPORTED
         if self._battery_frac >= self._rules.up_to_frac - SPENT_FRAC:
@@ -84,7 +84,7 @@ class Charging:
         return None
 
     def note_short(self) -> None:
-        """A transport was refused because the battery was too low for it."""
+        """Note that the battery was too low for a transport."""
         self._is_short = True
 
     @property
@@ -93,7 +93,7 @@ class Charging:
         return self._is_needy or self.is_sent
 
     def why_no_work(self, battery_frac: float) -> str:
-        """Why it takes no work; empty when it does."""
+        """Why it takes no work; empty if it does."""
         if not self.is_needy:
             return ""
         enough_frac = self._rules.up_to_frac if self.is_sent else self._enough_frac
@@ -105,18 +105,18 @@ class Charging:
             return True
         if self._is_short and battery_frac < self._rules.up_to_frac - WORTH_FRAC:
             return True
-        # While the plant rests there is less to carry: what is charged now need not be when it works.
+        # While the plant rests there is less to carry: charging now saves charging in working time.
         rests = not self._working_time.is_on(now_s)
         below_frac = self._rules.up_to_frac - WORTH_FRAC if rests else self._rules.below_frac
         return battery_frac < below_frac and self._is_opportune(now_s)
 
     def plugs_in(self, battery_frac: float, now_s: float) -> bool:
-        """Whether one that stands at a charger makes use of it."""
+        """Whether a vehicle at a charger plugs in."""
         worth = battery_frac < self._rules.up_to_frac - SPENT_FRAC and self._is_opportune(now_s)
         return worth or self.wants(battery_frac, now_s)
 
     def is_done(self, battery_frac: float, now_s: float) -> bool:
-        """Whether one that charges has enough to leave."""
+        """Whether a charging vehicle has enough to leave."""
         rules = self._rules
         if battery_frac >= rules.up_to_frac:
             return True
@@ -129,13 +129,13 @@ class Charging:
     def gives_way(
         self, rival: str, rival_frac: float, *, battery_frac: float, charging: bool, now_s: float
     ) -> bool:
-        """Whether a vehicle that stands at a charger leaves it to another one, and from now on has.
+        """Whether a vehicle at a charger gives it to another; if so, that is noted.
 
         Args:
-            rival: who asks for the charger.
-            rival_frac: what it says to have in its battery; nobody else can tell.
-            battery_frac: what this one has.
-            charging: whether it still charges; who stands there for nothing makes room for everybody.
+            rival: the vehicle that asks for the charger.
+            rival_frac: its reported charge, which cannot be checked.
+            battery_frac: this vehicle's charge.
+            charging: whether this vehicle still charges; if not, it always makes room.
             now_s: the present time.
         """
         if not charging:
@@ -168,6 +168,6 @@ class Charging:
 
 
 def _worth_s(kind: VehicleType) -> float:
-    """How long a type of vehicle takes to charge for WORTH_FRAC and to spend that driving."""
+    """The time to charge a type of vehicle by WORTH_FRAC and to spend that driving (s)."""
     drive_w = kind.idle_w + kind.drive_wh_per_m * kind.max_speed_mps * HOUR_S
     return WORTH_FRAC * kind.battery_wh * HOUR_S * (1.0 / kind.charge_w + 1.0 / drive_w)

@@ -1,7 +1,7 @@
-"""A vehicle and what people have closed: it goes by the newest signed list, and leaves what was closed around it.
+"""A vehicle's closures: it follows the newest signed list, and leaves the area that was closed around it.
 
-A closure is known from the step in which its list is heard. From then on no way is given into it; the way that the vehicle is
-on ends at the next node, or goes on round it. The list outlives the vehicle's process.
+A closure applies from the step in which its list arrives. From then on no way leads into it. The present way ends
+at the next node, or leads round it. The list is stored for the next life.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from dray.protocol.vehicle.idle_positioning import IdlePositioning
 
 
 class ClosureHandling(ClosureListener):
-    """What one vehicle does about closures.
+    """One vehicle's reaction to closures.
 
     Args:
-        floor: as the vehicle knows it.
-        trusts: whose signatures count.
-        contracts: of the vehicle.
-        idle: where it goes without work.
+        floor: the floor as the vehicle knows it.
+        trusts: the trusted signers.
+        contracts: the vehicle's contracts.
+        idle: the vehicle's idle positioning.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class ClosureHandling(ClosureListener):
         self._contracts, self._idle = contracts, idle
 
     def start(self, memory: Memory, now_s: float) -> None:
-        """Go by what the last life knew, and listen."""
+        """Restore the last life's list, and subscribe."""
         self.listen()
         note = memory.get(CLOSURES)
         if isinstance(note, ClosuresMemory):
@@ -43,7 +43,7 @@ class ClosureHandling(ClosureListener):
             self._set_alarm()
 
     def _note(self, said: Closures) -> None:
-        # Written down first: what it has told to know, its next life knows.
+        # Stored first: the next life must know the list that this one acknowledges.
         self._life.do(Commit(ClosuresMemory(said), CLOSURES))
         self._life.record(ClosuresKnown(number=said.number))
 

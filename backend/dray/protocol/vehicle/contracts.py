@@ -1,7 +1,7 @@
-"""The transports of one vehicle: those that it is asked for, the one that it carries, those that it watches (paper, 4.1).
+"""One vehicle's transports: announced ones, the one that it carries, and those that it watches (paper, 4.1).
 
-It carries one at most (invariant 3), and watches others as long as it has none. What follows for its status, its rest and its
-heartbeat is told to whoever holds this (`Owner`).
+It carries at most one (invariant 3), and watches others only while it has none. Its `Owner` is told the
+consequences for its status, its rest and its heartbeat.
 """
 
 from __future__ import annotations
@@ -53,57 +53,57 @@ from dray.protocol.vehicle.work_search import ASK_FOR_WORK, SEEK, WorkSearch
 
 
 class Owner(Protocol):
-    """A vehicle, as far as its contracts need it."""
+    """The vehicle, as its contracts need it."""
 
     battery_frac: float
     battery_reckoned: bool
     load: tuple[str, int]
-    """What is on board, and how much of it; empty and 0 for nothing."""
+    """The item on board and its quantity; empty and 0 for none."""
 
     @property
     def gives_back(self) -> Reason | None:
-        """Why it gives back what is not on board yet; None while it does not."""
+        """Why it gives back a task whose load is not on board; None if it does not."""
 
     @property
     def is_reserve(self) -> bool:
         """Whether it belongs to the reserve of a fleet that is too large for the roads."""
 
     def unfit(self) -> str:
-        """Why it may take no work at all; empty when it may."""
+        """Why it may take no work at all; empty if it may."""
 
     @property
     def silent_one(self) -> str:
-        """A silent vehicle that it has waited for in vain, and has told of; empty for none."""
+        """A silent vehicle that it has waited for without success, and has reported; empty for none."""
 
     def stop_resting(self) -> None:
-        """Leave the charger or parking place: there is work."""
+        """Leave the charger or parking place for work."""
 
     def update_status(self, now_s: float, reason: str) -> None:
-        """Work the status out anew, and tell the reason if it has changed."""
+        """Update the status, and report the reason if it has changed."""
 
     def note_ended(self, reason: str, now_s: float) -> None:
-        """Look for what comes next: the contract has ended."""
+        """The contract has ended: look for the next work."""
 
 
 class Contracts:
     """The contracts of one vehicle.
 
     Args:
-        atv: the vehicle.
+        atv: the vehicle's id.
         plant: the plant it works in.
         vehicle_type: id of its type.
-        probation: transports that it has to do well before it takes long ones.
+        probation: transports to do well before it takes long ones.
         driver: the vehicle's place on the lanes.
-        charging: of the vehicle.
+        charging: the vehicle's charging.
         owner: the vehicle.
 
     Attributes:
         job: the transport that it carries; None without one.
-        standby: those that it watches.
-        probation: how far it has got with its first tasks.
-        subscriptions: which heartbeats it hears.
-        message_handlers: by the type of a message, what to call with (sender, message, now_s).
-        alarms: what to call when an alarm of these names has come.
+        standby: its watches.
+        probation: its progress on probation.
+        subscriptions: its heartbeat subscriptions.
+        message_handlers: by message type, handlers called with (sender, message, now_s).
+        alarms: handlers of these alarms.
     """
 
     def __init__(
@@ -130,7 +130,7 @@ class Contracts:
         self._bidder = Bidder(atv, plant, vehicle_type, self.probation, charging, self._waits, life)
         self._work_search = WorkSearch(atv, plant, vehicle_type, keys, life)
         self._phase_s = 0.0
-        """Since when its job has been in its present phase (plant clock)."""
+        """Begin of its job's present phase (plant clock)."""
         self.job: TransportJob | None = None
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.standby = Standby(self.subscriptions, life)
@@ -157,17 +157,17 @@ class Contracts:
         }
 
     def bring_back(self, now_s: float) -> None:
-        """A load without a contract is one of an earlier life: bring it back, for nobody."""
+        """A load without a contract comes from an earlier life: bring it back without a coordinator."""
         load, quantity = self._owner.load
         if self.job is not None or not load:
             return
         plant = self._plant
         refuges = plant.storages_of(load) if load in plant.materials else tuple(plant.delivery_warehouses)
         if load == THING:
-            # Nobody knows any more where it was fetched: people find it at a storage.
+            # Its origin is unknown: people find it at a storage.
             refuges = tuple(plant.stores)
         work = Transport(item=load, quantity=quantity, sources=refuges, destination=refuges[0], ability="")
-        # A name of its own for each: what is brought back under one name is booked in once.
+        # A unique id each: loads brought back under one id are booked in once.
         task, why = f"{self._atv}-found-{now_s:.0f}", Reason.LOAD_UNKNOWN
         contract = Contract(task, 0, work, self._atv, refuges[0], 0.0, 0.0, cancelled=why)
         self.standby.resign(Reason.HAS_WORK)
@@ -176,7 +176,7 @@ class Contracts:
         self.go_on(lambda job: job.resume(load, now_s), now_s)
 
     def _standing(self, task: str, now_s: float) -> Standing:
-        """The circumstances in which `task` is considered."""
+        """The vehicle's state for considering `task`."""
         driver = self._driver
         x_m, y_m = driver.position_m
         return Standing(
@@ -199,15 +199,15 @@ class Contracts:
             self._answer_announced(message, now_s)
 
     def _answer_announced(self, message: TaskAnnounced, now_s: float) -> bool:
-        """Bid, or not; False when the task is refused."""
-        # Also for a task that it watches already: its coordinator does not know that any more.
+        """Bid or refuse; False for a refusal."""
+        # It may watch the task already: the coordinator has forgotten that.
         reason = self._bidder.on_announced(message, self._standing(message.task, now_s), now_s)
         if reason is not None:
             self._work_search.note_refused(message, reason, self._owner.battery_frac)
         return reason is None
 
     def seek(self, now_s: float) -> None:
-        """It has no job: ask for work that waits, if it can take any."""
+        """Ask for waiting work if it can take any."""
         may_work = not (self._charging.is_needy or self._owner.is_reserve or self._owner.unfit())
         if self._work_search.is_known and may_work:
             self._work_search.ask_for_work(self._owner.battery_frac, now_s)
@@ -231,7 +231,7 @@ class Contracts:
 
     def _on_award(self, sender: str, award: Award, now_s: float) -> None:
         if self._holds(award):
-            # Its answer was lost. From now on this award is the one that binds.
+            # Its answer was lost. From now on this award binds.
             self._renew(award)
             self._life.do(accept(sender, award, self._promised_s, now_s))
             return
@@ -248,7 +248,7 @@ class Contracts:
             self._take(contract, accepted, lambda job: job.set_off(now_s), now_s)
 
     def _holds(self, award: Award) -> bool:
-        """Whether it took this award already."""
+        """Whether it has accepted this award already."""
         if award.role is Role.SECONDARY:
             return self.standby.holds(award.task, award.epoch)
         job = self.job
@@ -263,11 +263,11 @@ class Contracts:
 
     @property
     def _promised_s(self) -> float:
-        """When it has promised to be done with its task (plant clock); 0 without one."""
+        """Promised finish of its task (plant clock); 0 without one."""
         return self.job.promised_s if self.job is not None else 0.0
 
     def _look_after(self, task: str, now_s: float) -> None:
-        """A primary may have failed: take its task over, if this vehicle can."""
+        """A primary may have failed: take its task over if possible."""
         watch = self.standby.failed(task, now_s)
         if watch is None:
             return
@@ -294,12 +294,12 @@ class Contracts:
     def _take(
         self, contract: Contract, how: Effect, begin: Callable[[TransportJob], None], now_s: float
     ) -> None:
-        """Become the primary of a task, and free of everything else.
+        """Become the primary of a task, and end all watches and rest.
 
         Args:
-            contract: of the task.
-            how: recorded first: the award or the takeover that it comes from.
-            begin: the first step of the job.
+            contract: the contract of the task.
+            how: the effect to do first: the acceptance or the takeover.
+            begin: the job's first step.
             now_s: the present time.
         """
         self.bind(contract)
@@ -342,7 +342,7 @@ class Contracts:
             self._life.ignore(NO_PARTY)
 
     def coordinator_of(self, task: str, role: Role) -> str:
-        """Who has given it a contract that it has; empty when it has none of this task in this role."""
+        """The coordinator of its contract for this task and role; empty without one."""
         if role is Role.SECONDARY:
             return self.standby.coordinator_of(task)
         job = self.job
@@ -356,7 +356,7 @@ class Contracts:
             self.job.claim_again(now_s)
 
     def go_on(self, step: Callable[[TransportJob], None], now_s: float) -> None:
-        """Let the job take a step, if there is one, and see to what that has changed."""
+        """Let the job take a step, if there is one, and handle the changes."""
         job = self.job
         if job is None:
             return
@@ -373,7 +373,7 @@ class Contracts:
             self._life.commit()
 
     def _note_wait(self, job: TransportJob, phase: Phase, now_s: float) -> None:
-        """A phase of the job is over: remember how long it had to wait in it."""
+        """A phase of the job is over: note its waiting time."""
         kind, took_s = self._plant.vehicle_types[self._type], now_s - self._phase_s
         self._phase_s = now_s
         if phase is Phase.LOADING and job.phase is Phase.CARRYING:

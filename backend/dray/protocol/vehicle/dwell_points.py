@@ -1,13 +1,13 @@
-"""Finding a place to charge or to park, with nobody in the middle.
+"""Finding a place to charge or to park, without a central agent.
 
     SEEKING   --claim uncontested for CONTEST_S--> DRIVING --arrived--> STANDING --left to another--+
        |  ^                                          |                                              |
        |  +---------------- lost to another ---------+----------------------------------------------+
        +-- no dwell point of the kind is left: try again later
 
-See `dray.messages.floor.dwell_point` for the verdict that both sides of a contest reach alone. A claim is its speaker's word: one
-that has kept this vehicle from a charger for longer than anybody needs to drive there or to charge is not believed
-any more, and the vehicle goes and looks.
+`dray.messages.floor.dwell_point` has the rule by which both sides decide a contest alike. A claim cannot be
+checked. A claim that keeps this vehicle from a charger for longer than driving there or charging takes is not
+believed. The vehicle then drives there.
 """
 
 from __future__ import annotations
@@ -27,37 +27,37 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.battery_reserve import COMPARED, BatteryReserve
 
 CONTEST_S = 1.0
-"""How long an objection is waited for: many times the latency of a good WLAN. A later one is still
-heard, on the way."""
+"""Time to wait for an objection (s): many times the latency of a good WLAN. A later one is still handled on the way."""
 
 TAKEN_MEMORY_S = 60.0
-"""How long a dwell point that was lost is not asked for again."""
+"""Time for which a lost dwell point is not claimed again (s)."""
 
 BLOCKED_S = 600.0
-"""How long a charger is not asked for again at which somebody else was found, or which gave no power: a person has seen
-to it by then, or nobody has."""
+"""Time for which a charger that was occupied or gave no power is not claimed again (s): a person has fixed it by then, or
+none will."""
 
 OBJECTS_AGAIN_S = 0.5
-"""To one and the same rival: two that are both sure to stand in a dwell point must not argue as fast as the network can."""
+"""Minimum interval of objections to one rival (s): two vehicles that both believe to stand there must not flood the
+network."""
 
 APPROACH_S = 600.0
-"""A claim of somebody who has not arrived by then is not believed: no way across a floor takes longer."""
+"""Maximum time of an approach (s): a claim of a vehicle that has not arrived by then is not believed."""
 
 CHARGE_STRETCH = 1.5
-"""The longest stay at a charger against filling the battery at full power: with the taper it takes a third longer."""
+"""Maximum charging time as a multiple of that at full power: with the taper it takes a third longer."""
 
 PAUSE_S = 300.0
-"""A rival that was not heard for so long has been elsewhere: its next claim is a new one."""
+"""Pause after which a rival's next claim counts as a new one (s): it has been elsewhere."""
 
 RIVALS = 256
-"""Claims of others that are remembered: those of forty vehicles on half a dozen chargers."""
+"""Maximum remembered claims of others: forty vehicles at half a dozen chargers."""
 
 MUCH_NEARER = 0.5
-"""Of the way to a charger that is left from a place for which a waiting vehicle leaves its own, at most."""
+"""Maximum remaining fraction of the way to a charger for which a waiting vehicle changes its place."""
 
 
 class Hold(Enum):
-    """What a vehicle has of a dwell point."""
+    """A vehicle's hold on a dwell point."""
 
     NONE = "none"
     CLAIMED = "claimed"
@@ -65,11 +65,11 @@ class Hold(Enum):
 
 
 class DwellPoints:
-    """One vehicle's claim on a dwell point: at most one at a time.
+    """One vehicle's claim on a dwell point, at most one at a time.
 
     Args:
-        atv: the vehicle.
-        plant: where the dwell points are.
+        atv: the vehicle's id.
+        plant: its dwell points.
         vehicle_type: id of the vehicle's type, for its ways.
         keys: the plant's bus keys.
     """
@@ -85,16 +85,16 @@ class DwellPoints:
             kind.battery_wh / kind.charge_w * 3600.0 for kind in plant.vehicle_types.values()
         )
         self._opposed_s: BoundedMap[tuple[str, str], tuple[float, float]] = BoundedMap(RIVALS)
-        """By charger and rival: since when it has been in the way, and when it was heard last."""
+        """By charger and rival: since when it has blocked, and when it was last heard."""
         self._doubted: set[tuple[str, str]] = set()
-        """Those of them that have been in the way for longer than can be."""
+        """Rivals that have blocked for an impossible time."""
         self._objected_s: BoundedMap[str, float] = BoundedMap(RIVALS)
-        """By rival, when it was told last that this dwell point is held."""
+        """By rival: the last objection."""
         self._claim_battery_frac = 0.0
-        """By which contests are decided: the battery when it claimed, less by WORTH_FRAC on the way to a charger."""
+        """The charge that decides contests: that at the claim, less WORTH_FRAC on the way to a charger."""
         self.reserve = BatteryReserve(plant, vehicle_type)
         self.dwell_point = ""
-        """The dwell point that is claimed or stood in; empty for none."""
+        """The claimed or occupied dwell point; empty for none."""
         self.hold = Hold.NONE
 
     @property
@@ -110,25 +110,25 @@ class DwellPoints:
         return self._plant.spare_places.is_reserve(self._plant.stand_of(dwell_point))
 
     def is_taken(self, dwell_point: str, now_s: float) -> bool:
-        """Whether another one has won this dwell point not long ago."""
+        """Whether another vehicle has won this dwell point recently."""
         return self._taken_until_s.get(dwell_point, 0.0) > now_s
 
     def stand(self, dwell_point: str, battery_frac: float) -> None:
-        """Claim the dwell point in which the vehicle stands already."""
+        """Claim the dwell point where the vehicle already stands."""
         self._claim(dwell_point, battery_frac, Hold.STANDING)
 
     def seek(self, *, charger: bool, node: str, battery_frac: float, now_s: float, near: str = "") -> bool:
         """Claim the nearest dwell point that is not known to be taken.
 
         Args:
-            charger: a charger is needed; else a parking place is.
-            node: where the vehicle is, or will be next.
+            charger: True for a charger, False for a parking place.
+            node: the vehicle's node, or the next one.
             battery_frac: an emptier battery wins a contest.
             now_s: the present time.
             near: a node to be near to instead; empty for `node`.
 
         Returns:
-            False when none is left to ask for.
+            False if none is left.
         """
         found = self.nearest(charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near)
         if not found:
@@ -138,9 +138,9 @@ class DwellPoints:
         return True
 
     def nearest(self, *, charger: bool, node: str, battery_frac: float, now_s: float, near: str = "") -> str:
-        """The dwell point that `seek` claims; empty for none.
+        """The dwell point that `seek` would claim; empty for none.
 
-        A charger that the battery does not reach is none, as long as another one is nearer: its turn comes.
+        A charger out of the battery's reach is excluded while another one is nearer: that one becomes free.
         """
         self._taken_until_s = {
             dwell_point: until_s for dwell_point, until_s in self._taken_until_s.items() if until_s > now_s
@@ -155,12 +155,12 @@ class DwellPoints:
         ]
         if open_ways := self.reached_round(node):
             free = [dwell_point for dwell_point in free if dwell_point in open_ways]
-        # Whoever goes to one of the reserve's takes no more work: only where there is no other.
+        # A vehicle in a reserve place takes no more work: use one only if there is no other.
         free = [each for each in free if not self._is_reserve(each)] or free
         near = near or node
         close = self._plant.closest(near, free, COMPARED)
         if not charger:
-            # A parking place that is far from the chargers is better than none: whoever stands in a road holds others up.
+            # A parking place far from the chargers is better than none: a vehicle on a road blocks others.
             good = [
                 each
                 for each in close
@@ -178,9 +178,9 @@ class DwellPoints:
         )
 
     def seek_nearer(self, node: str, battery_frac: float, now_s: float) -> bool:
-        """Claim a parking place or a spare place that is much nearer to a charger; False when there is none.
+        """Claim a parking or spare place that is much nearer to a charger; False if there is none.
 
-        Whoever stands far away while all chargers are taken may not come there any more when its turn comes.
+        A vehicle that waits far away while all chargers are taken may lack charge for the way at its turn.
         """
         charger = self.reserve.nearest_charger(node)
         if not charger:
@@ -209,7 +209,7 @@ class DwellPoints:
     def seek_spare(
         self, among: Iterable[str], node: str, battery_frac: float, now_s: float, near: str = ""
     ) -> bool:
-        """Claim the nearest of some spare places of the roads that is not known to be taken, as `seek` does; False when there is none."""
+        """Claim the nearest of some spare road places that is not known to be taken, as `seek` does; False if none is."""
         plant = self._plant
         closed = plant.restrictions.nodes
         free = [each for each in among if not self.is_taken(each, now_s) and each not in closed]
@@ -233,7 +233,7 @@ class DwellPoints:
         return True
 
     def reached_round(self, node: str) -> tuple[str, ...]:
-        """The dwell points of any kind to which a way leads from a node round all that lies on lanes; none where nothing does."""
+        """The dwell points that a way round all obstacles reaches from a node; none if there are no obstacles."""
         plant = self._plant
         if not plant.obstructed:
             return ()
@@ -247,28 +247,28 @@ class DwellPoints:
         return plant.node_of(plant.routes(self._type).nearest(node, places)[0]) if places else ""
 
     def set_off(self) -> None:
-        """Nobody has objected: from now on only somebody who is emptier by what a charge is worth takes the charger away.
+        """Start the approach: from now on only a vehicle with WORTH_FRAC less charge can take the charger.
 
-        Else two vehicles could turn each other round in turns: whoever has driven since is always a little emptier.
+        Otherwise two vehicles could displace each other in turns: the one that has driven always has a little less.
         """
         if self.is_charger and self.hold is Hold.CLAIMED:
             self._claim_battery_frac = max(0.0, self._claim_battery_frac - WORTH_FRAC)
 
     def arrive(self) -> None:
-        """The vehicle stands in its dwell point now: who was in the way and is believed has let it in."""
+        """The vehicle has arrived: credible rivals have given way."""
         self.hold = Hold.STANDING
         for key in [key for key in self._opposed_s if key[0] == self.dwell_point]:
             if key not in self._doubted:
                 del self._opposed_s[key]
 
     def leave(self) -> None:
-        """Give the dwell point up; harmless without one. Silence frees it: nobody objects any more."""
+        """Give the dwell point up; ignored without one. Silence frees it, because the vehicle objects no more."""
         if self.dwell_point:
             self._life.unsubscribe(self._keys.dwell_point(self.dwell_point))
             self.dwell_point, self.hold = "", Hold.NONE
 
     def block(self, now_s: float) -> None:
-        """The charger where the vehicle stands is of no use: leave it, and ask for another one."""
+        """The charger is of no use: leave it, and seek another."""
         self._taken_until_s[self.dwell_point] = now_s + BLOCKED_S
         self.leave()
 
@@ -278,13 +278,13 @@ class DwellPoints:
         """Another vehicle claims a dwell point.
 
         Args:
-            claim: what it says.
+            claim: the claim.
             now_s: the present time.
-            plugged: this vehicle is being charged there: nobody else can stand there too.
-            gives_way: this vehicle leaves its dwell point to that one.
+            plugged: whether this vehicle is charging there: no other can stand there too.
+            gives_way: whether this vehicle gives its dwell point to the claimant.
 
         Returns:
-            True when this vehicle has no claim to its dwell point any more.
+            True if this vehicle has lost its dwell point.
         """
         if claim.dwell_point != self.dwell_point or claim.atv == self._atv:
             return False
@@ -299,9 +299,9 @@ class DwellPoints:
         return True
 
     def _is_doubtful(self, claim: DwellPointClaimed, now_s: float) -> bool:
-        """Whether a rival has kept this vehicle from a charger for longer than can be."""
+        """Whether a rival has kept this vehicle from a charger for an impossible time."""
         if not self.is_charger:
-            return False  # A parking place may be stood in for ever.
+            return False  # A parking place may be occupied for ever.
         key = claim.dwell_point, claim.atv
         since_s, heard_s = self._opposed_s.get(key, (now_s, now_s))
         if now_s - heard_s > PAUSE_S:

@@ -1,13 +1,14 @@
-"""What a vehicle does without work: go where it is useful to stand, and charge in time.
+"""A vehicle without work: it moves to a useful place, and charges in time.
 
     settle ----> dwell point claimed ----> driving there ----> standing, charging if it is a charger
        ^            (CONTEST_S)
        +---- work ended, dwell point lost, charge ended, charger left to another, battery low
 
-When all chargers are taken it waits at a parking place, where there is none at a spare place of the roads (`dray.plant.spare_places`), and
-else at a node where nobody docks: a vehicle that waits at a machine keeps others from it. When it charges, and to whom it leaves its charger, is told by `charging`.
+If all chargers are taken, it waits at a parking place. Without one it waits at a spare road place
+(`dray.plant.spare_places`), else at a node without a dock: a vehicle that waits at a machine blocks others.
+Charging decisions are made in `charging`.
 
-A vehicle that rests goes on bidding; `stop` ends the rest at once when it wins.
+A resting vehicle goes on bidding; `stop` ends the rest when it wins.
 """
 
 from __future__ import annotations
@@ -31,20 +32,20 @@ SETTLE = "settle"
 CLAIM = "claim"
 
 SETTLE_S = 4.0
-"""An idle vehicle waits this long for work near by before it drives to a dwell point."""
+"""Time for which an idle vehicle waits for work near by before it drives to a dwell point (s)."""
 
 SEEK_AGAIN_S = 30.0
-"""When every dwell point was taken."""
+"""Interval of attempts while all dwell points are taken (s)."""
 
 TRIES = 3
-"""Charges that fail at one charger before another one is looked for: who is leaving it may need a moment."""
+"""Failed charges at one charger before another one is sought: a leaving vehicle may need a moment."""
 
 
 class WaitingPlaces:
-    """Where vehicles of one type wait that have no dwell point: out of everybody's way, at a node where nobody docks.
+    """Waiting places of one type of vehicle without a dwell point: nodes without a dock, out of the way.
 
     Args:
-        plant: where docks and lanes are.
+        plant: its docks and lanes.
         vehicle_type: id of the type, for its ways.
     """
 
@@ -54,11 +55,11 @@ class WaitingPlaces:
         self._reserve = BatteryReserve(plant, vehicle_type)
         docks = {plant.node_of(place) for place in plant.places}
         free = tuple(node for node in plant.stops if node not in docks)
-        # Material comes from a source warehouse by other means than these vehicles.
+        # No vehicle fetches from a source warehouse: material leaves it by other means.
         self._spots = free or tuple(plant.node_of(place) for place in plant.source_warehouses)
 
     def nearest(self, node: str) -> str:
-        """The nearest such node, perhaps this one; this one too where there is none."""
+        """The nearest such node, perhaps this one; this one if there is none."""
         here = self._plant.nodes[node]
 
         def distance_m(spot: str) -> float:
@@ -74,23 +75,23 @@ class WaitingPlaces:
                 way_s = routes.duration_s(node, spot)
             except NoWay:
                 continue
-            # Not into a dead end that leads to no dock.
+            # Avoid a dead end that leads to no dock.
             if way_s < least_s and self._reserve.needed_frac(spot) < NEVER_FRAC:
                 found, least_s = spot, way_s
         return found
 
 
 class IdlePositioning:
-    """Where one vehicle goes while it has no work, and when it charges.
+    """One vehicle's positions without work, and its charging.
 
     Args:
-        atv: the vehicle.
-        plant: where the dwell points are.
+        atv: the vehicle's id.
+        plant: its dwell points.
         vehicle_type: id of the vehicle's type.
         keys: the plant's bus keys.
-        charging: of the vehicle: when it charges.
+        charging: the vehicle's charging decisions.
         driver: the vehicle's place on the lanes.
-        life: its agent's; its alarms are named `SETTLE` and `CLAIM`.
+        life: the agent's life; alarms are named `SETTLE` and `CLAIM`.
     """
 
     def __init__(
@@ -111,13 +112,13 @@ class IdlePositioning:
         self._life = life
         self._dwell_points = DwellPoints(atv, plant, vehicle_type, keys, life)
         self._charge_order = 0
-        """The order number of the running charge; 0 for none."""
+        """Order number of the running charge; 0 for none."""
         self._failed = 0
-        """Charges that have failed at this charger."""
+        """Failed charges at this charger."""
 
     @property
     def dwell_point(self) -> str:
-        """The dwell point it stands in or drives to; empty for none."""
+        """The dwell point where it stands or drives to; empty for none."""
         return self._dwell_points.dwell_point
 
     @property
@@ -126,22 +127,22 @@ class IdlePositioning:
 
     @property
     def is_reserve(self) -> bool:
-        """Whether it stands in a place of the reserve, where it takes no work that others can do."""
+        """Whether it stands in a reserve place, where it takes only work that others cannot do."""
         return self._dwell_points.is_reserve
 
     # --- beginning and end ---
 
     def start(self, battery_frac: float, now_s: float) -> None:
-        """The vehicle has been switched on, perhaps in a dwell point."""
+        """The vehicle was switched on, perhaps in a dwell point."""
         self._stand_here(battery_frac, now_s)
         self._life.alarm(SETTLE, now_s + SETTLE_S + spread_frac(self._atv) * SETTLE_S)
 
     def soon(self, now_s: float) -> None:
-        """There is no work: look for a place in a moment."""
+        """Work is over: seek a place in a moment."""
         self._life.alarm(SETTLE, now_s + SETTLE_S)
 
     def stay(self, now_s: float) -> None:
-        """Look for no place any more; a vehicle on its way to one stops at the next node."""
+        """Seek no place any more; a vehicle on its way to one stops at the next node."""
         self._life.cancel(SETTLE)
         self._life.cancel(CLAIM)
         if self._driver.way:
@@ -155,18 +156,18 @@ class IdlePositioning:
         self._life.cancel(CLAIM)
 
     def go_elsewhere(self, now_s: float) -> None:
-        """Something is in the way to where it goes, and no way leads round: look for another place."""
+        """An obstacle blocks every way to its place: seek another one."""
         if self._driver.way:
             self.stop()
             self.soon(now_s)
 
     def turn_aside(self, node: str, now_s: float) -> bool:
-        """It stands on a node before something that no way leads round to where it goes, and has no work there: turn back.
+        """Turn back without work before an obstacle that blocks every way to its place.
 
-        It sets off for the nearest dwell point that can be reached, whoever has it, and looks for one of its own on the way.
+        It drives to the nearest reachable dwell point, even an occupied one, and claims one on the way.
 
         Returns:
-            False when none can be reached: nothing is done then.
+            False if none can be reached; nothing is done then.
         """
         away = self._dwell_points.nearest_round(node)
         if not away or not self._driver.turn_back(node, now_s, away):
@@ -176,7 +177,7 @@ class IdlePositioning:
         return True
 
     def floor_changed(self, now_s: float) -> None:
-        """People have closed or opened something: leave what is closed, and go on by other ways."""
+        """Closures have changed: leave closed nodes, and take other ways."""
         claimed = self._dwell_points.dwell_point
         closed = bool(claimed) and self._is_closed(claimed)
         if closed:
@@ -193,14 +194,14 @@ class IdlePositioning:
     # --- time passes ---
 
     def wake(self, name: str, battery_frac: float, now_s: float) -> None:
-        """One of its alarms has come."""
+        """Handle one of its alarms."""
         if name == SETTLE:
             self._settle(battery_frac, now_s)
         elif self._dwell_points.dwell_point:
             self._take_dwell_point(now_s)
 
     def check_battery(self, battery_frac: float, now_s: float) -> None:
-        """A parked vehicle looks for a charger in time, a charged one makes room for others."""
+        """Send a parked vehicle to a charger in time, and a charged one away from it."""
         if self.charging:
             if self._charging.is_done(battery_frac, now_s):
                 self._end_charge(now_s)
@@ -214,7 +215,7 @@ class IdlePositioning:
     # --- the body reports ---
 
     def arrived(self) -> None:
-        """The vehicle stands where it was sent."""
+        """The vehicle has arrived."""
         there = (
             self._dwell_points.dwell_point
             and self._plant.stand_of(self._dwell_points.dwell_point) == self._driver.node
@@ -224,14 +225,14 @@ class IdlePositioning:
             self._charge()
 
     def action_done(self, order: int, now_s: float) -> bool:
-        """A charge has filled the battery; False when the action was another."""
+        """A charge has filled the battery; False for another action."""
         if order != self._charge_order:
             return False
         self._end_charge(now_s)
         return True
 
     def action_failed(self, order: int, now_s: float) -> bool:
-        """A charge was not possible; False when the action was another."""
+        """A charge has failed; False for another action."""
         if order != self._charge_order:
             return False
         self._charge_order = 0
@@ -249,12 +250,12 @@ class IdlePositioning:
     def on_claim(
         self, claim: DwellPointClaimed, *, battery_frac: float, may_leave: bool, now_s: float
     ) -> None:
-        """Another vehicle claims a dwell point, perhaps this one.
+        """Handle another vehicle's claim on a dwell point.
 
         Args:
-            claim: what it says.
-            battery_frac: of this vehicle.
-            may_leave: whether this vehicle can drive away if it comes to that.
+            claim: the claim.
+            battery_frac: this vehicle's charge.
+            may_leave: whether this vehicle can drive away.
             now_s: the present time.
         """
         gives_way = (
@@ -275,7 +276,7 @@ class IdlePositioning:
             self._life.cancel(CLAIM)
             self._life.alarm(SETTLE, now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _settle(self, battery_frac: float, now_s: float) -> None:
         if self.charging:
@@ -303,7 +304,7 @@ class IdlePositioning:
     def _seek(self, charger: bool, battery_frac: float, now_s: float) -> bool:
         node, near = self._driver.next_node, ""
         if not charger and self._charging.is_needy:
-            # It waits for a charger, and has little left for the way there.
+            # It waits for a charger, and has little charge for the way there.
             near = self._dwell_points.reserve.nearest_charger(node)
         found = self._dwell_points.seek(
             charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
@@ -311,13 +312,13 @@ class IdlePositioning:
         return found or (not charger and self._seek_spare(node, battery_frac, now_s, near))
 
     def _seek_nearer(self, battery_frac: float, now_s: float) -> bool:
-        """It is parked and waits for a charger: go nearer to one, while it can."""
+        """Move a parked vehicle that waits for a charger nearer to one."""
         return self._charging.is_needy and self._dwell_points.seek_nearer(
             self._driver.next_node, battery_frac, now_s
         )
 
     def _seek_spare(self, node: str, battery_frac: float, now_s: float, near: str) -> bool:
-        """No parking place is left: out of the way on the roads, else at a free charger, in the reserve, or in somebody's way."""
+        """Without a parking place: wait on a clear road, else at a free charger, in the reserve, or on another road."""
         dwell_points, spare = self._dwell_points, self._plant.spare_places
         if dwell_points.seek_spare(spare.clear, node, battery_frac, now_s, near):
             return True
@@ -330,7 +331,7 @@ class IdlePositioning:
         return dwell_points.seek_spare(rest, node, battery_frac, now_s, near)
 
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
-        """Claim the dwell point in which the vehicle stands, unless another one has just won it."""
+        """Claim the dwell point where the vehicle stands, unless another one has just won it."""
         for dwell_point in (*self._plant.dwell_points, *self._plant.spare_places.all):
             if (
                 self._plant.stand_of(dwell_point) == self._driver.node
@@ -341,7 +342,7 @@ class IdlePositioning:
                 return
 
     def _step_aside(self, now_s: float) -> None:
-        """There is no dwell point, or the place it was driving to belongs to another now: do not wait at a dock."""
+        """Without a dwell point, or after its loss, do not wait at a dock."""
         aside = self._aside.nearest(self._driver.next_node)
         if aside == self._driver.next_node:
             self._driver.halt(now_s)
@@ -349,7 +350,7 @@ class IdlePositioning:
             self._driver.go(aside, now_s)
 
     def _take_dwell_point(self, now_s: float) -> None:
-        """Nobody has objected: drive there."""
+        """The claim is uncontested: drive there."""
         self._dwell_points.set_off()
         try:
             drives = self._driver.go(self._plant.stand_of(self._dwell_points.dwell_point), now_s)
@@ -366,6 +367,6 @@ class IdlePositioning:
             self._driver.act(Charge(order=self._charge_order, charger=self._dwell_points.dwell_point))
 
     def _end_charge(self, now_s: float) -> None:
-        """It has enough: look for another place, and keep this one until there is one or somebody asks for it."""
+        """The charge suffices: seek another place, and keep this one until there is one or a vehicle asks for it."""
         self._charge_order = self._failed = 0
         self._life.alarm(SETTLE, now_s)

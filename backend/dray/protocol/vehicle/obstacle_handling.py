@@ -1,8 +1,8 @@
-"""What a vehicle does about things that lie on lanes (paper, 3.1): it tells the others, goes round, and looks again.
+"""A vehicle's handling of obstacles on lanes (paper, 3.1): it reports them, drives round, and looks again.
 
-Its body stops before what is in its way and says so. From then on ways lead round, its own and those of whoever has heard of it,
-until it is gone: until somebody has driven there, or nobody has seen it for a while. Only where no way leads round is it a problem,
-for which people are asked.
+Its body stops before an obstacle and reports it. From then on this vehicle, and all that have heard of it, plan
+ways round it. That ends when a vehicle has driven there, or when no vehicle has seen it for a while. It is a
+problem for people only if no way leads round.
 """
 
 from __future__ import annotations
@@ -46,17 +46,17 @@ SHUT = "the door {} does not open, and no way leads round it"
 NO_TURNING = "the door {} does not open, and no lane leads back from {}"
 
 BLOCKED = Problem(kind=ProblemKind.WAY_BLOCKED, needs_person=True)
-"""Whether it goes away by itself nobody knows."""
+"""Whether it goes away by itself is unknown."""
 
 
 class Owner(Protocol):
-    """The vehicle, as far as obstacles need it."""
+    """The vehicle, as obstacles need it."""
 
     id: str
 
     @property
     def link(self) -> Link:
-        """By which it speaks."""
+        """The link that it uses."""
 
 
 class ObstacleHandling:
@@ -64,14 +64,14 @@ class ObstacleHandling:
 
     Args:
         owner: the vehicle.
-        floor: as it knows it.
-        driver: its place on the lanes.
-        contracts, idle: what it drives for.
-        problems: of its body, and its own.
-        life: its agent's; its alarms are named `LOOK_AGAIN`.
+        floor: the floor as it knows it.
+        driver: its driver.
+        contracts, idle: the purposes of its ways.
+        problems: its problem handling.
+        life: the agent's life; alarms are named `LOOK_AGAIN`.
 
     Attributes:
-        messages, reports, alarms: for the vehicle's tables.
+        messages, reports, alarms: entries for the vehicle's tables.
     """
 
     def __init__(
@@ -89,13 +89,13 @@ class ObstacleHandling:
         self._life = life
         self._keys = Keys(floor.id)
         self._stands_before: Ends | None = None
-        """The lane on which something holds it up, with no way round; a problem of its own."""
+        """The lane with an obstacle that no way leads round: a problem of the vehicle."""
         self._may_turn = False
-        """It stands before that lane, and not on it."""
+        """Whether it stands before that lane, and not on it."""
         self._reason = ""
-        """What it says of that."""
+        """The reason that it reports."""
         self._untold: dict[Ends, float] = {}
-        """What it has met while it had no WLAN, and when that is forgotten."""
+        """Obstacles met without WLAN, and when they are forgotten."""
         self._silent = SilentVehicles(
             floor.obstacles, contracts.subscriptions, self._tell_gone, life, self._keys
         )
@@ -116,23 +116,24 @@ class ObstacleHandling:
         }
 
     def start(self) -> None:
-        """Listen to what others meet."""
+        """Subscribe to other vehicles' obstacles."""
         self._life.subscribe(self._keys.all_obstacles)
 
     @property
     def silent_one(self) -> str:
-        """A silent vehicle that it has waited for in vain, and has told of; empty for none."""
+        """A silent vehicle that it has waited for without success, and has reported; empty for none."""
         return next(iter(self._silent), "")
 
     def drove(self, start: str, end: str, now_s: float) -> None:
-        """It has driven a lane: whatever lay there is gone."""
+        """It has driven a lane: an obstacle there is gone."""
         if start != end and self._floor.obstacles.is_on(start, end):
             self._tell_gone(start, end, now_s)
 
     def shut_out(self, shut: ShutOut, now_s: float) -> None:
-        """A silent vehicle is in its way, and none leads round: that is an obstacle, and what is carried is planned anew.
+        """A silent vehicle blocks every way: report it as an obstacle, and plan the job anew.
 
-        It stays able to make room for others, so this is no problem of its own: who waits for whom is told with its heartbeat.
+        The vehicle can still make room for others, so this is no problem of its own; its heartbeat names the
+        vehicle it waits for.
         """
         if self._silent.was_heard_lately(shut.by, now_s):
             return
@@ -148,9 +149,9 @@ class ObstacleHandling:
             self._idle.go_elsewhere(now_s)
 
     def _look_after(self, task: str, now_s: float) -> None:
-        """A primary may have failed. Whoever takes over from one that stands does not drive up behind it for its load, if others have it.
+        """A primary may have failed. A successor does not drive up behind a standing one if others have the load.
 
-        From the lane before a dock no way leads back, and who stands at the dock was judged to stay there.
+        No way leads back from the lane before a dock, and a failed vehicle at the dock is assumed to stay.
         """
         failed = self._contracts.standby.last_heard(task)
         self._contracts.alarms[WATCHED_SILENCE](task, now_s)
@@ -162,12 +163,12 @@ class ObstacleHandling:
             self.shut_out(shut, now_s)
 
     def tell(self, now_s: float) -> None:
-        """Tell what it has met and was not told yet, if it has WLAN."""
+        """Report obstacles that are not reported yet, if there is WLAN."""
         if self._owner.link is not Link.WLAN:
             return
         for (start, end), until_s in self._untold.items():
             if until_s > now_s and self._floor.obstacles.is_on(start, end):
-                # Sums of moments are rounded: a hair more than the most that may be said is the most.
+                # Rounding may exceed the maximum by a little.
                 for_s = min(until_s - now_s, FORGOTTEN_AT_MOST_S)
                 said = ObstacleSeen(atv=self._owner.id, start=start, end=end, there=True, forget_in_s=for_s)
                 self._life.publish(self._keys.obstacle(self._owner.id), said)
@@ -201,7 +202,7 @@ class ObstacleHandling:
         self._problems.raise_problem(ProblemRaised(reason=self._reason, problem=BLOCKED), now_s)
 
     def _problem_cleared(self, report: ProblemCleared, now_s: float) -> None:
-        """Something else was wrong, and is put right: what lies before it still does."""
+        """Another problem is solved; the obstacle before it remains."""
         self._problems.reports[ProblemCleared](report, now_s)
         if self._stands_before is not None:
             self._raise(now_s)
@@ -222,7 +223,7 @@ class ObstacleHandling:
         self._contracts.message_handlers[AtvHeartbeat](sender, heartbeat, now_s)
         self._silent.on_heartbeat(heartbeat, now_s)
 
-    # --- what others say -------------------------------------------------------------------------
+    # --- others' reports -------------------------------------------------------------------------
 
     def _on_seen(self, sender: str, seen: ObstacleSeen, now_s: float) -> None:
         obstacles = self._floor.obstacles
@@ -245,12 +246,12 @@ class ObstacleHandling:
             if self._stands_before is None or self._may_turn:
                 self._try_round(now_s)
             elif not self._floor.obstacles.is_on(*self._stands_before):
-                # It has entered that lane and still sees what lies there: its body says when it is gone.
+                # It has entered that lane and still sees the obstacle: its body reports when it is gone.
                 self._meet(*self._stands_before, now_s)
         self._set_alarm()
 
     def _heed(self, start: str, end: str, now_s: float, *, news: bool, there: bool) -> None:
-        """Somebody has seen something, or that it is gone: go by that."""
+        """Handle a report of an obstacle, or of its end."""
         if not news:
             self._life.ignore(KNOWN)
             return
@@ -263,26 +264,26 @@ class ObstacleHandling:
         if on_way and self._driver.leads_round(self._driver.next_node, now_s):
             self._follow(now_s)
 
-    # --- what it does ----------------------------------------------------------------------------
+    # --- reactions -------------------------------------------------------------------------------
 
     def _try_round(self, now_s: float) -> None:
-        """It stands before something, and something else is gone: perhaps a way leads round now."""
+        """Another obstacle is gone: perhaps a way leads round now."""
         if self._stands_before is not None and self._go_round(self._stands_before[0], now_s):
             self._end_problem(now_s)
 
     def _go_round(self, node: str, now_s: float) -> bool:
-        """Go another way from the node where it stands; False when none leads round."""
+        """Take another way from the present node; False if none leads round."""
         if not self._driver.leads_round(node, now_s) or not self._driver.turn_back(node, now_s):
             return False
         self._follow(now_s)
         return True
 
     def _turn_aside(self, node: str, now_s: float) -> bool:
-        """Without work there is nothing to wait for: leave, if a way leads from there; False when it has work, or none does."""
+        """Leave an obstacle without work, if a way leads away; False with work, or without a way."""
         return self._contracts.job is None and self._idle.turn_aside(node, now_s)
 
     def note_ended(self, now_s: float) -> None:
-        """Its contract has ended, while it stood before something perhaps: whoever has it now goes on, and so does this vehicle."""
+        """The contract has ended: leave the obstacle, if it stands before one."""
         if (
             self._stands_before is not None
             and self._may_turn

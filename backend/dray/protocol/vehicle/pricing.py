@@ -5,10 +5,10 @@ A price has five parts, all in seconds so that they add up and can be compared:
     empty way    driving from here to the source
     loaded way   driving from the source to the destination
     energy       Wh used * ENERGY_S_PER_WH, plus a premium that grows as the battery empties
-    waiting      where it would load and unload, as was seen there lately
+    waiting      at the places of loading and unloading, as measured there lately
     suitability  SPARE_ABILITY_S for every ability of the vehicle that the task does not need
 
-A vehicle quotes only what it can keep: the deadline, and a battery that still reaches a charger.
+A vehicle quotes only what it can keep: the deadline, and enough charge to reach a charger.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from dray.protocol.vehicle.battery_reserve import BatteryReserve
 from dray.protocol.vehicle.drivers.driver import limited_s
 
 ENERGY_S_PER_WH = 2.0
-"""A second of charging at 600 W gives a sixth of a Wh: energy costs the time to get it back, and a
-third of that, since charging mostly happens while nothing else is to be done."""
+"""Price of energy (s/Wh). A second of charging at 600 W gives a sixth of a Wh. Energy costs a third of its charging time,
+because charging mostly happens while there is no other work."""
 
 LOW_BATTERY_S = 60.0
-"""The premium of an empty battery: as much as a way across the plant, so that emptier vehicles
-leave work to fuller ones near by, and still take it when they are alone."""
+"""The premium of an empty battery (s): as much as a way across the plant. Emptier vehicles leave work to fuller ones near
+by, and still take it when they are alone."""
 
 SPARE_ABILITY_S = 10.0
-"""A vehicle that can do rarer work is held back by a few lanes' worth."""
+"""Price of an unneeded ability (s): a few lanes, so that vehicles for rarer work stay free."""
 
 
 class Quote(msgspec.Struct, frozen=True):
-    """What a vehicle can offer."""
+    """A vehicle's offer."""
 
     source: str
     cost: TransportCost
     finish_s: float
-    """When it would hand over (plant clock)."""
+    """Promised handover (plant clock)."""
 
 
 class Unable(msgspec.Struct, frozen=True):
-    """Why it can offer nothing."""
+    """Why there is no offer."""
 
     reason: Refusal
     detail: str
@@ -57,7 +57,7 @@ class Pricer:
     """Prices transports for one type of vehicle.
 
     Args:
-        plant: where the ways are.
+        plant: its ways.
         vehicle_type: id of the type.
     """
 
@@ -82,18 +82,19 @@ class Pricer:
         """Price a transport from a node.
 
         Args:
-            work: what is asked for.
-            node: where the vehicle is, or will be next.
+            work: the transport.
+            node: the vehicle's node, or the next one.
             node_at_s: when it is there (plant clock).
-            battery_frac: what is in the battery now.
+            battery_frac: the present charge.
             now_s: the present time.
             deadline_s: when it should be done.
-            speed_frac: what a person's limit and other vehicles leave of the vehicle's own speed (`Driver.pace_frac`).
-            silent_one: a silent vehicle that this one has waited for in vain; empty for none.
-            wait_s: how long it would have to wait at a place beyond the handling, where it comes at a time (plant clock).
+            speed_frac: fraction of the vehicle's speed that a person's limit and traffic leave
+                (`Driver.pace_frac`).
+            silent_one: a silent vehicle that this one has waited for without success; empty for none.
+            wait_s: the expected wait at a place beyond the handling, for an arrival time (plant clock).
 
         Returns:
-            The cheapest offer that can be kept, over all sources; or why there is none, of the cheapest of all.
+            The cheapest offer over all sources that can be kept; otherwise why the cheapest of all cannot be kept.
         """
         kind = self._type
         for ability in work.needed:
@@ -136,12 +137,12 @@ class Pricer:
             return self._no_way(node, [docks[source] for source in work.sources], there)
         needed_frac = self._reserve.needed_frac(there)
         if self._plant.obstructed:
-            # What lies behind something that no way leads round is fetched only where there is none of it elsewhere.
+            # A load behind an obstacle without a way round is fetched only if no other source has it.
             clear = [offer for offer in offers if self._is_clear(node, docks[offer[0].source], there)]
             if silent_one and not clear and self._may_others_come(work, there, docks, now_s):
                 return Unable(Refusal.NOT_FIT, f"shut in by {silent_one}")
             offers = clear or offers
-        # Of sources that cost the same the first one that the task names.
+        # The sort is stable: among equal prices the task's first source wins.
         offers.sort(key=lambda offer: offer[0].cost.total_s)
         for quote, left_frac in offers:
             if left_frac >= needed_frac and quote.finish_s <= deadline_s:
@@ -152,7 +153,7 @@ class Pricer:
         return Unable(Refusal.DEADLINE, f"{quote.finish_s - deadline_s:.0f} s too late")
 
     def _may_others_come(self, work: Transport, there: str, docks: Mapping[str, str], now_s: float) -> bool:
-        """Whether others may carry it, and something is known to lie on no way from its destination to a source."""
+        """Whether others may carry it, and obstacles do not block all ways from its destination to a source."""
         routes = self._plant.routes(self._type.id)
         return work.is_for_any(now_s) and any(
             routes.leads_round(there, docks[source]) for source in work.sources
@@ -163,7 +164,7 @@ class Pricer:
         return routes.leads_round(node, source) and routes.leads_round(source, there)
 
     def _no_way(self, node: str, sources: list[str], there: str) -> Unable:
-        """Why no way leads there: what people have closed, or the lanes of the plant."""
+        """Why no way leads there: closures, or the lanes of the plant."""
         routes = self._plant.routes(self._type.id, OPEN)
         if any(routes.leads(node, source) and routes.leads(source, there) for source in sources):
             return Unable(Refusal.CLOSED, "what is closed leaves no way")
@@ -171,6 +172,6 @@ class Pricer:
 
 
 def low_battery_s(left_frac: float) -> float:
-    """The premium for leaving only `left_frac` in the battery: none above half, then quadratic."""
+    """The premium for leaving only `left_frac` in the battery (s): none above half, then quadratic."""
     missing = max(0.0, 0.5 - left_frac) / 0.5
     return LOW_BATTERY_S * missing * missing

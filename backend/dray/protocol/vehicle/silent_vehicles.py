@@ -1,7 +1,7 @@
-"""Silent vehicles that stand in the way, as the one remembers them that has told of them as obstacles.
+"""Silent vehicles in the way, remembered by the vehicle that has reported them as obstacles.
 
-It listens for each, and tells that the way is free when the vehicle is heard again and can move, or was carried away. When that is
-missed, the obstacle is forgotten after a time as any other.
+The vehicle follows each of them. It reports the way as free when the silent one is heard again and can move, or was
+carried away. If that is missed, the obstacle is forgotten after a time like any other.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S
 
 STANDS = frozenset({AtvStatus.ERROR, AtvStatus.STOPPED})
-"""A vehicle stands until a person has seen to it."""
+"""States in which a vehicle stands until a person has checked it."""
 
 REMEMBERED = 16
-"""Vehicles that were in the way: more than stand silent on one floor."""
+"""Maximum remembered vehicles: more than stand silent on one floor."""
 
 
 class SilentVehicles:
-    """Those that one vehicle has told of.
+    """The silent vehicles that one vehicle has reported.
 
     Args:
-        obstacles: what it knows to lie on lanes.
-        subscriptions: whose heartbeats it hears.
-        tell_gone: called with the ends of a lane, and now_s: what was there is gone.
-        keys: of the plant.
+        obstacles: known obstacles on lanes.
+        subscriptions: its heartbeat subscriptions.
+        tell_gone: called with the ends of a lane whose obstacle is gone, and now_s.
+        keys: the plant's bus keys.
     """
 
     def __init__(
@@ -48,9 +48,9 @@ class SilentVehicles:
         self._life = life
         self._keys = keys
         self._lanes: dict[str, tuple[Ends, ...]] = {}
-        """Vehicle -> the lanes that it blocks."""
+        """By vehicle: the lanes that it blocks."""
         self._ended_s: BoundedMap[str, float] = BoundedMap(REMEMBERED)
-        """Vehicle -> when it was last heard again, or carried away."""
+        """By vehicle: when it was last heard again, or carried away."""
 
     def __contains__(self, atv: str) -> bool:
         return atv in self._lanes
@@ -59,11 +59,11 @@ class SilentVehicles:
         return iter(self._lanes)
 
     def was_heard_lately(self, atv: str, now_s: float) -> bool:
-        """Whether it was heard or carried away a moment ago: then it may be out of the way soon, whatever a reservation table says."""
+        """Whether it was heard or carried away recently: it may soon be gone, even if a reservation table still has it."""
         return now_s - self._ended_s.get(atv, -SHUT_OUT_S) < SHUT_OUT_S
 
     def meet(self, atv: str, lanes: Sequence[Ends]) -> list[Ends]:
-        """A vehicle was waited for in vain. Returns those lanes of which nobody has told yet."""
+        """Note a vehicle that was waited for without success. Returns its lanes that are not reported yet."""
         if atv not in self._lanes:
             if not self._lanes:
                 self._life.subscribe(self._keys.removals)
@@ -72,18 +72,18 @@ class SilentVehicles:
         return [ends for ends in lanes if not self._obstacles.is_on(*ends)]
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """It is heard again. One that stands until a person has seen to it is as much in the way as before."""
+        """Handle a heartbeat. A vehicle that stands until a person has checked it remains an obstacle."""
         if heartbeat.status not in STANDS:
             self._end(heartbeat.atv, now_s)
 
     def on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
-        """People have carried vehicles away."""
+        """Handle people's removals of vehicles."""
         for removal in said.removals:
             if not removal.node:
                 self._end(removal.atv, now_s)
 
     def look(self) -> None:
-        """Something was forgotten: nobody need be listened for because of it."""
+        """An obstacle was forgotten: stop following vehicles without obstacles."""
         for atv, lanes in list(self._lanes.items()):
             if not any(self._obstacles.is_on(*ends) for ends in lanes):
                 self._forget(atv)

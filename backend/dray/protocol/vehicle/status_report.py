@@ -1,4 +1,4 @@
-"""What a vehicle tells everybody of itself: its heartbeat, put together from what its parts know."""
+"""A vehicle's heartbeat, composed from its parts."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from dray.protocol.vehicle.idle_positioning import IdlePositioning
 from dray.protocol.vehicle.people.command_handling import CommandHandling
 
 WAIT_TOLD_S = 10.0
-"""What a body has waited for less long is not told: most of it ends by itself, and heartbeats stay short."""
+"""Minimum duration of a body's wait in the heartbeat (s): most waits end by themselves, and heartbeats stay short."""
 
 
 class Vehicle(Protocol):
-    """What a vehicle knows of itself beside its parts."""
+    """The vehicle's own facts beside its parts."""
 
     id: str
     incarnation: int
@@ -36,15 +36,15 @@ class Vehicle(Protocol):
 
 
 class StatusReport:
-    """Puts a vehicle's heartbeats together.
+    """Composes a vehicle's heartbeats.
 
     Args:
-        vehicle: whose.
+        vehicle: the vehicle.
         software: the version it runs.
         driver, contracts, idle, commands: the vehicle's parts.
 
     Attributes:
-        access_point: by which its modem was on the WLAN last; empty for not known.
+        access_point: its modem's last WLAN access point; empty if unknown.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class StatusReport:
 
     @property
     def status(self) -> AtvStatus:
-        """Its state, as everybody is to see it."""
+        """The status that other agents see."""
         if self._commands.stopped:
             return AtvStatus.STOPPED
         if self._commands.assistance.problem:
@@ -79,7 +79,7 @@ class StatusReport:
         return AtvStatus.CHARGING if self._idle.charging else AtvStatus.IDLE
 
     def unfit(self, link: Link) -> str:
-        """Why it may take no work at all; empty when it may. `link` is the one by which it speaks."""
+        """Why it may take no work at all; empty if it may. `link` is the link that it uses."""
         if self._commands.assistance.problem:
             return self._commands.assistance.problem
         if self._commands.stopped:
@@ -95,12 +95,12 @@ class StatusReport:
         return "a load is on board" if self._contracts.job is None and self._vehicle.load[0] else ""
 
     def heartbeat(self, status: AtvStatus, link: Link, now_s: float) -> AtvHeartbeat:
-        """The next one.
+        """The next heartbeat.
 
         Args:
-            status: as it was told last.
-            link: by which it speaks.
-            now_s: when.
+            status: the status last reported.
+            link: the link that it uses.
+            now_s: the present time.
         """
         assistance = self._commands.assistance
         job, driver = self._contracts.job, self._driver
@@ -143,7 +143,7 @@ class StatusReport:
         return UNSET if wait is None or now_s - wait.since_s < WAIT_TOLD_S else wait
 
     def _lost_wlan(self, link: Link, now_s: float) -> LostWlan | UnsetType:
-        """Since when it is left with its radio: every change of the link is told at once."""
+        """The loss of WLAN while only the radio works: every change of the link is told at once."""
         if link is Link.WLAN:
             self._lost = UNSET
         elif self._lost is UNSET:

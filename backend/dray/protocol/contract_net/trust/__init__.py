@@ -1,1 +1,1 @@
-"""Whose offers are believed: what cannot be, who has kept its promises, and who is on probation."""
+"""Whose offers are believed: plausibility, reliability and probation."""

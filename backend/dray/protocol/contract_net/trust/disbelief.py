@@ -1,7 +1,7 @@
-"""What follows from an implausible message: its sender is told why, and a fact records it.
+"""Consequences of an implausible message: its sender is told why, and a fact records it.
 
-Once a minute of every speaker: whoever says nonsense all the time must not fill anybody's history, and whoever has
-a wrong clock says the same wrong thing with every bid.
+At most once a minute per sender: constant nonsense must not fill a history, and a wrong clock repeats its error
+with every bid.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ class Disbelief:
         now_s: float,
         clock_ahead_s: float = 0.0,
     ) -> None:
-        """Note that something said cannot be true, and let its speaker know.
+        """Record that a message is implausible, and tell its sender.
 
         Args:
-            speaker: who has said it.
-            said: what.
-            reason: why it is not believed, as it is counted.
+            speaker: the sender.
+            said: the message.
+            reason: why it is not believed; counted.
             now_s: the present time.
-            clock_ahead_s: how far the speaker's clock is ahead, if that is the reason.
+            clock_ahead_s: how far the sender's clock is ahead, if that is the reason.
         """
         self._life.ignore(reason)
         if self._throttle.passes(speaker, now_s):
@@ -43,7 +43,7 @@ class Disbelief:
 
 
 class DisbeliefHandling:
-    """What a contractor does when it hears that it is not believed: it goes on, and leaves it to people."""
+    """How a contractor handles disbelief: it goes on, and leaves the fault to people."""
 
     def __init__(self, life: Life) -> None:
         self._life = life

@@ -1,25 +1,25 @@
-"""What cannot be: offers that no contractor could keep, whoever makes them. Pure arithmetic over the plant.
+"""Offers that no contractor could keep, whichever it is. Pure arithmetic over the plant.
 
 A coordinator does not know where a bidder stands, but it knows the plant, and no vehicle is faster than the
-fastest. So for a transport
+fastest. The rules for a transport:
 
     loaded way  >= crow flies from source to destination / top speed of the fastest
     done        >= now + that + the shortest loading and unloading
-    no part of a price is negative, and nothing is not a number
-    done        <= now + what its price says that it takes, and LATE_S; a goal: within LATEST_GOAL_S
-    the source is one of those that were asked for
+    no part of a price is negative, and every number is finite
+    done        <= now + the durations in its price, and LATE_S; a goal: within LATEST_GOAL_S
+    the source is one of the announced ones
 
-and what a contractor promises beyond the longest way of the plant is not believed: it would buy time with words. That
-way is the one from the farthest node to the source and on to the destination, by the slowest vehicle that may carry it.
+A promise beyond the longest way of the plant is not believed: it would buy time with words. That way leads from the
+farthest node to the source and on to the destination, by the slowest suitable vehicle.
 
-Every time was told by somebody's clock. A bid, an acceptance and a takeover tell when they were said, by the same
-clock as all that is in them. So a clock that is a little wrong is seen and made up for, whatever it promises by it:
+Every time comes from some clock. A bid, an acceptance and a takeover carry the time they were sent, by the same
+clock. The receiver sees a slightly wrong clock and corrects the promise:
 
-    ahead_s = at_s - now           0 within what a link may take, and CLOCKS_AGREE_S
+    ahead_s = at_s - now           0 within a link's delay, and CLOCKS_AGREE_S
     finish  = finish_s - ahead_s
 
-From CLOCK_WRONG_S on nothing is believed that goes by that clock: it is named, and put right by people.
-Ways are taken as the crow flies, for the plant file of the bidder may know lanes that this one does not.
+From CLOCK_WRONG_S on nothing by that clock is believed: it is reported, and people correct it. Ways are straight
+lines, because the bidder's plant file may have lanes that this one lacks.
 """
 
 from __future__ import annotations
@@ -38,34 +38,34 @@ from dray.protocol.contract_net.waits import WAIT_MAX_S
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S
 
 UNDER_WAY_S = LATENESS_MAX_S + CLOCKS_AGREE_S
-"""A bid that comes now may have been made so long ago."""
+"""Maximum age of an arriving bid (s)."""
 
 LATE_S = 1800.0
-"""Beside all that a bid tells of ways and queues: docks, people, whatever else it may know of."""
+"""Slack beyond a bid's ways and queues (s): docks, people, and other causes that it may know."""
 
 LATEST_GOAL_S = 30 * 86_400.0
-"""A machine with more work than for a month takes no more."""
+"""Maximum time of a goal (s): a machine with work for a month takes no more."""
 
 ROUNDING_S = 0.01
-"""Two agents add the same lengths in another order."""
+"""Tolerance for rounding (s): two agents may add the same lengths in different orders."""
 
 LOOSE_FRAC = 1.5
-"""A promise may be so many times what the bid has told of its ways: the vehicle has driven on since."""
+"""Maximum promise as a multiple of the bid's ways: the vehicle has driven on since."""
 
 LOOSE_S = 30.0
-"""And so much more than that: a turn, a lane that was to be finished first."""
+"""Slack added to that (s): a turn, or a lane to finish first."""
 
 DIAMETERS = 3.0
-"""Ways of a transport are believed to be so many diagonals of the floor at least, whatever lanes this plant file knows."""
+"""Minimum believed length of a transport's ways in floor diagonals, whichever lanes this plant file has."""
 
 S = TypeVar("S", Bid, Accepted, TakenOver)
 
 
 def clock_ahead_s(at_s: float | None, now_s: float) -> float:
-    """How far a speaker's clock is ahead, behind if negative; 0 where its word may have been under way so long.
+    """How far a sender's clock is ahead (s), negative if behind; 0 within the possible link delay.
 
     Args:
-        at_s: when it was said, by that clock; None where nobody has told.
+        at_s: send time by that clock; None if unknown.
         now_s: the present time.
     """
     if at_s is None or now_s - UNDER_WAY_S <= at_s <= now_s + CLOCKS_AGREE_S:
@@ -74,7 +74,7 @@ def clock_ahead_s(at_s: float | None, now_s: float) -> float:
 
 
 def by_our_clock(said: S, now_s: float) -> S:
-    """The same with its times as our clock would tell them; by a clock that is too wrong it stays as it is."""
+    """The message with its times by our clock; unchanged if its clock is too wrong."""
     ahead_s = clock_ahead_s(said.at_s, now_s)
     if not ahead_s or abs(ahead_s) > CLOCK_WRONG_S:
         return said
@@ -82,15 +82,15 @@ def by_our_clock(said: S, now_s: float) -> S:
 
 
 def is_clock_wrong(said: Bid | Accepted | TakenOver, now_s: float) -> bool:
-    """Whether something was said by a clock that is not made up for."""
+    """Whether the sender's clock is too wrong to correct."""
     return abs(clock_ahead_s(said.at_s, now_s)) > CLOCK_WRONG_S
 
 
 class Plausibility:
-    """What contractors of one plant could do at best, and at worst.
+    """The plausible limits of contractors in one plant.
 
     Args:
-        plant: its places, and its types of vehicles.
+        plant: its places and vehicle types.
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -99,16 +99,16 @@ class Plausibility:
         self._top_mps = max((kind.max_speed_mps for kind in kinds), default=1.0)
         self._handling_s = min((kind.load_s + kind.unload_s for kind in kinds), default=0.0)
         self.handling_max_s = max((max(kind.load_s, kind.unload_s) for kind in kinds), default=0.0)
-        """The longest loading or unloading."""
+        """The longest loading or unloading (s)."""
         slowest_mps = min((kind.max_speed_mps for kind in kinds), default=1.0)
         self._floor_s = DIAMETERS * plant.diameter_m / slowest_mps + 2.0 * self.handling_max_s
 
     def objection(self, work: Work, bid: Bid, now_s: float) -> Implausible | None:
-        """Why a bid cannot be true; None when it can.
+        """Why a bid is implausible; None if it is plausible.
 
         Args:
-            work: what it is for.
-            bid: by our clock, as far as that can be (`by_our_clock`).
+            work: the announced work.
+            bid: by our clock if possible (`by_our_clock`).
             now_s: the present time.
         """
         if is_clock_wrong(bid, now_s):
@@ -130,7 +130,7 @@ class Plausibility:
         return Implausible.TOO_LATE if bid.finish_s > now_s + latest_s else None
 
     def longest_s(self, work: Work) -> float:
-        """No transport takes longer, from wherever its vehicle is and from whichever of its sources."""
+        """Maximum duration of a transport from any vehicle position and any of its sources (s)."""
         longest_s = self._floor_s
         if not isinstance(work, Transport):
             return longest_s
@@ -144,24 +144,24 @@ class Plausibility:
                 try:
                     ways_s = routes.farthest_s(here) + routes.duration_s(here, there)
                 except NoWay:
-                    continue  # Its own plant file may know one, or what is closed is known to one of us only.
+                    continue  # The bidder's plant file may know a way, or only one side knows of a closure.
                 longest_s = max(longest_s, LOOSE_FRAC * ways_s + 2.0 * self.handling_max_s)
         return longest_s
 
     def believed_s(self, work: Work, bid: Bid | None, promised_s: float, now_s: float) -> float:
-        """Until when a contractor is believed to be done, which has promised to be by `promised_s`.
+        """Credible finish time of a contractor that has promised `promised_s`.
 
         Args:
-            work: what it has promised.
-            bid: what it has bid just now; None when that is long ago, or nobody has.
-            promised_s: its word with the contract (plant clock).
+            work: the promised work.
+            bid: its fresh bid; None if it is old or missing.
+            promised_s: finish time promised with the contract (plant clock).
             now_s: the present time.
         """
         span_s = self.longest_s(work)
         if bid is not None and isinstance(bid.cost, TransportCost):
             ways_s = bid.cost.empty_way_s + bid.cost.loaded_way_s
             span_s = min(span_s, LOOSE_FRAC * ways_s + 2.0 * self.handling_max_s + LOOSE_S)
-            # It pays for that with its price; and nobody is believed to wait for ever.
+            # The bidder pays for waiting with its price; an endless wait is not believed.
             span_s += min(bid.cost.waiting_s, WAIT_MAX_S)
         elif bid is not None:
             span_s = LOOSE_FRAC * bid.cost.total_s + LOOSE_S
@@ -181,7 +181,7 @@ class Plausibility:
         return None
 
     def _way_s(self, work: Transport, source: str) -> float:
-        """The loaded way as the crow flies at the fastest vehicle's top speed; 0 where somebody is not known."""
+        """Duration of the loaded way in a straight line at the fastest vehicle's top speed (s); 0 if a node is unknown."""
         nodes = self._plant.nodes
         here, there = (nodes.get(dock_of(self._plant, work, place)) for place in (source, work.destination))
         if here is None or there is None:

@@ -1,11 +1,11 @@
-"""On probation: whoever is not known to be good takes short tasks first, until some were done well (paper, 4.2 case 6).
+"""Probation: an unknown contractor takes short tasks first, until some were done well (paper, 4.2 case 6).
 
-A short task that goes wrong costs little, and shows soon that something is wrong. Whether a task was done
-well is for those to judge who have given it out; the agent itself only counts, to know when it may do more.
-Probation is not remembered: each life that is to be on probation is started on probation.
+A short task that goes wrong costs little, and soon shows the fault. The coordinator judges whether a task was done
+well; the agent itself only counts its tasks. Probation is not remembered: each life on probation is started on
+probation.
 
-Probation must not keep a task from being done at all. What nobody has taken in PASSED_OVER_ROUNDS rounds is
-taken on probation too, however long it is.
+Probation must not keep a task from being done. After PASSED_OVER_ROUNDS rounds a vehicle on probation takes any
+task, even a long one.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from __future__ import annotations
 from dray.messages import ProbationBrief
 
 SHORT_S = 90.0
-"""A transport that is given to one on probation: every second one of the default plant, which take 83 s in the middle."""
+"""Longest transport on probation (s): half of the default plant's transports, whose median is 83 s."""
 
 PASSED_OVER_ROUNDS = 4
-"""By then the circle of those who are asked has grown to 200 m, and bidders that were busy were asked again."""
+"""By then the announcement radius has grown to 200 m, and busy bidders were asked again."""
 
 ON_PROBATION = "on probation, and this is not short"
 
 
 def is_barred(*, short: bool, round_number: int) -> bool:
-    """Whether a task is not for one that is given short ones only; what nobody has taken is for everybody."""
+    """Whether a restricted contractor may not take a task; long tasks are open to all after enough rounds."""
     return not short and round_number <= PASSED_OVER_ROUNDS
 
 
@@ -30,7 +30,7 @@ class Probation:
     """The probation of one agent.
 
     Args:
-        transports: so many have to be done well; 0 for an agent that is not on probation.
+        transports: how many must be done well; 0 for an agent without probation.
     """
 
     __slots__ = ("_done", "_of")
@@ -44,18 +44,18 @@ class Probation:
         return self._done < self._of
 
     def bars(self, *, short: bool, round_number: int) -> bool:
-        """Whether a task that was announced is not for an agent on probation.
+        """Whether an announced task is barred for an agent on probation.
 
         Args:
-            short: whether it is a short one, as far as the agent can tell.
-            round_number: of its announcement.
+            short: whether the agent expects it to be short.
+            round_number: of the announcement.
         """
         return self.lasts and is_barred(short=short, round_number=round_number)
 
     def note_done(self) -> None:
-        """A transport came to its good end."""
+        """Count a completed transport."""
         self._done += self.lasts
 
     def brief(self) -> ProbationBrief | None:
-        """What the heartbeat tells of it; None when there is no probation, or it is passed."""
+        """The heartbeat's entry; None without probation, or when it is passed."""
         return ProbationBrief(of=self._of, done=self._done) if self.lasts else None

@@ -1,1 +1,1 @@
-"""A machine and people: what they tell it to do, and what it asks them for (paper, case 1)."""
+"""A machine and people: their commands, and its requests (paper, case 1)."""

@@ -1,14 +1,15 @@
-"""A machine's breakdown, and how long its goals wait for its end (paper, case 1).
+"""A machine's breakdown, and how long its goals wait for a repair (paper, case 1).
 
-    room_s      the time that is left to the most pressing deadline; GOAL_PATIENCE_MIN_S to BREAKDOWN_S
-    usual_s     three of five breakdowns of this kind were over by then, as all machines have told
+    room_s      the time left to the most urgent deadline; GOAL_PATIENCE_MIN_S to BREAKDOWN_S
+    usual_s     three of five breakdowns of this kind were over by then, by all machines' reports
 
-Where such breakdowns are usually over within the room, the goals wait as long as there is room; else they are offered to others at
-once. Of a breakdown about which there are only words nothing is usual, and the goals wait BREAKDOWN_S. Where nobody is on duty, and by the
-working time of the place nobody is there, a breakdown lasts that much longer, and what lasts too long is not waited for. A person's word counts above:
-one who promises to come is waited for, and one who has seen that it takes too long lets the goals go.
+If such breakdowns are usually over within the room, the goals wait for that long; otherwise they are offered to
+others at once. A breakdown known only in words has no usual duration, and the goals wait BREAKDOWN_S. The time
+until a person is on duty, or at work by the place's working time, is added. Goals do not wait for too long a
+breakdown. A person's word has precedence: goals wait for a person who promises to come, and go if a person has seen
+that it takes too long.
 
-Whether goals wait or not, a machine that cannot go on calls for help: operators who are on duty, as vehicles do (`protocol.calls`).
+In either case a machine that cannot go on calls operators on duty for help, as vehicles do (`protocol.calls`).
 """
 
 from __future__ import annotations
@@ -37,15 +38,15 @@ from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_f
 from dray.protocol.runtime.life import Life
 
 GOAL_PATIENCE_MIN_S = 60.0
-"""The shortest wait that is asked for, even when a goal is late already: in less nobody could help, and whoever takes the goal
-has to order its material first."""
+"""Minimum wait of goals, even late ones (s): no person could help sooner, and another machine has to order the material
+first."""
 
 PATIENCE_OVER = "patience over"
-"""The alarm for the end of the goals' wait."""
+"""Alarm of the end of the goals' wait."""
 
 
 class _Caller:
-    """A machine as its calls see it."""
+    """The machine in the form that calls need."""
 
     hears_all = True
 
@@ -58,23 +59,23 @@ class _Caller:
 
 
 class Breakdown:
-    """What keeps one machine from working.
+    """The problem that stops one machine.
 
     Args:
         machine: its id.
         incarnation: of its agent.
-        plant: the plant it stands in.
-        goals: what waits for it.
-        life: its agent's; its alarm is named `PATIENCE_OVER`.
+        plant: its plant.
+        goals: its goals, which wait.
+        life: the agent's life; its alarm is named `PATIENCE_OVER`.
 
     Attributes:
         problem: in words; empty for none.
-        about: what is known of it.
-        resettable: the sensors find nothing wrong any more.
+        about: the known facts about it.
+        resettable: whether the sensors find no fault any more.
         help: how long the goals wait for a person; None while it works.
-        calls: the machine's calls for help, this problem's and others.
-        message_handlers: by the type of a message, what to call with (sender, message, now_s).
-        alarms: by name, what to call with (None, now_s).
+        calls: the machine's calls for help, for this problem and others.
+        message_handlers: by message type, handlers called with (sender, message, now_s).
+        alarms: by name, handlers called with (None, now_s).
     """
 
     def __init__(self, machine: str, incarnation: int, plant: Plant, goals: GoalBook, life: Life) -> None:
@@ -95,7 +96,7 @@ class Breakdown:
         self.alarms = self.calls.alarms
 
     def start(self, body: WorkcellState, wanted: HelpWanted | None, now_s: float) -> None:
-        """Go on with what the body knows and an earlier life was told, and listen."""
+        """Restore the body's problem and an earlier life's wait, and subscribe."""
         self._life.subscribe(self._keys.all_breakdowns)
         self.calls.listen()
         if body.broken:
@@ -103,7 +104,7 @@ class Breakdown:
             self.on_broken(Broken(body.broken, body.about_problem, body.resettable), now_s)
 
     def on_broken(self, report: Broken, now_s: float) -> None:
-        """The machine stands: judge for how long its goals wait, once per problem, and ask for a person."""
+        """The machine stands: compute its goals' wait, once per problem, and ask for a person."""
         is_new = not self.problem or report.problem.kind is not self.about.kind
         self.problem, self.about, self.resettable = report.reason, report.problem, report.resettable
         if not is_new:
@@ -123,8 +124,8 @@ class Breakdown:
         self._life.alarm(PATIENCE_OVER, self.help.until_s)
 
     def on_repaired(self, now_s: float) -> None:
-        """It works again: whoever waits for machines may know how long that took."""
-        # What began while nobody was there teaches nothing about how long people take.
+        """The machine works again: publish how long the breakdown has lasted."""
+        # A breakdown that began in people's absence does not show how long people take.
         teaches = not (self._comes_after_s and waits_for_people(self.about))
         if self.problem and self.about != NOTHING_KNOWN and teaches:
             lasted_s = max(0.0, now_s - self._since_s)
@@ -135,11 +136,11 @@ class Breakdown:
         self._life.cancel(PATIENCE_OVER)
 
     def update_call(self, now_s: float, *, expected: bool) -> None:
-        """Call somebody while a person is needed, and nobody longer than that.
+        """Open and close the call for a person.
 
         Args:
             now_s: the present time.
-            expected: it should work; one that is out of service, or that leaves, calls nobody: people know of it.
+            expected: whether it should work; out of service, or when it leaves, it calls nobody: people know of it.
         """
         if not self.problem or not expected:
             self.calls.close(now_s)
@@ -148,11 +149,11 @@ class Breakdown:
         self.calls.open(self.about, self.problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
 
     def is_over_patience(self, now_s: float) -> bool:
-        """Whether its goals wait for it no longer."""
+        """Whether its goals' wait is over."""
         return self.help is not None and now_s >= self.help.until_s
 
     def promise(self, by: str, wait_s: float | None, now_s: float) -> CommandRefusal | None:
-        """A person has promised to come; why that changes nothing, None when the goals wait for them now."""
+        """A person promises to come. Returns the refusal; None if the goals wait for the person now."""
         if self.help is None:
             return CommandRefusal.NOT_WAITING
         if wait_s is None or not 0.0 < wait_s <= PROMISE_MAX_S:
@@ -163,7 +164,7 @@ class Breakdown:
         return None
 
     def let_go(self, now_s: float) -> CommandRefusal | None:
-        """A person has said that it takes too long; why that changes nothing, None when the goals go to others now."""
+        """A person says that it takes too long. Returns the refusal; None if the goals go to others now."""
         if self.help is None:
             return CommandRefusal.NOT_WAITING
         self._judged_until_s = min(self.help.until_s, now_s)
@@ -172,7 +173,7 @@ class Breakdown:
         return None
 
     def _not_coming(self, since_s: float, _now_s: float) -> None:
-        """Who was expected since then does not come: goals wait as they would without what was promised since."""
+        """The person expected since then does not come: later promises are void."""
         if self.help is not None and self.help.promised_by and self._promised_s >= since_s:
             self.help = HelpWanted(until_s=self._judged_until_s)
             self._life.alarm(PATIENCE_OVER, self.help.until_s)

@@ -1,10 +1,10 @@
-"""People's commands to a machine (paper, case 1), and to the goods that a failed vehicle has on board.
+"""People's commands to a machine (paper, case 1), and about goods on board of a failed vehicle.
 
-Promise help, clear a fault, hand over, work slowly, restart, update, out of service; fetch goods, write them off; a load that was
-disputed is there, or missing. Where the body is people, what they say has happened.
+Promise help, clear a fault, hand over, work slowly, restart, update, out of service; fetch goods, write them off; a
+disputed load is there, or missing. If the body is people, their reports of what has happened.
 
-Nothing is obeyed without a grant for the area where the machine stands, or for that where those goods are or that load was to go (invariant 9). What its body, or whoever runs its agent, cannot
-do is refused with that as the reason.
+Every command needs a grant: for the machine's area, or for the place of the goods or of a load's destination
+(invariant 9). Commands that the body or the agent's operator cannot carry out are refused with that reason.
 """
 
 from __future__ import annotations
@@ -27,58 +27,58 @@ NOTHING_RESTARTS = "nobody starts its agent again here"
 NO_UPDATES = "its software is not replaced from here: use dray fleet update, or what starts it"
 ONE_SPEED = "its body has one speed only"
 NO_PEOPLE = "its controller counts, and nobody else"
-"""What stands beside a refusal, for people."""
+"""Explanations of refusals, for people."""
 
 
 class Owner(Protocol):
-    """A machine, as far as its commands need it."""
+    """The machine, as its commands need it."""
 
     speed_frac: float
-    """A part of its own speed, by which it reckons."""
+    """Fraction of its full speed, used in its estimates."""
 
     def leave(self, now_s: float, *, update: bool) -> None:
-        """Shut down gracefully, to be started again."""
+        """Shut down gracefully for a restart."""
 
 
 class Goods(Protocol):
     """The goods of a machine that were left on board of failed vehicles."""
 
     def fetch(self, task: str, node: str, now_s: float) -> CommandRefusal | None:
-        """A person hands them over at a node; why that changes nothing, None when they are fetched there now."""
+        """A person hands them over at a node. Returns the refusal; None when they are fetched there now."""
 
     def write_off(self, task: str, now_s: float) -> CommandRefusal | None:
-        """They are lost; why that changes nothing, None when they are made again now."""
+        """A person writes them off. Returns the refusal; None when they are made again now."""
 
     def place_m(self, task: str) -> tuple[float, float] | None:
-        """Where they are (x, y); None where nobody knows."""
+        """Their position (x, y) in m; None if unknown."""
 
 
 class Held(Protocol):
-    """Its transports that are held until somebody has looked for their loads."""
+    """Its transports that are held until a person has looked for their loads."""
 
     def obey(self, command: MachineCommand, now_s: float) -> CommandRefusal | None:
-        """A person has looked; why that changes nothing, None when the transport has ended or goes on."""
+        """A person has looked. Returns the refusal; None when the transport has ended or goes on."""
 
     def place_m(self, task: str) -> tuple[float, float] | None:
-        """Where a load was to go (x, y); None where its transport is not held."""
+        """The destination of a held transport's load (x, y) in m; None if it is not held."""
 
 
 class MachineCommandHandling:
-    """What people have told one machine.
+    """People's commands to one machine.
 
     Args:
-        authority: whom it obeys.
-        breakdown: what its sensors report.
+        authority: checks who may command it.
+        breakdown: its breakdown.
         owner: the machine.
-        goods: those that wait for a word.
-        held: its transports that are held.
-        running: what can be done with its agent where that runs.
+        goods: goods that wait for a decision.
+        held: its held transports.
+        running: what its operator can do with its agent's process.
 
     Attributes:
         service: whether it is out of service.
-        paces: its body can work at a part of its speed.
-        people: what waits for people's words, where they are its body; else None.
-        words: these, on their way to the body.
+        paces: whether its body can work at a fraction of its speed.
+        people: the loads that wait for people's reports, if people are its body; else None.
+        words: people's reports on their way to the body.
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class MachineCommandHandling:
         self.words = PassedWords(self._granted, life)
 
     def sense(self, body: WorkcellState) -> bool:
-        """Take note of what waits for people's words; whether that is news."""
+        """Note the loads that wait for people's reports; returns whether that has changed."""
         people = PeopleAsBody(loads=body.loads[:LOADS_TOLD]) if body.people else None
         is_news, self.people = people != self.people, people
         return is_news
@@ -111,7 +111,7 @@ class MachineCommandHandling:
     def on_command(
         self, sender: str, command: MachineCommand, place_m: tuple[float, float], now_s: float
     ) -> None:
-        """Take a command; see `GrantedCommands.on_command`. What is about a load is granted for the place where that is, or was to go."""
+        """Handle a command (`GrantedCommands.on_command`); one about a load needs a grant for the load's place."""
         if command.kind.is_about_held:
             place_m = self._held.place_m(command.task) or place_m
         if command.kind.is_about_goods:
@@ -122,7 +122,7 @@ class MachineCommandHandling:
             self._granted.on_command(sender, command, place_m, now_s)
 
     def restore(self, memory: MachineMemory) -> None:
-        """Go on with what an earlier life was told."""
+        """Restore an earlier life's commands."""
         self.service.out = memory.out_of_service
         self._granted.restore(memory.answered)
         if memory.speed_frac < 1.0 and self.paces:
@@ -130,11 +130,11 @@ class MachineCommandHandling:
 
     @property
     def answered(self) -> tuple[CommandMemory, ...]:
-        """What the next life must know: commands that it would obey if they came again."""
+        """Commands for the next life, which would obey them if they were repeated."""
         return self._granted.answered
 
     def _try(self, command: MachineCommand, grant: Grant, now_s: float) -> CommandRefusal | None:
-        """Carry it out, or say why not."""
+        """Carry a command out, or return the refusal."""
         kind, by = command.kind, command.issued_by or grant.person
         if kind is MachineCommandKind.PROMISE:
             return self._breakdown.promise(by, command.wait_s, now_s)
@@ -159,7 +159,7 @@ class MachineCommandHandling:
         return self._start_again(now_s, update=kind is MachineCommandKind.UPDATE)
 
     def _clear_fault(self) -> CommandRefusal | None:
-        """Work again, if the sensors find nothing wrong any more."""
+        """Work again if the sensors find no fault any more."""
         if not self._breakdown.problem:
             return CommandRefusal.NOT_FAULTY
         if not self._breakdown.resettable:

@@ -1,8 +1,8 @@
-"""Which goals a machine works at, and which it offers to others.
+"""The goals that a machine works at, and those that it offers to others.
 
-One that is out of service, or broken for too long, keeps none; one to which people have closed all ways keeps what is not due before
-one opens. It offers, and decides nothing: its strategist gives a goal to somebody else where there is somebody, and until then it stays
-here. A machine that works again goes on with what nobody has taken.
+A machine that is out of service, or broken for too long, keeps none. If closures block all ways, it keeps goals
+that are not due before one opens. It only offers goals: its strategist moves them to another machine if there is
+one. A machine that works again goes on with the remaining ones.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from dray.protocol.people.out_of_service import ServiceState
 
 
 class GoalSharing:
-    """For one machine.
+    """The goal sharing of one machine.
 
     Args:
-        goals: what it has taken.
-        supply: its reorder points follow from the goals that it works at.
-        flow: what is brought for them.
-        breakdown: how long they wait for its end.
+        goals: its goals.
+        supply: its supply, whose reorder points depend on the goals at work.
+        flow: its material flow.
+        breakdown: its breakdown, with the goals' wait.
         service: whether it is out of service.
         closures: whether a way leads to it.
     """
@@ -44,7 +44,7 @@ class GoalSharing:
         self._closures = closures
 
     def decide(self, now_s: float) -> None:
-        """Give goals back, or take them up again, as things stand."""
+        """Give goals back, or take them up again, by the present state."""
         out, is_late = self._service.out, self._breakdown.is_over_patience(now_s)
         finishes = out is not None and out.after_work and not is_late
         keep = next(self._goals.at_work(), None) if finishes else None

@@ -1,1 +1,1 @@
-"""How a vehicle gets somewhere: alone on the floor, or with right of way."""
+"""How a vehicle drives: alone on the floor, or with right of way."""

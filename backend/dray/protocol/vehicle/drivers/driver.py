@@ -1,4 +1,4 @@
-"""Where a vehicle is on the lanes, and how it gets somewhere else."""
+"""A vehicle's position on the lanes, and its ways to other nodes."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import ShutOut
 
 ORDERS_PER_LIFE = 1_000_000
-"""Numbers of ways and actions: what the body still reports to an earlier life is recognised."""
+"""Order numbers per incarnation, so that late reports to an earlier life are recognised."""
 
 
 def limited_s(way_s: float, speed_frac: float) -> float:
-    """How long a way takes at most at a part of the vehicle's own top speed; its lanes may be slower anyhow."""
+    """Maximum duration of a way at a fraction of the vehicle's top speed (s); its lanes may be slower anyway."""
     return way_s / max(speed_frac, SLOWEST_FRAC)
 
 
 class Driver:
-    """Turns "go there" into ways, and reports back into a place.
+    """Turns destinations into ways, and reports into positions.
 
-    The whole way is released at once. A driver with right of way (`reserved_driving`) releases what the vehicle holds.
+    The whole way is released at once. `ReservedDriver` releases only what the vehicle holds.
 
     Args:
-        plant: where the lanes are.
+        plant: its lanes.
         vehicle_type: id of the vehicle's type.
-        first_order: ways and actions are numbered from here on.
+        first_order: first order number of ways and actions.
     """
 
     def __init__(self, plant: Plant, vehicle_type: str, life: Life, *, first_order: int = 0) -> None:
@@ -50,17 +50,17 @@ class Driver:
         self.pose = Pose(x_m=0.0, y_m=0.0, heading_rad=0.0)
         self.speed_mps = 0.0
         self.order = first_order
-        """The number of the newest way or action: reports about older ones are ignored."""
+        """The number of the newest way or action; reports about older ones are ignored."""
         self.way: tuple[str, ...] = ()
-        """The whole present way; empty when the vehicle stands."""
+        """The whole present way; empty if the vehicle stands."""
         self.arrives_s = 0.0
-        """When the present way should end."""
+        """Expected end of the present way (plant clock, s)."""
         self.speed_frac = 1.0
-        """The limit that a person has set, as a part of the vehicle's own top speed."""
+        """The limit set by a person, as a fraction of the vehicle's top speed."""
 
     @property
     def pace_frac(self) -> float:
-        """How fast it comes on, as a part of what its own top speed allows: promises count with that."""
+        """The effective speed as a fraction of its top speed; promises use it."""
         return self.speed_frac
 
     @property
@@ -70,11 +70,11 @@ class Driver:
 
     @property
     def next_node(self) -> str:
-        """Where another way could begin."""
+        """The node where another way could begin."""
         return self.way[self._passed] if self._passed < len(self.way) else self.node
 
     def next_node_at_s(self, now_s: float) -> float:
-        """When it is there, roughly: by the plain speed of the lane it is on."""
+        """Estimated time at the next node, by the lane's plain speed."""
         if self._passed >= len(self.way):
             return now_s
         target = self._plant.nodes[self.next_node]
@@ -83,15 +83,15 @@ class Driver:
 
     @property
     def position_m(self) -> tuple[float, float]:
-        """Where the vehicle was when it last looked (x, y)."""
+        """The last sensed position (x, y) in m."""
         return self.pose.x_m, self.pose.y_m
 
     def sense(self, state: VehicleState) -> None:
-        """Take the vehicle's own word for where it is."""
+        """Take the position from the vehicle's body."""
         self.pose, self.node, self.speed_mps = state.pose, state.node, state.speed_mps
 
     def take_control(self, state: VehicleState, now_s: float) -> None:
-        """End a way that an earlier life has given, at the end of the lane that the vehicle is on."""
+        """End an earlier life's way at the end of the present lane."""
         if state.next_node != state.node:
             self._take_way((state.next_node,), state.next_node_s, now_s)
 
@@ -99,10 +99,10 @@ class Driver:
         """Drive to a node.
 
         Returns:
-            False when the vehicle stands there already: nothing is done then.
+            False if the vehicle stands there already; nothing is done then.
 
         Raises:
-            NoWay: what is closed leaves none; nothing is done then.
+            NoWay: closures leave no way; nothing is done then.
         """
         if not self.way and self.node == node:
             return False
@@ -111,7 +111,7 @@ class Driver:
         return True
 
     def halt(self, now_s: float) -> None:
-        """Stand at the end of the present lane; or at the next node that is open, where that end was closed."""
+        """Stop at the end of the present lane, or at the next open node if that end was closed."""
         here = self.next_node
         try:
             stands = self._routes.way_out(here, self._plant.stops).nodes[-1]
@@ -121,10 +121,10 @@ class Driver:
             self.go(stands, now_s)
 
     def follow(self, now_s: float) -> bool:
-        """The floor has changed: give the rest of the way anew, and leave what was closed.
+        """The floor has changed: plan the rest of the way anew, and leave closed nodes.
 
         Returns:
-            False when the end of the way cannot be reached any more: it halts then.
+            False if the destination cannot be reached any more; the vehicle halts then.
         """
         if self.way:
             try:
@@ -138,23 +138,23 @@ class Driver:
 
     @property
     def goal(self) -> str:
-        """Where it drives to, or stands."""
+        """Its destination, or the node where it stands."""
         return self.way[-1] if self.way else self.node
 
     def leads_round(self, node: str, _now_s: float) -> bool:
-        """Whether a way leads from a node to where it drives on which nothing is known to lie, and which it would take."""
+        """Whether a way without known obstacles leads from a node to its destination, and it would take that way."""
         return self._routes.leads_round(node, self.goal)
 
     def turn_back(self, node: str, now_s: float, goal: str = "") -> bool:
-        """It stands on a node before a lane where something lies: go another way from there.
+        """Take another way from the node before an obstructed lane.
 
         Args:
-            node: where it stands.
-            now_s: when.
-            goal: where to, when not to where it was going.
+            node: the node where it stands.
+            now_s: the present time.
+            goal: the destination; empty for the present one.
 
         Returns:
-            False when it is not there any more: nothing is done then.
+            False if the vehicle has left the node; nothing is done then.
         """
         if self.node != node or not self.way:
             return False
@@ -167,7 +167,7 @@ class Driver:
         return self._plant.routes(self._type)
 
     def limit_speed(self, speed_frac: float) -> None:
-        """Keep below a part of the vehicle's own top speed from now on."""
+        """Limit the speed to a fraction of the vehicle's top speed from now on."""
         self.speed_frac = speed_frac
         self._life.instruct(LimitSpeed(speed_frac=speed_frac))
 
@@ -180,7 +180,7 @@ class Driver:
         self._life.instruct(drive)
 
     def act(self, instruction: VehicleInstruction) -> None:
-        """Let the standing vehicle do something; number it with `next_order` first."""
+        """Instruct the standing vehicle; number the instruction with `next_order` first."""
         self._life.instruct(instruction)
 
     def next_order(self) -> int:
@@ -197,7 +197,7 @@ class Driver:
             self._passed = report.index + 1
 
     def on_done(self, report: WayDone, now_s: float) -> bool:
-        """The vehicle has stopped at the end of a way; False when it was an older one."""
+        """The vehicle has stopped at the end of a way; False for an older way."""
         self.node = report.node
         if report.order != self.order:
             return False
@@ -205,7 +205,7 @@ class Driver:
         return True
 
     def on_failed(self, report: ActionFailed, now_s: float) -> bool:
-        """The way was refused; False when it was an older one, or none."""
+        """The way was refused; False for an older way, or none."""
         if report.order != self.order or not self.way:
             return False
         self.way, self._passed = (), 0
@@ -214,30 +214,30 @@ class Driver:
     # --- right of way ----------------------------------------------------------------------------
 
     def rest(self, now_s: float) -> None:
-        """There is no task any more: whoever wants to come by is made room for."""
+        """The task is over: make room for others."""
 
     def be_stuck(self, stuck: bool, now_s: float) -> None:
-        """The vehicle cannot move until a person has seen to it, or can again."""
+        """The vehicle cannot move until a person has checked it, or can move again."""
 
     def shut_out_by(self, _failed: AtvHeartbeat) -> ShutOut | None:
-        """What a vehicle that stands until a person has seen to it keeps this one from on its way; None for nothing."""
+        """What a failed vehicle that stands there blocks on this one's way; None if nothing."""
         return None
 
     def expect_at(self, place: str, comes_s: float, stays_s: float, *, docked: bool = False) -> None:
-        """Tell when the vehicle will be at a place, where that concerns others.
+        """Publish the vehicle's times at a place, if others need them.
 
         Args:
-            place: where it is loaded or unloaded.
-            comes_s: when it will be there (plant clock).
-            stays_s: how long it takes there; 0 when it is done.
-            docked: it stands there.
+            place: the place of loading or unloading.
+            comes_s: arrival time (plant clock).
+            stays_s: duration of the stay; 0 when it is done.
+            docked: whether it stands there.
         """
 
     @property
     def is_placed(self) -> bool:
-        """Whether the place where it stands is its own."""
+        """Whether the vehicle holds the place where it stands."""
         return True
 
     def floor(self, now_s: float) -> FloorBrief | UnsetType:
-        """What it holds of the floor, for its heartbeat."""
+        """The vehicle's reservations on the floor, for its heartbeat."""
         return UNSET

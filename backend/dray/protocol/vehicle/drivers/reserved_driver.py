@@ -1,4 +1,4 @@
-"""A driver with right of way: it drives only into places that the vehicle holds, and makes room for others."""
+"""A driver with right of way: it enters only places that the vehicle holds, and makes room for others."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limite
 LOST = "lost"
 
 FIRST_PACE_FRAC = 0.95
-"""Of the pace that an empty floor allows, as long as nothing was learned: at 85 % load two lanes leave 0.98, a single track 0.92."""
+"""Initial pace as a fraction of that on an empty floor: at 85 % load two lanes leave 0.98, a single track 0.92."""
 
 PACE_GAIN = 0.1
 """Weight of the newest leg."""
 
 SLOWEST_PACE_FRAC = 0.2
-"""A leg that took longer is no traffic any more, but a fault."""
+"""Minimum pace: a slower leg is a fault, not traffic."""
 
 
 class Owner(Protocol):
@@ -47,17 +47,17 @@ class Owner(Protocol):
 
 
 class ReservedDriver(Driver):
-    """Turns "go there" into a right of way; the rest of the vehicle need not know of it.
+    """Turns destinations into right of way; the rest of the vehicle need not know of it.
 
     Args:
         owner: the vehicle.
-        plant: where the lanes are.
+        plant: its lanes.
         vehicle_type: id of the vehicle's type.
-        traffic: of the plant.
-        first_order: ways and actions are numbered from here on.
+        traffic: the plant's traffic map.
+        first_order: first order number of ways and actions.
 
     Attributes:
-        surroundings: what is known of others.
+        surroundings: known facts about other vehicles.
     """
 
     def __init__(
@@ -78,18 +78,18 @@ class ReservedDriver(Driver):
         self._ways = traffic.ways(vehicle_type)
         self._life = life
         self._is_lost = False
-        """The body has no way any more, or another one than it was given."""
+        """Whether the body has lost its way, or has another one than was given."""
         self._right_of_way: RightOfWay | None = None
         self._pace_frac = FIRST_PACE_FRAC
         self._leg: tuple[float, float] | None = None
-        """When the present leg began, and how long it takes on an empty floor; None for one that tells nothing of traffic."""
+        """Begin of the present leg, and its duration on an empty floor (s); None for a leg that says nothing about traffic."""
 
     @property
     def right_of_way(self) -> RightOfWay:
-        """The vehicle's.
+        """The vehicle's right of way.
 
         Raises:
-            ProtocolViolation: its life has not begun; our own bug.
+            ProtocolViolation: if its life has not begun; our own bug.
         """
         if self._right_of_way is None:
             raise ProtocolViolation(f"{self._owner.id} has not been told yet where it stands")
@@ -195,7 +195,7 @@ class ReservedDriver(Driver):
         return self.arrive(now_s)
 
     def arrive(self, now_s: float) -> bool:
-        """Note that it stands where it was sent; False when it does not, or has noted that before."""
+        """Note the arrival; False if it has not arrived, or has noted that before."""
         row = self.right_of_way
         if not self.way or not row.has_arrived or row.is_finishing:
             return False
@@ -209,7 +209,7 @@ class ReservedDriver(Driver):
         return self.right_of_way.goal if self._right_of_way is not None else self.node
 
     def leads_round(self, node: str, now_s: float) -> bool:
-        # A way past vehicles that are silent may cost more than the obstacle does.
+        # A way past silent vehicles may cost more than the obstacle does.
         return super().leads_round(node, now_s) and self.right_of_way.leads_round(node, now_s)
 
     def turn_back(self, node: str, now_s: float, goal: str = "") -> bool:
@@ -222,7 +222,7 @@ class ReservedDriver(Driver):
         return True
 
     def on_failed(self, report: ActionFailed, now_s: float) -> bool:
-        """A way was refused, or is lost: it goes on by itself from where it is."""
+        """A way was refused or lost: the driver plans anew from the present position."""
         if self.right_of_way.knows(report.order):
             self._is_lost = True
             self._life.alarm(LOST, now_s)
@@ -265,10 +265,10 @@ class ReservedDriver(Driver):
             removal=self.right_of_way.removal,
         )
 
-    # --- what is its own -------------------------------------------------------------------------
+    # --- its own ---------------------------------------------------------------------------------
 
     def find_way(self, now_s: float) -> None:
-        """The alarm `LOST`: the body was sensed a moment ago, and a way is given from where it is."""
+        """Handle the alarm `LOST`: the body was just sensed, and a way is given from its position."""
         row = self.right_of_way
         if self._is_lost:
             self._is_lost = False
@@ -286,29 +286,29 @@ class ReservedDriver(Driver):
             self.sense(state)
 
     def begin_anew(self, now_s: float) -> None:
-        """It was carried away, as the reservation tables say: it asks for where its body is now."""
+        """The reservation tables have it as carried away: ask for the place where its body is now."""
         self._is_lost = True
         self._life.alarm(LOST, now_s)
 
     def _mind_closures(self, nodes: tuple[str, ...], now_s: float) -> None:
-        """Give the way anew from the end of the present lane where what lies behind it was closed or made slow."""
+        """Plan the way anew from the end of the present lane if lanes behind it were closed or slowed."""
         restrictions = self._plant.restrictions
         if restrictions.limits_on(nodes) or not all(restrictions.admits(*lane) for lane in pairwise(nodes)):
             self._is_lost = True
             self._life.alarm(LOST, now_s)
 
     def _learn(self, now_s: float) -> None:
-        """A leg is over: how much longer than alone has it taken?"""
+        """A leg is over: update the pace from its duration."""
         if self._leg is not None:
             begun_s, alone_s = self._leg
-            # Who stands at the dock before it is counted by itself (`dock_queues`).
+            # Waiting behind vehicles at the dock is counted separately (`dock_queues`).
             took_s = now_s - begun_s - self.right_of_way.waited_at_goal_s
             frac = min(max(alone_s / max(took_s, alone_s), SLOWEST_PACE_FRAC), 1.0)
             self._pace_frac += PACE_GAIN * (frac - self._pace_frac)
             self._leg = None
 
     def _stay(self, now_s: float) -> None:
-        """It stands where it was sent: at a dock with a task nobody asks it for room."""
+        """It has arrived: at a dock with a task no vehicle asks it for room."""
         if self._owner.is_busy and self.right_of_way.way.node in self._traffic.places.docks:
             self.right_of_way.dock(now_s)
         else:
@@ -322,7 +322,7 @@ class ReservedDriver(Driver):
 def driver_of(
     owner: Owner, plant: Plant, vehicle_type: str, traffic: TrafficMap | None, life: Life
 ) -> Driver:
-    """The driver of a vehicle: with right of way where there is a map of traffic; see `ReservedDriver`."""
+    """The driver of a vehicle: `ReservedDriver` if there is a traffic map, else `Driver`."""
     first_order = owner.incarnation * ORDERS_PER_LIFE
     if traffic is None:
         return Driver(plant, vehicle_type, life, first_order=first_order)

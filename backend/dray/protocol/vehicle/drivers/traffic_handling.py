@@ -1,4 +1,4 @@
-"""What a vehicle does when somebody speaks of right of way, and when an alarm of it comes."""
+"""A vehicle's handlers of right-of-way messages and alarms."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ NO_NEWS = "what somebody else than its leader says of a district, or what is kno
 PROBLEM = "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all"
 
 BELIEVED_BY = 2
-"""Replicas of reservation tables who say so: one alone may lie."""
+"""Replicas of reservation tables that must agree: one alone may lie."""
 
 
 class AloneAmongOthers:
-    """Notices that others drive with right of way: those who keep the tables ask it what it holds, or tell of their districts.
+    """Detects right of way in use by others: replicas ask this vehicle for its holds, or report their districts.
 
     Args:
-        plant: whose machines and storages may keep reservation tables.
-        raise_problem: tells that the vehicle stands until a person has seen to it.
+        plant: its machines and storages, which may keep reservation tables.
+        raise_problem: reports that the vehicle stands until a person has checked it.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class AloneAmongOthers:
         self._asked_by: set[str] = set()
 
     def fill(self, messages: dict[type[Message], Callable[..., None]]) -> None:
-        """Enter what there is to see to into the vehicle's table, and listen to whoever keeps a reservation table: where none is kept, nobody speaks."""
+        """Enter the handlers into the vehicle's table, and subscribe to the replicas of reservation tables."""
         messages[HoldsAsked] = messages[YieldAsked] = messages[FloorReported] = self._on_asked
         self._life.subscribe(Keys(self._plant.id).all_floors)
 
@@ -67,52 +67,52 @@ class AloneAmongOthers:
 
 
 class Owner(Protocol):
-    """What the vehicle does when its place changes."""
+    """The vehicle's reactions to changes of its place."""
 
     def note_arrived(self, now_s: float) -> None:
-        """It stands where it was sent."""
+        """It has arrived."""
 
     def note_makes_room(self, now_s: float) -> None:
-        """It leaves the place where it stood, for somebody else."""
+        """It leaves its place for another vehicle."""
 
     def note_denied(self, now_s: float) -> None:
-        """It drives, and was said to have been carried away: what it drives on is not its own."""
+        """It drives, but was reported as carried away: it does not hold the places that it drives on."""
 
 
 class Problems(Protocol):
-    """What is done about a vehicle's problems."""
+    """The handling of a vehicle's problems."""
 
     def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
-        """It stands until a person has seen to it."""
+        """Stop until a person has checked the vehicle."""
 
     def note_doubled(self, now_s: float) -> None:
-        """Somebody else speaks under its name."""
+        """Another agent uses its id."""
 
 
 class Obstacles(Protocol):
-    """What is done about what lies in a vehicle's way."""
+    """The handling of obstacles in a vehicle's way."""
 
     def shut_out(self, shut: ShutOut, now_s: float) -> None:
-        """A silent vehicle is in the way, and none leads round."""
+        """A silent vehicle blocks every way."""
 
 
 class Vehicle(Owner, Protocol):
-    """One that may have right of way."""
+    """A vehicle that may have right of way."""
 
     @property
     def obstacles(self) -> Obstacles:
-        """Those that it meets and hears of."""
+        """The obstacles that it meets and hears of."""
 
     @property
     def problems(self) -> Problems:
-        """Those of its body, and its own."""
+        """The problems of its body, and its own."""
 
 
 class TrafficHandling:
-    """Right of way as entries in a vehicle's tables.
+    """Right of way as entries in a vehicle's handler tables.
 
     Args:
-        driver: who drives with right of way.
+        driver: the driver with right of way.
         owner: the vehicle.
     """
 
@@ -124,7 +124,7 @@ class TrafficHandling:
     def fill(
         self, messages: dict[type[Message], Handler], alarms: dict[str, Callable[[Any, float], None]]
     ) -> None:
-        """Enter what there is to see to into the vehicle's tables."""
+        """Enter the handlers into the vehicle's tables."""
         messages[FloorReported] = self._on_floor
         messages[PlaceGranted] = self._told(lambda row, *heard: row.on_granted(*heard))
         messages[PlaceConfirmed] = self._told(lambda row, *heard: row.on_confirmed(*heard))
@@ -146,7 +146,7 @@ class TrafficHandling:
             self._owner.obstacles.shut_out(shut, now_s)
 
     def _on_floor(self, sender: str, told: FloorReported, now_s: float) -> None:
-        """What a replica knows of its district: of itself it changes a way only where somebody is silent."""
+        """Handle a replica's report of its district: by itself it changes a way only if a vehicle is silent."""
         if not self._driver.surroundings.on_floor(sender, told, now_s):
             self._life.ignore(NO_NEWS)
         elif any(vehicle.silent for vehicle in told.vehicles):
@@ -156,7 +156,7 @@ class TrafficHandling:
         return lambda sender, message, now_s: self._step(lambda row: take(row, sender, message, now_s), now_s)
 
     def _step(self, take: Callable[[RightOfWay], None], now_s: float) -> None:
-        """Let right of way take a step, and tell the vehicle what it means for it."""
+        """Let right of way take a step, and tell the vehicle the consequences."""
         row = self._driver.right_of_way
         before, removal = row.errand, row.removal
         take(row)
@@ -183,7 +183,7 @@ def handle_traffic(
     messages: dict[type[Message], Handler],
     alarms: dict[str, Callable[[Any, float], None]],
 ) -> None:
-    """Enter what a vehicle does when it hears of right of way into its tables, whether it has it or not."""
+    """Enter right-of-way handlers into a vehicle's tables, with or without right of way."""
     if isinstance(driver, ReservedDriver):
         TrafficHandling(driver, vehicle, life).fill(messages, alarms)
     else:

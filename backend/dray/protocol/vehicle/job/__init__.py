@@ -1,1 +1,1 @@
-"""The transport that a vehicle carries: its states, what is next, what is done then and what is said."""
+"""The transport that a vehicle carries: its states, its moves and its messages."""

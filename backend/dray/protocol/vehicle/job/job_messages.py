@@ -1,7 +1,7 @@
-"""What a carrier says about its transport to its coordinator and at the docks. The words alone: when is for `transport_job`.
+"""A carrier's messages about its transport to its coordinator and to docks; `transport_job` decides when.
 
-Questions (for a dock, for the acceptance of a handover, to be relieved of the task) are repeated until they are answered,
-so a lost message costs seconds and no load. A takeover is told until the coordinator has confirmed it.
+Questions for a dock, a handover's acceptance, or relief from the task are repeated until they are answered. A lost
+message costs seconds and no load. A takeover is repeated until the coordinator has confirmed it.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.retransmission import Retransmitter
 
 ASK = "ask"
-"""The alarm for asking again: for the dock, for the acceptance of a handover, to be relieved of the task."""
+"""Alarm of a repeated question: for the dock, the handover's acceptance, or relief from the task."""
 
 CLAIM_TASK = "claim task"
-"""The alarm for saying again that a task was taken over."""
+"""Alarm of a repeated takeover."""
 
 GIVE_UP_AFTER = 10
-"""Questions without an answer: half a minute, longer than a machine's software needs to start again."""
+"""Maximum unanswered questions: half a minute, longer than a machine's restart."""
 
 HELD_ASK_AGAIN_S = 5.0
-"""A dock that is held has no room yet: asking often would not make any."""
+"""Interval of questions at a held dock (s): frequent questions make no room."""
 
 
 class JobMessages:
-    """What the carrier of one contract says.
+    """The messages of one contract's carrier.
 
     Args:
-        contract: what it is bound to.
-        life: its agent's; its alarms are named ``(ASK, task)`` and ``(CLAIM_TASK, task)``.
+        contract: its contract.
+        life: the agent's life; alarms are named ``(ASK, task)`` and ``(CLAIM_TASK, task)``.
     """
 
     def __init__(self, contract: Contract, life: Life) -> None:
@@ -41,17 +41,17 @@ class JobMessages:
         self._coordinator = contract.coordinator
         self._life = life
         self._question = Retransmitter(ASK, life, most=GIVE_UP_AFTER)
-        """What the job waits for an answer to: its dock, its handover, or that it is given back."""
+        """The present question: for a dock, a handover, or relief."""
         self._claim = Retransmitter(CLAIM_TASK, life)
-        """What is said until the coordinator has confirmed a takeover, over all lives of the vehicle."""
+        """The takeover until its confirmation, over all lives of the vehicle."""
 
     # --- how the contract was made ---
 
     def tell_bound(self, number: int, now_s: float) -> None:
-        """Say how this contract was made: by an award, or by a takeover, which is said again until it is confirmed.
+        """Tell how this contract was made: by an award, or by a takeover, which is repeated until it is confirmed.
 
         Args:
-            number: of the award; 0 for a takeover.
+            number: the award's number; 0 for a takeover.
             now_s: the present time.
         """
         if self._contract.claim is not None:
@@ -73,30 +73,30 @@ class JobMessages:
         return self._task in self._claim
 
     def claim_again(self, now_s: float) -> None:
-        """The coordinator has not confirmed the takeover yet."""
+        """Repeat the unconfirmed takeover."""
         self._claim.wake(self._task, now_s)
 
     def claim_confirmed(self) -> None:
-        """The coordinator knows of the takeover."""
+        """The coordinator has confirmed the takeover."""
         self._claim.settle(self._task)
 
     # --- questions ---
 
     def ask_for_dock(self, station: str, now_s: float) -> None:
-        """Ask to load or unload at a place, where the vehicle stands."""
+        """Ask to load or unload at the place where the vehicle stands."""
         asked, work = Docked(task=self._task, epoch=self._epoch, station=station), self._contract.work
         if work.handed_at == station:
-            # Nobody is there but people: its coordinator knows whether they hand it over to this vehicle.
+            # Only people are there: the coordinator knows whether they give the load to this vehicle.
             self._ask(self._coordinator, asked, now_s)
             return
         if station != self._coordinator:
-            # A storage may have lost its notes, and has no other word of the task.
+            # A storage may have lost its notes, and then knows the task only from this message.
             asked = msgspec.structs.replace(asked, item=work.item, quantity=work.quantity)
-        # A machine and the station of a storage have the name of the place.
+        # The agent of a machine or a storage has the place's name.
         self._ask(station, asked, now_s)
 
     def ask_to_put_back(self, station: str, now_s: float) -> None:
-        """Ask to put down a load that nobody waits for any more, where the vehicle stands."""
+        """Ask to put a returned load down where the vehicle stands."""
         work = self._contract.work
         asked = Docked(
             task=self._task,
@@ -109,17 +109,17 @@ class JobMessages:
         self._ask(station, asked, now_s)
 
     def ask_for_handover(self, now_s: float) -> None:
-        """The load is down: ask the coordinator to take it over."""
+        """The load is down: ask the coordinator to accept it."""
         handover = Handover(task=self._task, epoch=self._epoch, quantity=self._contract.work.quantity)
         self._ask(self._coordinator, handover, now_s)
 
     def ask_for_relief(self, reason: Reason, detail: str, short: str, now_s: float) -> None:
-        """Ask the coordinator to let another one carry it.
+        """Ask the coordinator for another carrier.
 
         Args:
-            reason: why.
-            detail: the same in the words of whoever has held it up.
-            short: the storage that had none of the load; empty when that is not why.
+            reason: the reason.
+            detail: the reason in the words of the agent or device that held it up.
+            short: the storage that lacked the load; empty if that is not the reason.
             now_s: the present time.
         """
         resigned = msgspec.structs.replace(self._resigned(reason, detail), short=short)
@@ -127,34 +127,34 @@ class JobMessages:
 
     @property
     def is_asking(self) -> bool:
-        """Whether an answer is waited for."""
+        """Whether an answer is awaited."""
         return self._task in self._question
 
     @property
     def is_unanswered(self) -> bool:
-        """Whether the present question was asked `GIVE_UP_AFTER` times, in vain."""
+        """Whether the present question was sent `GIVE_UP_AFTER` times without an answer."""
         return self._question.is_exhausted(self._task)
 
     def heard(self) -> None:
-        """The other side lives: whatever it has not answered yet is asked as often as at first."""
+        """The other side lives: reset the count of the present question."""
         self._question.count_anew(self._task)
 
     def ask_later(self, now_s: float) -> None:
-        """The dock is held."""
+        """The dock is held: repeat the question later."""
         self._question.defer(self._task, now_s + HELD_ASK_AGAIN_S)
 
     def answered(self) -> None:
-        """Nothing waits for an answer any more."""
+        """Stop the question."""
         self._question.settle(self._task)
 
     # --- its end ---
 
     def resign(self, reason: Reason, detail: str = "") -> None:
-        """Give the contract back, once: whoever does not hear it hears no heartbeat about the task either."""
+        """Give the contract back, once: if that is lost, the missing task in the heartbeat tells the same."""
         self._life.send(self._coordinator, self._resigned(reason, detail))
 
     def stop(self) -> None:
-        """Say nothing more."""
+        """Stop all repetitions."""
         self._question.settle(self._task)
         self._claim.settle(self._task)
 

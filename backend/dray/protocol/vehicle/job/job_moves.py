@@ -1,4 +1,4 @@
-"""What a carrier does for its transport: ways between its places, picks and drops. The moves alone: when is for `transport_job`."""
+"""A carrier's moves for its transport: ways between places, picks and drops; `transport_job` decides when."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.drivers.driver import Driver, limited_s
 
 RETRY = "retry"
-"""The alarm for another try of a way or a manoeuvre, which is no message."""
+"""Alarm of a repeated way or manoeuvre, which is no message."""
 
 RETRY_S = 5.0
-"""After a failed manoeuvre."""
+"""Delay after a failed manoeuvre (s)."""
 
 
 class JobMoves:
     """The moves of one transport.
 
     Args:
-        contract: says what is carried, and from where.
+        contract: the load and its source.
         plant, vehicle_type: for ways and handling times.
         driver: the vehicle's place on the lanes.
-        life: its agent's; its alarms are named `RETRY`.
+        life: the agent's life; alarms are named `RETRY`.
     """
 
     def __init__(
@@ -42,28 +42,28 @@ class JobMoves:
         self._order = 0
         """The number of the newest pick or drop."""
         self._full: set[str] = set()
-        """Stations that did not take the load back. Only ever asked for membership."""
+        """Stations that did not take the load back; membership tests only."""
 
     # --- ways ---
 
     def drive(self, place: str, now_s: float) -> float | None:
-        """Set off for the dock of a place.
+        """Set off for a place's dock.
 
         Returns:
-            When the vehicle should be there; None when it stands there already.
+            Expected arrival; None if the vehicle stands there already.
 
         Raises:
-            NoWay: what is closed leaves none.
+            NoWay: closures leave no way.
         """
         return self._driver.arrives_s if self._driver.go(self._dock(place), now_s) else None
 
     def is_shut_out_of(self, place: str) -> bool:
-        """Whether something is known to lie on every way to a place."""
+        """Whether known obstacles block every way to a place."""
         obstructed = bool(self._plant.obstructed)
         return obstructed and not self._routes.leads_round(self._driver.next_node, self._dock(place))
 
     def can_fetch_elsewhere(self) -> bool:
-        """Whether something is known to lie on every way to the source, and on none to another one and on from there."""
+        """Whether obstacles block every way to the source, but not to another source and on to the destination."""
         there = self._dock(self._work.destination)
         return self.is_shut_out_of(self._source) and any(
             not self.is_shut_out_of(other) and self._routes.leads_round(self._dock(other), there)
@@ -72,57 +72,57 @@ class JobMoves:
         )
 
     def is_shut_in(self, now_s: float) -> bool:
-        """Whether others may fetch the load that this vehicle cannot: something is known to lie on every way from here, and on none from the destination."""
+        """Whether others may fetch the load instead: obstacles block every way from here, but not from the destination."""
         if not self._work.is_for_any(now_s) or not self.is_shut_out_of(self._source):
             return False
         return self._routes.leads_round(self._dock(self._work.destination), self._dock(self._source))
 
     @property
     def _keepers(self) -> tuple[str, ...]:
-        """Where the load may be had: a contract that was passed on names only one place."""
+        """Places that may have the load; a contract that was passed on names only one."""
         plant, item = self._plant, self._work.item
         is_kept = self._source in plant.stores and item in plant.materials
         return (*self._work.sources, *(plant.storages_of(item) if is_kept else ()))
 
     def halt(self, now_s: float) -> None:
-        """Stand at the end of the present lane, or outside of what is closed."""
+        """Stop at the end of the present lane, or outside of closures."""
         self._driver.halt(now_s)
 
     def try_later(self, now_s: float) -> None:
-        """A way or a manoeuvre has failed: another try is due after `RETRY_S`."""
+        """A way or a manoeuvre has failed: try again after `RETRY_S`."""
         self._life.alarm(RETRY, now_s + RETRY_S)
 
     def try_no_more(self) -> None:
-        """No other try is wanted."""
+        """Cancel the repetition."""
         self._life.cancel(RETRY)
 
-    # --- how long they take ---
+    # --- durations ---
 
     def from_source_s(self) -> float:
-        """How long loading, the way to the destination and unloading take.
+        """The duration of loading, the way to the destination and unloading (s).
 
         Raises:
-            NoWay: what is closed leaves none.
+            NoWay: closures leave no way.
         """
         loaded_s = self._routes.duration_s(self._dock(self._source), self._dock(self._work.destination))
         return self._type.load_s + limited_s(loaded_s, self._driver.pace_frac) + self._type.unload_s
 
     def unloading_s(self) -> float:
-        """How long unloading takes."""
+        """The duration of unloading (s)."""
         return self._type.unload_s
 
-    # --- what others are told of them ---
+    # --- reports to others ---
 
     def expect_to_load(self, comes_s: float, *, docked: bool = False) -> None:
-        """Tell when the vehicle will be at the source (plant clock), or that it stands there."""
+        """Publish the arrival time at the source (plant clock), or that the vehicle stands there."""
         self._driver.expect_at(self._source, comes_s, self._type.load_s, docked=docked)
 
     def expect_to_unload(self, comes_s: float, *, docked: bool = False) -> None:
-        """Tell when it will be at the destination, or that it stands there."""
+        """Publish the arrival time at the destination, or that the vehicle stands there."""
         self._driver.expect_at(self._work.destination, comes_s, self._type.unload_s, docked=docked)
 
     def leave(self, place: str, now_s: float) -> None:
-        """Tell that it is done at a place."""
+        """Publish that the vehicle is done at a place."""
         self._driver.expect_at(place, now_s, 0.0)
 
     # --- manoeuvres ---
@@ -143,28 +143,29 @@ class JobMoves:
         """Unload at a place.
 
         Args:
-            place: where the vehicle stands.
-            goal: for which goal; empty when the load is only set aside.
+            place: the place where the vehicle stands.
+            goal: the load's goal; empty if the load is only set aside.
         """
         self._order = self._driver.next_order()
         self._driver.act(Drop(order=self._order, station=place, goal=goal))
 
     def is_newest(self, order: int) -> bool:
-        """Whether this number is that of the newest pick or drop."""
+        """Whether this is the number of the newest pick or drop."""
         return order == self._order
 
     @property
     def is_gated(self) -> bool:
-        """Whether a gate decides about the load, and not the coordinator."""
+        """Whether a gate decides about the load instead of the coordinator."""
         return self._work.destination in self._plant.delivery_warehouses
 
-    # --- where to with a load that nobody wants ---
+    # --- refuges ---
 
     def refuge(self) -> str:
-        """The nearest storage that keeps the load; goods are set aside at the delivery warehouse, a thing goes back to the storage where it was fetched, or else to the nearest.
+        """The nearest storage for a load without a receiver; goods go to the delivery warehouse, things to their storage.
 
-        Where every storage is full, and stays so since nobody can fetch with this vehicle's load in the way, material goes back
-        to where it came from, a source warehouse. Where what is closed leaves no way to any, the first one is waited for.
+        Full storages may stay full, because this vehicle blocks those that would empty them. Then material goes to
+        a source warehouse. A thing from elsewhere goes to the nearest storage. If closures leave no way, the
+        vehicle waits for the first.
         """
         is_material = self._work.item in self._plant.materials
         storages = self._plant.storages_of(self._work.item) if is_material else (self._work.destination,)
@@ -184,11 +185,11 @@ class JobMoves:
             return storages[0]
 
     def has_station(self, place: str) -> bool:
-        """Whether an agent sees to the dock of a refuge: a delivery warehouse has its gate."""
+        """Whether an agent owns the dock of a refuge; a delivery warehouse has a gate instead."""
         return place in self._plant.stores
 
     def note_full(self, place: str) -> None:
-        """This place did not take the load."""
+        """Note that a place did not take the load."""
         self._full.add(place)
 
     def _not_full(self, places: Iterable[str]) -> tuple[str, ...]:

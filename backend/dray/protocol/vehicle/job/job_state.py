@@ -1,10 +1,11 @@
-"""The states of a transport job, and every change that may be between them. Nothing else changes a job's state.
+"""The states of a transport job, and their transitions. Only this module changes a job's state.
 
     BOUND -> APPROACHING -> AT_SOURCE -> PICKING -> CARRYING -> AT_DESTINATION -> DROPPING -> HANDING_OVER -> ENDED
 
-is the job that goes well. It stands and is GIVING_BACK when another vehicle is to carry it and nothing is on board. When
-the contract is void while a manoeuvre runs, its end is waited for (VOID_PICKING, VOID_DROPPING); a load that nobody
-wants any more is RETURNING to a storage, asks for its dock (AT_REFUGE) and is PUTTING_BACK there. docs/states.md draws the table.
+is a job without problems. It stands in GIVING_BACK if another vehicle is to carry it and its load is not on board.
+If the contract becomes void during a manoeuvre, the job waits for the manoeuvre's end (VOID_PICKING,
+VOID_DROPPING). A load without a receiver is RETURNING to a storage, asks for its dock (AT_REFUGE) and is
+PUTTING_BACK there. docs/states.md draws the table.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from dray.states import States, Transitions
 
 
 class JobState(StrEnum):
-    """How far a transport job has come."""
+    """The state of a transport job."""
 
     BOUND = "bound"
-    """The contract is made, or an earlier life has made it; nothing is done yet in this life."""
+    """The contract is made, or comes from an earlier life; nothing is done yet in this life."""
     APPROACHING = "approaching"
     """Empty, on its way to the source."""
     AT_SOURCE = "at_source"
@@ -31,17 +32,17 @@ class JobState(StrEnum):
     """Asks for the dock of the destination."""
     DROPPING = "dropping"
     HANDING_OVER = "handing_over"
-    """The load is down, and its coordinator has not confirmed that yet."""
+    """The load is down; its coordinator has not confirmed that yet."""
     GIVING_BACK = "giving_back"
-    """Stands empty until its coordinator has let another one carry it."""
+    """Stands empty until its coordinator has found another carrier."""
     VOID_PICKING = "void_picking"
     """The contract is void; a pick is still under way."""
     VOID_DROPPING = "void_dropping"
     """The contract is void; a drop is still under way."""
     RETURNING = "returning"
-    """The contract is void; the load is on its way to a place that keeps it."""
+    """The contract is void; the load is on its way to a storage."""
     AT_REFUGE = "at_refuge"
-    """Asks for the dock of the place that keeps it."""
+    """Asks for the dock of that storage."""
     PUTTING_BACK = "putting_back"
     ENDED = "ended"
 
@@ -138,10 +139,10 @@ PHASES = {
     _S.AT_REFUGE: Phase.RETURNING,
     _S.PUTTING_BACK: Phase.RETURNING,
 }
-"""What others hear of a state; of one that is not here they go on hearing the phase before."""
+"""The phase that other agents see; a state without an entry keeps the phase before."""
 
 MANOEUVRES = frozenset({_S.PICKING, _S.DROPPING, _S.VOID_PICKING, _S.VOID_DROPPING, _S.PUTTING_BACK})
-"""A pick or a drop is under way."""
+"""States with a pick or drop under way."""
 
 LOADED = frozenset(
     {
@@ -154,20 +155,20 @@ LOADED = frozenset(
         _S.PUTTING_BACK,
     }
 )
-"""The load is on board."""
+"""States with the load on board."""
 
 VOID = frozenset({_S.VOID_PICKING, _S.VOID_DROPPING, _S.RETURNING, _S.AT_REFUGE, _S.PUTTING_BACK, _S.ENDED})
-"""The contract binds nobody any more."""
+"""States without a binding contract."""
 
 
 class JobStates(States[JobState]):
     """The state of one job.
 
     Args:
-        phase: what an earlier life has told last; `Phase.APPROACHING` of a new job.
+        phase: the phase last told by an earlier life; `Phase.APPROACHING` for a new job.
 
     Attributes:
-        phase: what others hear.
+        phase: the phase that other agents see.
     """
 
     __slots__ = ("phase",)

@@ -1,14 +1,15 @@
-"""A committed transport, as its carrier lives it: approach, load, carry, unload, hand over. Its states are in `job_state`.
+"""A contracted transport of its carrier: approach, load, carry, unload, hand over. Its states are in `job_state`.
 
-At every dock the carrier asks first: the coordinator opens its own to the present epoch alone, the station of a storage to
-whom it has promised the load. At a storage that has none it waits as long as it can keep its own promise, and gives the
-task back then. Finished goods that reach a delivery warehouse are fenced by its gate instead, which knows what each goal may
-still bring. A coordinator that answers nothing for `job_messages.GIVE_UP_AFTER` questions has failed, and the load goes back.
+The carrier asks at every dock first. The coordinator opens its own dock only to the present epoch, a storage's
+station only to the vehicle with the reservation. At a storage without the load the carrier waits while it can keep
+its promise. Then it gives the task back. A delivery warehouse's gate fences finished goods instead: it knows what
+each goal may still bring. A coordinator that does not answer `job_messages.GIVE_UP_AFTER` questions has failed, and
+the load goes back.
 
-Who has taken a task over drives before its coordinator has confirmed that. Who gives a task back that is not on board yet
-stands until its coordinator has superseded it: until then it is bound.
+After a takeover the carrier drives before its coordinator has confirmed. A carrier that gives a task back before
+loading stands until its coordinator has superseded it: until then it is bound.
 
-What the vehicle does for it is in `job_moves`, and what it says in `job_messages`.
+Its moves are in `job_moves`, its messages in `job_messages`.
 """
 
 from __future__ import annotations
@@ -46,32 +47,33 @@ from dray.protocol.vehicle.job.job_state import LOADED, MANOEUVRES, VOID, JobSta
 from dray.protocol.vehicle.people.assistance import Waiting
 
 WAITS_AT_LEAST_S = 15.0
-"""At a storage that has nothing, beyond what its promise allows: the station may have been started again a moment ago.
-Shorter than what its coordinator takes for standing still (`progress.STALL_S`)."""
+"""Minimum wait at a storage without the load, even past its promise (s): the station may have restarted. Shorter than its
+coordinator's time-out for standing still (`progress.STALL_S`)."""
 
 ASKS_AGAIN_S = 300.0
-"""Who has a contract for a load that was only to be had behind a silent vehicle gives it back after this: by then others may have it."""
+"""Time after which a load that was only available behind a silent vehicle is given back (s): other places may have it by
+then."""
 
 REFUGE_HELD_S = 60.0
-"""A storage that has not let a load back in within this does not take it: another one is looked for. As long as a dock may take to get ready."""
+"""Time after which a storage that has not taken a load back is given up (s): as long as a dock may take to get ready."""
 
 TRIES = 3
-"""Manoeuvres at one place before another one is looked for."""
+"""Maximum manoeuvres at one place before another one is sought."""
 
 
 class TransportJob:
-    """One transport of one vehicle: what happens to it, and what is next.
+    """One transport of one vehicle: its events, and its next step.
 
     Args:
-        contract: what it is bound to.
+        contract: its contract.
         plant, vehicle_type: for ways and handling times.
         driver: the vehicle's place on the lanes.
 
     Attributes:
-        due_s: when it now expects to hand over (plant clock).
+        due_s: the expected handover (plant clock).
         ended: why it is over; None while it lasts.
-        detail: the same in the words of whoever has held it up; empty where nobody has.
-        number: of the award that binds it; 0 for a takeover.
+        detail: the reason in the words of the agent or device that held it up; empty for none.
+        number: number of the binding award; 0 for a takeover.
     """
 
     def __init__(
@@ -93,61 +95,61 @@ class TransportJob:
         self._moves = JobMoves(contract, plant, vehicle_type, driver, life)
         self._messages = JobMessages(contract, life)
         self._station = contract.source
-        """Where it drives to, or stands."""
+        """The station where it drives to or stands."""
         self._cut_off = False
-        """What is closed leaves no way to its station: it stands elsewhere, and waits."""
+        """Whether closures leave no way to its station: it waits elsewhere."""
         self._was_shut_out = self._moves.is_shut_out_of(contract.source)
-        """Something was known to be in the way to the source when the contract was made: nobody else had the load then."""
+        """Whether an obstacle blocked the source when the contract was made: no other source had the load then."""
         self._short = ""
-        """The storage that had none of the load, or cannot be reached, which is why it was given back."""
+        """The storage that lacked the load or cannot be reached, if the task was given back for that."""
         self._void = contract.cancelled
         """Why the contract is void; None while it binds."""
         self._stands_s = NEVER_S
-        """Since when it waits at its source, or where it brings its load back."""
+        """Since when it waits at its source, or where it returns its load."""
         self._given_back: Reason | None = None
-        """Why the coordinator was asked to let another one carry it."""
+        """Why the coordinator was asked for another carrier."""
         self._may_be_dropping = False
-        """An earlier life had come to the unloading: its drop may still be under way."""
+        """Whether an earlier life was unloading: its drop may still be under way."""
         self._failed = 0
-        """Manoeuvres that failed at this station."""
+        """Failed manoeuvres at this station."""
         self._refused = contract.refused
-        """How often the gate has not let the load in, over all lives of the vehicle."""
+        """How often the gate has refused the load, over all lives of the vehicle."""
 
     @property
     def state(self) -> JobState:
-        """How far it has come."""
+        """Its state."""
         return self._states.now
 
     @property
     def phase(self) -> Phase:
-        """The same, as others hear it."""
+        """The phase that other agents see."""
         return self._states.phase
 
     @property
     def is_void(self) -> bool:
-        """Whether it is over but for the load, which is on its way back."""
+        """Whether the contract is void, even if the load is still on its way back."""
         return self.state in VOID
 
     @property
     def is_given_back(self) -> bool:
-        """Whether it ends as soon as the coordinator has answered."""
+        """Whether it ends with the coordinator's answer."""
         return self.state is JobState.GIVING_BACK
 
     @property
     def slack_s(self) -> float:
-        """How much later than now expected it may be done."""
+        """How much later than expected it may be done (s)."""
         return self._contract.deadline_s - self.due_s
 
     def answers_at(self, station: str) -> str:
-        """Who says whether it may load or unload at a place where it stands: where people hand the load over, its coordinator."""
+        """The agent that opens a place's dock; the coordinator if people hand the load over there."""
         return self.coordinator if station == self.work.handed_at else station
 
     def is_meant_by(self, message: Any) -> bool:
-        """Whether a coordinator speaks of this contract; a Superseded speaks of another epoch."""
+        """Whether a coordinator's message is about this contract; a Superseded carries another epoch."""
         return self.task == message.task and (type(message) is Superseded or message.epoch == self.epoch)
 
     def brief(self) -> Brief:
-        """What the vehicle tells about it in its heartbeat."""
+        """Its entry in the vehicle's heartbeat."""
         return Brief(
             task=self.task,
             epoch=self.epoch,
@@ -160,7 +162,7 @@ class TransportJob:
         )
 
     def memory(self) -> Contract:
-        """What the vehicle's next life must know of it."""
+        """Its record for the vehicle's next life."""
         return msgspec.structs.replace(
             self._contract,
             phase=self.phase,
@@ -170,7 +172,7 @@ class TransportJob:
             claim=self._contract.claim if self._messages.is_claiming else None,
         )
 
-    # --- what happens ---
+    # --- events ---
 
     def set_off(self, now_s: float) -> None:
         """Set off for the source."""
@@ -178,15 +180,15 @@ class TransportJob:
         self._drive(self.source, now_s)
 
     def take_over(self, now_s: float) -> None:
-        """Set off in the place of a failed vehicle, and tell the coordinator until it has heard."""
+        """Set off in place of a failed vehicle, and repeat the takeover until the coordinator has confirmed it."""
         self._messages.tell_bound(self.number, now_s)
         self.set_off(now_s)
 
     def resume(self, load: str, now_s: float) -> None:
-        """Go on after a restart, from what the vehicle has on board.
+        """Continue after a restart, according to the load on board.
 
-        The coordinator is told again that the contract was accepted: if it has moved on, it says so now,
-        and not at the end of a long way.
+        The acceptance is repeated: a coordinator that has another carrier says so now, and not at the end of a long
+        way.
         """
         loaded = load == self.work.item
         self._may_be_dropping = self.phase is Phase.UNLOADING
@@ -206,7 +208,7 @@ class TransportJob:
             self.set_off(now_s)
 
     def arrived(self, now_s: float) -> None:
-        """The vehicle stands where it was sent."""
+        """The vehicle has arrived."""
         match self.state:
             case _ if self._cut_off:
                 pass
@@ -227,20 +229,20 @@ class TransportJob:
                 self._drop(JobState.PUTTING_BACK)
 
     def floor_changed(self, now_s: float) -> None:
-        """People have closed or opened something: go on by what is open. Whoever is at a dock finishes there first."""
+        """Closures have changed: take open ways. A vehicle at a dock finishes there first."""
         if self.state in (JobState.APPROACHING, JobState.CARRYING, JobState.RETURNING):
             self._drive_on(now_s)
         elif self.is_given_back:
             self._moves.halt(now_s)
 
     def shut_out(self, by: str, waited_s: float, now_s: float) -> None:
-        """A silent vehicle is in its way, and none leads round: the load is fetched elsewhere or by another vehicle, or brought elsewhere.
+        """A silent vehicle blocks every way: fetch the load elsewhere or by another vehicle, or bring it elsewhere.
 
-        What nobody else can fetch, or is to be brought there, waits.
+        The job waits if no other vehicle or place is possible.
 
         Args:
             by: the silent vehicle.
-            waited_s: how long it has been waited for.
+            waited_s: how long the vehicle has waited for it.
             now_s: the present time.
         """
         waits_s = ASKS_AGAIN_S if self._was_shut_out else 0.0
@@ -255,7 +257,7 @@ class TransportJob:
             self._drive(refuge, now_s)
 
     def waiting(self, now_s: float) -> Waiting:
-        """What it means for the task that the vehicle cannot go on."""
+        """The consequences for the task while the vehicle cannot go on."""
         loaded = self.state in LOADED
         relief_s = 0.0
         if loaded:
@@ -267,12 +269,12 @@ class TransportJob:
         return Waiting(self.task, self.slack_s, relief_s, irreplaceable=once or self.is_void)
 
     def way_refused(self, now_s: float) -> None:
-        """The vehicle could not take the way: try again from where it is then."""
+        """The vehicle could not take the way: try again later from its position."""
         if not self._messages.is_asking:
             self._moves.try_later(now_s)
 
     def action_done(self, order: int, now_s: float) -> None:
-        """A pick or drop has ended well."""
+        """A pick or drop has succeeded."""
         if not self._is_under_way(order):
             return
         match self.state:
@@ -286,7 +288,7 @@ class TransportJob:
                 self._end(cast(Reason, self._void))
 
     def action_failed(self, order: int, reason: str, now_s: float) -> None:
-        """A pick or drop ended without effect."""
+        """A pick or drop has failed without effect."""
         if not self._is_under_way(order):
             return
         self._failed += 1
@@ -312,10 +314,10 @@ class TransportJob:
                 self._return_elsewhere(now_s)
 
     def on_answer(self, message: Message, now_s: float) -> None:
-        """Take an answer of the coordinator; what is late or doubled changes nothing."""
+        """Handle the coordinator's answer; late and doubled ones are ignored."""
         if isinstance(message, Superseded) and not 0 < message.epoch < self.epoch:
             if self.state is JobState.AT_REFUGE:
-                return  # A late word of its coordinator, or one who takes nothing back: no answer to what it asks.
+                return  # A late message of the coordinator, or of an agent that takes nothing back: no answer to the question.
             self.cancel(self._given_back or Reason.SUPERSEDED, now_s)
         elif isinstance(message, Withdrawn):
             self.cancel(self._given_back or Reason.WITHDRAWN, now_s)
@@ -334,7 +336,7 @@ class TransportJob:
         self._messages.heard()
 
     def cancel(self, reason: Reason, now_s: float) -> None:
-        """The contract is void: end, and take the load back if there is one."""
+        """The contract is void: end, and return the load if there is one."""
         if self.is_void:
             return
         self._void = reason
@@ -356,9 +358,9 @@ class TransportJob:
         self.cancel(reason, now_s)
 
     def give_back(self, reason: Reason, now_s: float, detail: str = "") -> None:
-        """Stand, and ask the coordinator to let another one carry it; `detail` tells people more.
+        """Stand, and ask the coordinator for another carrier; `detail` tells people more.
 
-        Harmless when the load is on board, or a manoeuvre runs: that nobody else can finish.
+        Ignored with the load on board or during a manoeuvre, which no other vehicle can finish.
         """
         if self.state not in (JobState.APPROACHING, JobState.AT_SOURCE):
             return
@@ -368,21 +370,21 @@ class TransportJob:
         self._ask_for_relief(now_s)
 
     def claim_again(self, now_s: float) -> None:
-        """The coordinator has not confirmed the takeover yet."""
+        """Repeat the unconfirmed takeover."""
         self._messages.claim_again(now_s)
 
     def wake(self, load: str, now_s: float) -> None:
-        """No answer has come, or a failed way or manoeuvre is due again.
+        """Handle a missing answer, or repeat a failed way or manoeuvre.
 
         Args:
-            load: what is on board now: an action of an earlier life may have ended, or a person has
-                taken the load off.
+            load: the item on board: an earlier life's action may have ended, or a person may have taken the load
+                off.
             now_s: the present time.
         """
         if self._messages.is_unanswered:
             self._be_left_alone(now_s)
         elif load and load != self.work.item:
-            # An earlier life has picked it up; whoever carries this task must be empty.
+            # An earlier life has picked it up; the carrier of this task must be empty.
             self.resign(Reason.OTHER_LOAD, now_s, load)
         elif load and self.state not in LOADED:
             self._given_back, self.detail = None, ""
@@ -392,10 +394,10 @@ class TransportJob:
         else:
             self._go_on(now_s)
 
-    # --- how it is done ---
+    # --- internals ---
 
     def _drive(self, station: str, now_s: float) -> None:
-        """Drive to a station; it has arrived at once where it stands there."""
+        """Drive to a station; it has arrived if it stands there already."""
         self._cut_off = False
         try:
             there_s = self._moves.drive(station, now_s)
@@ -414,13 +416,13 @@ class TransportJob:
             self.arrived(now_s)
 
     def _drive_on(self, now_s: float) -> None:
-        """Drive to its station, or to another one that keeps the load where that was closed."""
+        """Drive to its station, or to another refuge if that was closed."""
         if self._cut_off and self.state is JobState.RETURNING:
             self._station = self._moves.refuge()
         self._drive(self._station, now_s)
 
     def _wait_for_way(self, now_s: float) -> None:
-        """What is closed leaves no way: another one is to fetch the load, and what is on board waits with the vehicle."""
+        """Closures leave no way: seek another carrier, or wait with the load on board."""
         self._cut_off = True
         if self.state is JobState.APPROACHING:
             self.give_back(Reason.CLOSED, now_s)
@@ -429,14 +431,14 @@ class TransportJob:
             self._moves.try_later(now_s)
 
     def _keeps_promise(self, now_s: float) -> bool:
-        """Whether it would be done in time if it were loaded now."""
+        """Whether it would be in time if it were loaded now."""
         try:
             return now_s + self._moves.from_source_s() <= self.promised_s
         except NoWay:
             return False
 
     def _go_on(self, now_s: float) -> None:
-        """Do again what the present state waits for."""
+        """Repeat the pending step of the present state."""
         match self.state:
             case JobState.GIVING_BACK:
                 self._ask_for_relief(now_s)
@@ -452,11 +454,11 @@ class TransportJob:
                 self._drive_on(now_s)
 
     def _is_under_way(self, order: int) -> bool:
-        """Whether this pick or drop is what the job waits for."""
+        """Whether the job waits for this pick or drop."""
         return self._moves.is_newest(order) and self.state in MANOEUVRES
 
     def _enter(self, state: JobState, station: str) -> None:
-        """Begin a phase that others hear of."""
+        """Begin a phase that other agents see."""
         self._states.enter(state)
         self._messages.answered()
         self._station, self._failed = station, 0
@@ -500,7 +502,7 @@ class TransportJob:
         self._moves.try_no_more()
 
     def _wait(self, held: DockHeld, now_s: float) -> None:
-        """Ask again later; at a storage, as long as its promise can be kept and a moment longer."""
+        """Ask again later; at a storage only while its promise can be kept, and a moment longer."""
         fetches = self.state is JobState.AT_SOURCE and self.source not in (
             self.coordinator,
             self.work.handed_at,
@@ -531,7 +533,7 @@ class TransportJob:
         self._moves.drop(self._station, self.work.goal if state is JobState.DROPPING else "")
 
     def _be_left_alone(self, now_s: float) -> None:
-        """The coordinator answers nothing any more: its transports end with it (paper, case 1)."""
+        """The coordinator does not answer any more: its transports end with it (paper, case 1)."""
         if self.state is JobState.HANDING_OVER:
             self._end(Reason.NOT_CONFIRMED)
         elif self.state is JobState.AT_REFUGE:
@@ -543,23 +545,23 @@ class TransportJob:
             self.resign(Reason.COORDINATOR_SILENT, now_s)
 
     def _miss_load(self, now_s: float) -> None:
-        """The load is gone: put down at last for an earlier life, or taken off by a person."""
+        """The load is gone: an earlier life has put it down, or a person has taken it off."""
         if self.is_void:
             self._end(cast(Reason, self._void))
         elif self._may_be_dropping and self.state is JobState.AT_DESTINATION:
             self._hand_over(now_s)
         elif self.work.goal or self.work.item == THING:
-            # It exists once: its coordinator decides where it is looked for.
+            # It exists once: its coordinator decides where to look for it.
             self._messages.resign(Reason.LOAD_GONE)
             self._end(Reason.LOAD_GONE)
         else:
             self.set_off(now_s)
 
     def _return(self, now_s: float) -> None:
-        """Bring the load to where it is kept."""
+        """Bring the load to a storage."""
         refuge = self._moves.refuge()
         if self.phase is Phase.RETURNING and refuge == self._station:
-            # There is no other: it is tried again, and nothing is new to anybody.
+            # There is no other refuge: try again, without a new phase.
             self._states.enter(JobState.RETURNING)
             self._messages.answered()
             self._failed = 0
@@ -568,7 +570,7 @@ class TransportJob:
         self._drive(refuge, now_s)
 
     def _return_elsewhere(self, now_s: float) -> None:
-        """This place does not take the load."""
+        """This place does not take the load: try another."""
         self._moves.note_full(self._station)
         self._return(now_s)
 

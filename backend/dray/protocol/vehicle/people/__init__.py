@@ -1,1 +1,1 @@
-"""A vehicle and people: what they tell it to do, and what it asks them for (paper, cases 4 and 5)."""
+"""A vehicle and people: their commands, and its requests (paper, cases 4 and 5)."""

@@ -1,9 +1,9 @@
-"""A vehicle's problem, and how long its task waits for it to end (paper, case 4).
+"""A vehicle's problem, and how long its task waits for a solution (paper, case 4).
 
-A vehicle with a problem keeps its task for a while: what a person solves in a minute needs no second
-vehicle. Its heartbeat tells until when it waits, and those who watch it act when that time is
-over. How long that is, is judged by `patience`. A person's word counts above: one who promises to come is waited
-for, and one who has seen that it cannot be mended there lets the task go at once.
+A vehicle with a problem keeps its task for a while: a problem of a minute needs no second vehicle. Its heartbeat
+tells how long it waits; its observers act after that. `patience` computes that time. A person's word has
+precedence: the task waits for a person who promises to come. It goes at once if a person has seen that repair there
+is impossible.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ class Waiting:
     """The task of a vehicle that cannot go on.
 
     Attributes:
-        task: its name.
-        slack_s: how much later than now expected it may be done.
+        task: its id.
+        slack_s: how much later than expected it may be done.
         relief_s: how much later than this vehicle another one would be done.
-        irreplaceable: nobody else can carry it, as goods that are on board already.
+        irreplaceable: whether no other vehicle can carry it, as goods on board.
     """
 
     task: str
@@ -35,30 +35,30 @@ class Waiting:
 
     @property
     def room_s(self) -> float:
-        """How long it can wait."""
+        """How long it can wait (s)."""
         return room_s(self.slack_s, self.relief_s)
 
 
 class Assistance:
-    """What keeps one vehicle from going on."""
+    """The problem that stops one vehicle."""
 
     def __init__(self, life: Life) -> None:
         self._life = life
         self.problem = ""
-        """In words; empty for none."""
+        """The problem in words; empty for none."""
         self.about: Problem = NOTHING_KNOWN
-        """What is known of it."""
+        """The known facts about the problem."""
         self.help: HelpWanted | None = None
-        """Set while its task waits for a person."""
+        """The request for help; set while the task waits for a person."""
         self._judged_until_s = 0.0
-        """How long the task waits while nobody has promised to come."""
+        """End of the wait without a promise (plant clock, s)."""
         self._promised_s = 0.0
-        """When the present promise was made."""
+        """Time of the present promise (plant clock, s)."""
         self._asked = False
         self._irreplaceable = False
 
     def wait(self, waiting: Waiting, now_s: float) -> HelpWanted:
-        """Let the task wait for a person, once per problem, without asking for one: who stopped the vehicle knows."""
+        """Let the task wait for a person, once per problem, without a request: the person who stopped the vehicle knows."""
         self._irreplaceable = waiting.irreplaceable
         if self.help is None:
             self._judged_until_s = now_s + waiting.room_s
@@ -66,11 +66,11 @@ class Assistance:
         return self.help
 
     def ask(self, waiting: Waiting, usual_s: float, now_s: float) -> None:
-        """Let the task wait for the problem to end, or go at once, and ask for a person, once per problem.
+        """Let the task wait for a solution, or go at once, and ask for a person, once per problem.
 
         Args:
             waiting: the task.
-            usual_s: how long such a problem lasts, more probably than not at most.
+            usual_s: the expected duration of such a problem (s).
             now_s: the present time.
         """
         wanted = self.wait(waiting, now_s)
@@ -89,7 +89,7 @@ class Assistance:
         """A person has promised to come.
 
         Returns:
-            Why that changes nothing; None when the task waits for them now.
+            The refusal; None if the task waits for the person now.
         """
         if self.help is None:
             return CommandRefusal.NOT_WAITING
@@ -100,10 +100,10 @@ class Assistance:
         return None
 
     def not_coming(self, since_s: float) -> bool:
-        """Who was expected since then does not come: the task waits as it would without what was promised since.
+        """The person expected since then does not come: later promises are void.
 
         Returns:
-            Whether that changes anything.
+            Whether that changes the wait.
         """
         if self.help is None or not self.help.promised_by or self._promised_s < since_s:
             return False
@@ -111,10 +111,10 @@ class Assistance:
         return True
 
     def let_go(self, now_s: float) -> CommandRefusal | None:
-        """A person has said that it cannot be mended there: the task waits no more, whatever was promised.
+        """A person has said that repair there is impossible: the wait ends in spite of any promise.
 
         Returns:
-            Why that changes nothing; None when the task goes to another vehicle now.
+            The refusal; None if the task goes to another vehicle now.
         """
         if self.help is None:
             return CommandRefusal.NOT_WAITING
@@ -125,5 +125,5 @@ class Assistance:
         return None
 
     def over(self) -> None:
-        """End the wait for a person: the problem is solved, or the task has ended."""
+        """End the wait: the problem is solved, or the task has ended."""
         self.help, self._asked, self._irreplaceable = None, False, False

@@ -1,9 +1,8 @@
-"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help, hand over, charge, out of service (paper, cases 4 and 5).
+"""People's commands to a vehicle: stops, speed, help, load, charging and service (paper, cases 4 and 5).
 
-A stop holds against everything else until the fault was acknowledged and then a resume was given, as
-two deliberate acts (invariant 5). To acknowledge says that the fault is gone: a vehicle whose own
-sensors still report it refuses, and one that comes later takes the acknowledge back. Nothing is obeyed
-without a grant for the place where the vehicle is (invariant 9).
+A stop holds until the fault was acknowledged and a resume was given, as two deliberate acts (invariant 5). An
+acknowledgement says that the fault is gone: a vehicle whose sensors still report it refuses, and a later fault
+revokes the acknowledgement. Every command needs a grant for the vehicle's place (invariant 9).
 """
 
 from __future__ import annotations
@@ -21,13 +20,13 @@ from dray.protocol.vehicle.people.assistance import Assistance
 
 
 class CommandHandling:
-    """What people have told one vehicle.
+    """People's commands to one vehicle.
 
     Args:
-        authority: whom it obeys.
-        trouble: what its sensors report, and what people promise to help with.
+        authority: checks who may command it.
+        trouble: its problem, and people's promises.
         driver: keeps to a speed limit.
-        charging: when it charges.
+        charging: its charging decisions.
     """
 
     def __init__(
@@ -45,29 +44,29 @@ class CommandHandling:
         self._granted = GrantedCommands[VehicleCommand](authority, self._try, self._detail, life)
         self.on_command = self._granted.on_command
         self.acknowledged = False
-        """The present stop was acknowledged, and not resumed yet."""
+        """Whether the present stop was acknowledged, and not resumed yet."""
         self.stopped = False
         self.stopped_itself = False
-        """The present stop is its own, and no person has acknowledged it: it calls for one."""
+        """Whether the vehicle stopped itself, and no person has acknowledged that: it calls for one."""
         self.service = ServiceState()
 
     @property
     def answered(self) -> tuple[CommandMemory, ...]:
-        """What the next life must know: commands that it would obey if they came again."""
+        """Commands for the next life, which would obey them if they were repeated."""
         return self._granted.answered
 
     @property
     def out_of_service(self) -> OutOfService | None:
-        """Set until somebody puts it into service again."""
+        """Set until a person puts it into service again."""
         return self.service.out
 
     @property
     def is_sent_to_charge(self) -> bool:
-        """Whether it takes no work before it is full, by a person's word."""
+        """Whether a person has sent it to charge: it takes no work before it is full."""
         return self._charging.is_sent
 
     def restore(self, memory: AtvMemory) -> None:
-        """Go on with what an earlier life was told; whether it is stopped, its body knows."""
+        """Restore an earlier life's commands; the body knows whether it is stopped."""
         self.acknowledged = memory.acknowledged and self.stopped and not self.assistance.problem
         self.stopped_itself = memory.stopped_itself
         if self.stopped_itself and not self.stopped:
@@ -79,10 +78,10 @@ class CommandHandling:
         self._granted.restore(memory.answered)
 
     def take_back(self) -> bool:
-        """A fault has come up that nobody can have meant: the stop is to be acknowledged anew.
+        """Revoke the acknowledgement after a new fault.
 
         Returns:
-            Whether it had been acknowledged.
+            Whether there was one.
         """
         taken, self.acknowledged = self.acknowledged, False
         return taken
@@ -93,7 +92,7 @@ class CommandHandling:
         return self.assistance.problem if refused is CommandRefusal.FAULTY else ""
 
     def _try(self, command: VehicleCommand, grant: Grant, now_s: float) -> CommandRefusal | None:
-        """Carry it out, or say why not."""
+        """Carry a command out, or return the refusal."""
         if command.kind is CommandKind.STOP:
             self.stop()
             return None
@@ -128,12 +127,12 @@ class CommandHandling:
         return None if sent else refused
 
     def stop(self) -> None:
-        """Stand until somebody has acknowledged the reason, and resumes."""
+        """Stop until a person has acknowledged the reason, and resumes."""
         self.stopped, self.acknowledged = True, False
         self._life.instruct(Hold())
 
     def stop_itself(self) -> None:
-        """Likewise, by no person's word: somebody is called until one has acknowledged it."""
+        """Stop without a command: a person is called until one has acknowledged it."""
         self.stop()
         self.stopped_itself = True
         self._life.commit()

@@ -1,6 +1,6 @@
-"""What a vehicle does about a problem that its body reports: it stands, judges it, asks for help, and tells how long it has lasted.
+"""A vehicle's handling of a reported problem: it stands, judges it, asks for help, and reports its duration.
 
-All vehicles hear how long the problems of others have lasted (`ProblemEnded`): a lost word of that costs nothing but experience.
+All vehicles learn from the durations of others' problems (`ProblemEnded`); a lost message costs only experience.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from dray.protocol.vehicle.people.command_handling import CommandHandling
 
 
 class Owner(Protocol):
-    """A vehicle, as far as its problems need it."""
+    """The vehicle, as its problems need it."""
 
     id: str
     incarnation: int
 
     @property
     def link(self) -> Link:
-        """By which it speaks."""
+        """The link that it uses."""
 
     def end_trouble(self, now_s: float) -> None:
-        """End one reason to stand; drive on when no other is left."""
+        """End one reason to stand; drive on if there is no other."""
 
     def update_status(self, now_s: float, reason: str) -> None:
-        """Work the status out anew, and tell the reason if it has changed."""
+        """Update the status, and report the reason if it has changed."""
 
     @property
     def is_busy(self) -> bool:
@@ -46,22 +46,22 @@ class Owner(Protocol):
 
 
 NO_WLAN = "no WLAN"
-"""What a vehicle calls for in words; panels know them (`failure.` in their texts)."""
+"""The call's reason in words; panels know it (`failure.` in their texts)."""
 
 DOUBLED = "its name is used by another"
-"""Likewise. Also the alarm that ends that."""
+"""The call's reason in words, and the name of the alarm that ends it."""
 
 DOUBLED_S = 60.0
-"""Whoever has spoken under its name has stopped when nothing more is heard of that for so long. Then a person may let the vehicle go."""
+"""Silence after which the other user of its id counts as stopped (s). Then a person may release the vehicle."""
 
 WLAN_LOST = Problem(kind=ProblemKind.LINK, needs_person=True)
 
 WLAN_LOST_S = 10.0
-"""A dead spot is crossed in less."""
+"""Minimum time without WLAN before a call (s): a dead spot is crossed in less."""
 
 
 class _Caller:
-    """A vehicle as its calls see it."""
+    """The vehicle in the form that calls need."""
 
     def __init__(self, owner: Owner, driver: Driver) -> None:
         self._owner, self._driver = owner, driver
@@ -81,15 +81,15 @@ class ProblemHandling:
 
     Args:
         owner: the vehicle.
-        plant: where it drives.
-        driver: of the vehicle.
-        contracts: of the vehicle.
-        commands: what people have told it, and what it asks them for.
+        plant: its plant.
+        driver: its driver.
+        contracts: its contracts.
+        commands: people's commands, and its requests to them.
 
     Attributes:
-        messages: by the type of a message, what to call with (sender, message, now_s).
-        reports: by the type of a report, what to call with (report, now_s).
-        alarms: by name, what to call with (None, now_s).
+        messages: by message type, handlers called with (sender, message, now_s).
+        reports: by report type, handlers called with (report, now_s).
+        alarms: by name, handlers called with (None, now_s).
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class ProblemHandling:
         }
 
     def start(self, state: VehicleState, now_s: float) -> None:
-        """Go on with what the body knows, and listen."""
+        """Restore the body's problem, and subscribe."""
         self._life.subscribe(self._keys.all_problems)
         self._calls.listen()
         self._assistance.problem, self._assistance.about = state.problem, state.about_problem
@@ -147,19 +147,20 @@ class ProblemHandling:
         self._life.beat_soon(now_s)
 
     def note_doubled(self, now_s: float) -> None:
-        """Somebody else speaks under its name: stop until a person has seen to it, and that one has been quiet for a while.
+        """Another agent uses its id: stop until a person has come and the other has been silent for a while.
 
-        The problem ends with the quiet, and the call goes on until a person has come: nobody else knows that the vehicle stands.
+        The problem ends with the silence. The call goes on until a person has come, who otherwise would not know of
+        it.
         """
         self._commands.stop_itself()
         self._life.alarm(DOUBLED, now_s + DOUBLED_S)
         self.raise_problem(ProblemRaised(reason=DOUBLED), now_s)
 
     def update_call(self, now_s: float) -> None:
-        """Call somebody while a person is needed, and nobody longer than that.
+        """Open and close the call for a person.
 
-        Out of service it calls nobody: people know of it. What may pass by itself is waited for first. A lost WLAN is no reason to come
-        before the delivery is done (paper, 4.3).
+        Out of service it calls nobody: people know of it. A problem that may pass by itself gets time first. A lost
+        WLAN is no reason for a call before the delivery is done (paper, 4.3).
         """
         problem, owner = self._assistance.problem, self._owner
         is_well = not problem and not self._commands.stopped_itself and owner.link is not Link.MESH
@@ -181,7 +182,7 @@ class ProblemHandling:
             self._life.beat_soon(now_s)
 
     def end_problem(self, reason: str, now_s: float) -> None:
-        """One of the vehicle's own is over, unless another one has replaced it since."""
+        """End one of the vehicle's own problems, unless another one has replaced it."""
         if self._assistance.problem == reason:
             self._problem_cleared(ProblemCleared(), now_s)
 
@@ -190,7 +191,7 @@ class ProblemHandling:
         if assistance.problem:
             lasted_s = max(0.0, now_s - self._since_s)
             ended = ProblemEnded(agent=self._owner.id, problem=assistance.about, lasted_s=lasted_s)
-            # What began while nobody was there teaches nothing about how long people take.
+            # A problem that began in people's absence does not show how long people take.
             if not (self._comes_after_s and waits_for_people(assistance.about)):
                 self._experience.note(ended, "", now_s)
                 if self._owner.link is Link.WLAN and assistance.about != NOTHING_KNOWN:
