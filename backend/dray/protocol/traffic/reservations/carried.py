@@ -21,7 +21,7 @@ class Carried:
     def __init__(self, life: Life) -> None:
         self._life = life
         self._to_tell: list[tuple[int, PlacesFreed]] = []
-        """Version of the table -> the freed places to report once it counts."""
+        """Version of the table, and the freed places to report once it counts."""
         self._keeping: dict[str, tuple[int, str]] = {}
         """Vehicle that is being put back -> number of the removal, and the place to reserve."""
         self._kept: dict[str, tuple[int, str]] = {}

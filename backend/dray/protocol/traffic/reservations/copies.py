@@ -106,7 +106,7 @@ class Copies:
         """Replica -> the version that it has under this epoch."""
         self._witness = Witness(district, is_signed)
         self._given_back: dict[str, tuple[int, PlaceRequested]] = {}
-        """Vehicle -> the first version without the lines that it released while `me` led, and its request. Kept until all have that version."""
+        """Vehicle -> first version without the lines it released while `me` led, and its request; until all have copied that version."""
         self._copied = False
         """Whether it has copied a table since its start: later tables are checked against that copy."""
         self._began = 0
@@ -317,7 +317,7 @@ class Copies:
     def _may_join(self, sender: str, replicated: TableReplicated) -> bool:
         """Whether a table restores a lost memory: its writer was lost, too, and all others have reported no later epoch since.
 
-        Its writer alone cannot raise the epoch by more than `LEAP_MAX`.
+        Its writer alone cannot raise the epoch near the end of numbers.
         """
         known = max((self._heard.get(other, 0) for other in self._others if other != sender), default=0)
         return (
@@ -335,7 +335,7 @@ class Copies:
         self._words[sender] = max(self._words.get(sender, 0), epoch)
 
     def _follows(self, sender: str, epoch: int, *, silent: bool) -> bool:
-        """Whether a later epoch is believed. That takes two replicas, or one when it is the present leader or that leader is silent."""
+        """Whether a later epoch is believed: two replicas report it, or one does, and the present leader is that one or silent."""
         if epoch <= self.kept.epoch:
             return True
         if any(self._words.get(other) == epoch for other in self._others if other != sender):
@@ -395,7 +395,7 @@ class Copies:
         return promises
 
     def note_highest(self, epoch: int) -> None:
-        """Note a reported epoch, so that the next turn of `me` is later; one above `OUTBID_MAX` more is ignored, for nobody would follow."""
+        """Note a reported epoch for the next turn of `me`, unless others would not follow because it is too high (`OUTBID_MAX`)."""
         if epoch <= self.kept.epoch + OUTBID_MAX:
             self._highest = max(self._highest, epoch)
 

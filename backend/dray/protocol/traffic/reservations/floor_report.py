@@ -9,7 +9,8 @@ from dray.protocol.traffic.neighbours import Neighbours, Seen
 from dray.protocol.traffic.reservations.reservation_table import ReservationTable
 
 NEWS_S = 0.5
-"""Delay of news. With 1 s, a tenth of the transports takes 18 s longer on single track (`dray bench traffic --plant single-track-12`)."""
+"""Longest delay of news. With 1 s, a tenth of the transports takes 18 s longer on single track
+(`dray bench traffic --plant single-track-12`)."""
 
 AGAIN_S = 3.0
 """Interval of repeated reports while vehicles are there: another vehicle may have come close, or missed one."""

@@ -14,7 +14,8 @@ from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
 
 RUN_MAX = 16
-"""Maximum places of one vehicle in a district: a little more than twice the 7 seen in `dray search` and `dray bench traffic`."""
+"""Maximum places of one vehicle in a district: a little more than twice the 7 that were seen in the search (`dray_sim.explore`) and
+in `dray bench traffic`."""
 
 
 class Reach:

@@ -16,7 +16,7 @@ WAVE = 200
 """Maximum vehicles asked at once: a plant of a thousand is asked within `POLL_S`, and no link or inbox is flooded."""
 
 AGAIN_S, AGAIN_AT_MOST_S = 1.0, 5.0
-"""First and longest interval before a vehicle is asked again, doubled each time; the longest is an idle vehicle's heartbeat interval."""
+"""First and longest interval until a vehicle is asked again, doubled each time; the longest is the idle heartbeat interval."""
 
 BESIDE_MAX = 3
 """Further keys that may answer under one vehicle's name. With so many, the recovery poll waits until people have solved it."""
