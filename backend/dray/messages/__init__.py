@@ -152,12 +152,12 @@ from dray.messages.transport import (
 )
 
 Heartbeat = AtvHeartbeat | MachineHeartbeat
-"""Of those who bid."""
+"""Heartbeats of bidders."""
 
 if TYPE_CHECKING:
     AnyMessage = Message
 else:
-    # What bytes may be read as.
+    # The union of all messages, for decoding.
     AnyMessage = reduce(or_, sorted(Message.__subclasses__(), key=lambda kind: kind.__name__))
 
 __all__ = [

@@ -194,8 +194,8 @@ class Refusal(StrEnum):
     CLOSED = "closed"
     """People's closures leave no way."""
     NOT_FIT = "not_fit"
-    """It is stopped, in error, on the radio mesh, draining, in the reserve of a fleet too large for its roads, or on probation and
-    this task is too long."""
+    """It is stopped, in error, on the radio mesh, draining, shut in by a silent vehicle, in the reserve of a fleet too large for its
+    roads, or on probation and this task is too large."""
     IS_PRIMARY = "is_primary"
     """It would watch itself."""
 
@@ -269,7 +269,7 @@ class Resigned(Message, said_by=VEHICLES, radio=True, frozen=True):
     role: Role
     reason: Reason
     detail: Text = ""
-    """Text for people, by the station or machine that has held it up."""
+    """Text for people, in the words of the agent that has held it up."""
     short: IdOrNone = ""
     """The storage that did not supply the load, though the vehicle has waited as long as its promise allowed."""
 

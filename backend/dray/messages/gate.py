@@ -39,7 +39,7 @@ class GoalHeld(Part, frozen=True):
 
 
 class OrderHeld(Part, frozen=True):
-    """The holder of an order: the answer to a claim, and to a strategist that has lost the order or admits a goal of it without holding it."""
+    """The holder of an order, for a strategist that claims it, has lost it, or admits a goal of it without holding it."""
 
     order: Id
     holder: Id

@@ -224,11 +224,11 @@ class AtvHeartbeat(Message, said_by=VEHICLES, signed="atv", frozen=True, omit_de
     """Set while a person could still save the task."""
     software: Text = ""
     draining: bool = False
-    """Whether it was asked to shut down: it takes no new work, and ends when its contracts have."""
+    """Whether it was asked to shut down: it takes no new work, and stops when nothing holds it any more."""
     out_of_service: OutOfService | UnsetType = UNSET
     """Left out while it is in service."""
     sent_to_charge: bool = False
-    """Whether a person has sent it to charge: it takes no work before it is full."""
+    """Whether a person has sent it to charge: it takes no work until it is full."""
     probation: ProbationBrief | None = None
     """Set while it is on probation: it takes short tasks only."""
     floor: FloorBrief | UnsetType = UNSET
@@ -267,7 +267,7 @@ class TaskBrief(Part, frozen=True, omit_defaults=True):
     round: Count = 1
     """The present bidding round, or the one of its contract: a high one means that the machine waits."""
     trouble: Reason | None = None
-    """Why it does not go on; None when all is well. `PROBLEM` means its carrier's, in `detail`, or that it failed with goods on board."""
+    """Why it does not go on; None when all is well. `PROBLEM`: its carrier reports one (`detail`), or failed with goods on board."""
     detail: Text = ""
     stranded: StrandedGoods | UnsetType = UNSET
 
@@ -454,7 +454,7 @@ class MachineHeartbeat(Message, said_by=MACHINES, signed="machine", frozen=True,
     """A person's limit, as a fraction of its own speed; left out without one."""
     software: Text = ""
     draining: bool = False
-    """Whether it was asked to shut down: it takes no new work, and ends when its contracts have."""
+    """Whether it was asked to shut down: it takes no new work, and stops when nothing holds it any more."""
     probation: ProbationBrief | None = None
     """Set while it is on probation: it takes short goals only."""
     joining: JoiningMachine | None = None

@@ -51,4 +51,4 @@ class StockFreed(Message, said_by=DOCKS, frozen=True, omit_defaults=True):
 
     task: Id
     fetched: bool = False
-    """Whether they were, or may have been, fetched in the epoch of the answered `StockReserved`: it had a carrier, or that is unknown."""
+    """Whether they may have been fetched in the epoch of the answered `StockReserved`: it had a carrier, or that is unknown."""

@@ -1,7 +1,7 @@
 """Facts: what an agent writes into its own numbered history. Each module holds the facts of one kind of agent.
 
-A fact says what the agent itself did, decided or saw, and nothing about the opinion of others. `dray.messages.history` numbers facts
-and repeats missed ones.
+A fact says what the agent itself did, decided or saw, and nothing about the opinion of others. `dray.messages.history` describes
+their numbers, and how missed ones are asked for again.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ class ContractEnded(Fact, told_by=BIDDERS, frozen=True):
     role: Role
     reason: Reason
     detail: Text = ""
-    """Text for people, by the station or machine that has held it up."""
+    """Text for people, in the words of the agent that has held it up."""
 
 
 class NotBelieved(Fact, told_by=BIDDERS, frozen=True):

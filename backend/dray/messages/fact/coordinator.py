@@ -156,7 +156,7 @@ class WordDisbelieved(Fact, told_by=COORDINATORS, frozen=True):
 
 
 class NameMisused(Fact, told_by=DOCKS, frozen=True):
-    """An agent requests places in a vehicle's name without its key, while the vehicle holds some. At most once a minute for each vehicle."""
+    """An agent requests places in the name of a vehicle that holds some, without its key. At most once a minute for each vehicle."""
 
     atv: Id
 

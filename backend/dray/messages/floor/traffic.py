@@ -149,7 +149,7 @@ class Removed(Part, frozen=True):
     atv: Id
     number: Count
     mark: Mark = b""
-    """Mark of the key, or `UNSIGNED`, when the vehicle itself reported it: only lines of that mark are meant. Empty for people's reports."""
+    """Mark of the key, or `UNSIGNED`, if the vehicle reported it itself: then only lines of that mark are meant. Empty if people did."""
 
 
 AllRemoved = Annotated[tuple[Removed, ...], Meta(max_length=DISTRICT_MAX)]
@@ -240,7 +240,7 @@ class YieldRefused(Message, said_by=VEHICLES, radio=True, frozen=True):
 
 
 class HoldsAsked(Message, said_by=DOCKS, radio=True, frozen=True):
-    """A replica reports the table's epoch, as after a change of the leader, and asks for a request with all that the vehicle holds."""
+    """A replica reports the table's epoch, as after a change of the leader, and asks for the places that the vehicle holds."""
 
     district: Id
     epoch: Count

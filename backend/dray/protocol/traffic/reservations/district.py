@@ -56,8 +56,8 @@ TICK_S = 1.0
 NOT_COPIED = "a reservation table that takes a place from a vehicle without its word, or with a version to which no reservation table has come"
 
 REFUSED_OFTEN = 5
-"""Refusals in a row, one second apart, before people are told. After a restart, a replica may have lost a vehicle's release
-and has to ask the vehicle again."""
+"""Refusals in a row, one second apart, before people are told. After a restart a replica may have lost a vehicle's release, and
+first asks the vehicle again."""
 
 
 class Refusals:
