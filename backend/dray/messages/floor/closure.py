@@ -76,7 +76,7 @@ class Closures(Message, said_by=GATEWAYS, frozen=True):
 
 
 def closed_words(number: int, closures: tuple[Closure, ...]) -> bytes:
-    """What the signature of a list covers: a JSON array without white space, numbers as whole thousandths."""
+    """The bytes that a list's signature covers: a JSON array without white space, numbers as whole thousandths."""
     return _encoder.encode(
         (
             "dray closures 1",

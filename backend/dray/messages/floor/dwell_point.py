@@ -20,7 +20,7 @@ class DwellPointClaimed(Message, said_by=VEHICLES, signed="atv", frozen=True):
     dwell_point: Id
     atv: Id
     battery_frac: Fraction
-    """Battery level at the first claim, reduced by 15 % once it drives to a charger, so that only a much emptier vehicle turns it
-    round. Otherwise it does not change while the claim stands."""
+    """Battery level at the first claim; it stays the same while the claim stands. Once the vehicle drives to a charger, it is reduced by
+    15 %, so that only a much emptier vehicle turns it round."""
     standing: bool
     """Whether it has arrived; then it keeps the dwell point until it leaves."""

@@ -1,8 +1,8 @@
 """The vehicle's side of right of way: it drives only into places that it holds, and decides itself when to make room.
 
 A base is always driven and never taken back, so a standing vehicle holds only the place where it stands. It requests places early
-enough not to brake, and gives them back when it is clear of them. The owner of this object gives the goal (`go`), carries out
-its instructions to the body, and reports the vehicle's position (`sense`) before every other call.
+enough not to brake, and gives them back when it is clear of them. The owner of this object sets the goal (`go`) and carries out
+its instructions to the body. Whenever it is woken, it first reports the vehicle's position (`sense`).
 """
 
 from __future__ import annotations
@@ -261,7 +261,7 @@ class RightOfWay:
             route=(self.way.node, *self.way.ahead)[:ROUTE_MAX],
         )
 
-    # --- what its owner tells --------------------------------------------------------------------
+    # --- calls by its owner ----------------------------------------------------------------------
 
     def start(self, now_s: float) -> None:
         """Report to the tables where it stands; after a restart, to all of them, as any may know of an earlier life."""

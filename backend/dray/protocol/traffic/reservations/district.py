@@ -363,7 +363,7 @@ class District:
         self._look_later(now_s)
 
     def _doubt(self, now_s: float) -> None:
-        """Somebody asks this replica for what is the leader's task: find out whether the leader lives."""
+        """Find out whether the leader lives: a request, question or removal has come here although another replica leads."""
         if not (self.copies.leads or self.copies.asks or self.is_polling) and self._turns.doubt(now_s):
             self._ask_whether_they_live(now_s)
 

@@ -1,7 +1,7 @@
 """The reservation table of a district: which vehicle holds each place. Nothing in it depends on time.
 
-Two rules make it safe. A place is granted only while no line names another vehicle for it, and the grant is sent only when a
-majority of the copies has the line. A line is struck out only by a request of its vehicle that was sent after it saw that very grant.
+Three rules make it safe. A place is granted only while no line names another vehicle for it. A grant is sent only when a majority of
+the copies has its line. A line is struck out only by a request of its vehicle that was sent after it saw that very grant.
 So the table contains every place that a vehicle may believe to hold, even if messages are late, lost, doubled or reordered.
 Only a person who has carried a vehicle away speaks in its place. Its own requests count again when it knows of that.
 

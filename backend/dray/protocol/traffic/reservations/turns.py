@@ -57,7 +57,7 @@ class Turns:
         """Replica -> number of unanswered questions, and the time of the last one counted."""
 
     def doubt(self, now_s: float) -> bool:
-        """Somebody had no answer from the leader; False when it is in doubt already."""
+        """Note that the leader may not answer; False when it is in doubt already."""
         if self._doubted_s is not None:
             return False
         self._doubted_s = now_s
