@@ -1,10 +1,10 @@
-"""Everything agents say to one another: frozen structs, one per utterance.
+"""All messages between agents: frozen structs, one class per message.
 
-`heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` what customers want, `product` what is known of a product, `stock` how material in
-storages is reserved, `gate` what strategists ask of the gate of the delivery warehouses, `shutout` the agents whom a manager has excluded, `fact` what each writes into its `history`. `people` holds
-what people say and hear (who is on duty, who calls for help, commands), `floor` what is said about the floor (who may drive where,
-where one may stand, what is closed or lies there).
-How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
+`heartbeat` is the public state of agents, `contract` the negotiation, `order` customers' orders, and `product` the data of a product.
+`stock` reserves material in storages, `gate` is between strategists and the gate of the delivery warehouses, and `shutout` lists the
+agents that a manager has excluded. `fact` is what each agent writes into its `history`. `people` holds messages with people (duty,
+calls for help, commands), `floor` those about the floor (right of way, dwell points, closures, obstacles).
+`dray.codec` turns messages into bytes; `dray.protocol` decides when they are sent.
 """
 
 from __future__ import annotations
@@ -152,12 +152,12 @@ from dray.messages.transport import (
 )
 
 Heartbeat = AtvHeartbeat | MachineHeartbeat
-"""Of those who bid."""
+"""Heartbeats of bidders."""
 
 if TYPE_CHECKING:
     AnyMessage = Message
 else:
-    # What bytes may be read as.
+    # The union of all messages, for decoding.
     AnyMessage = reduce(or_, sorted(Message.__subclasses__(), key=lambda kind: kind.__name__))
 
 __all__ = [

@@ -1,7 +1,7 @@
-"""What all messages have in common, and the values that their fields may take.
+"""The common part of all messages, and the types of their fields.
 
-The bounds are checked where bytes are read (`dray.codec`); inside a process a struct is believed. They
-keep out what would do harm (a negative quantity, an id that is a wildcard), not what is merely odd.
+Bounds are checked where bytes are read (`dray.codec`); inside a process structs are trusted. They keep out harmful values (a
+negative quantity, an id that is a wildcard), and not merely odd ones.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ WIRE_VERSION = 2
 Id = Annotated[
     str, Meta(pattern=r"^[^\s/*?#$@]{1,128}(?!\n)$", description="Names one thing; a chunk of a key.")
 ]
-"""Without what has a meaning in a key on the bus: its separator, its wildcards, the mark of what no wildcard
-matches, and white space."""
+"""An id holds no character with a meaning in a key on the bus: separator, wildcards, the mark that no wildcard matches, and white
+space."""
 
 IdOrNone = Annotated[str, Meta(pattern=r"^[^\s/*?#$@]{0,128}(?!\n)$", description="An id; empty for none.")]
 
 TEXT_MAX = 1000
-"""Characters. What is longer than a page is no message."""
+"""Maximum characters of a text: a page."""
 
 Text = Annotated[str, Meta(max_length=TEXT_MAX)]
 """Words for people."""
@@ -33,17 +33,17 @@ Text = Annotated[str, Meta(max_length=TEXT_MAX)]
 COUNT_MAX = 2**53
 
 Count = Annotated[int, Meta(ge=0, le=COUNT_MAX)]
-"""Pieces and numbers in a sequence; up to what every JSON reader, a browser's too, holds exactly."""
+"""Pieces and sequence numbers, up to the largest integer that every JSON reader, also a browser's, holds exactly."""
 
 LONGEST_S = 1e11
 
 Seconds = Annotated[float, Meta(ge=-LONGEST_S, le=LONGEST_S)]
-"""A time on the plant's clock, or a length of time: at most three thousand years."""
+"""A time on the plant's clock, or a duration: at most three thousand years."""
 
 METRES_MAX = 1e6
 
 Metres = Annotated[float, Meta(ge=-METRES_MAX, le=METRES_MAX)]
-"""A place or a distance in the plant: none is a thousand kilometres wide."""
+"""A coordinate or a distance in the plant: at most a thousand kilometres."""
 
 SPEED_MAX_MPS = 100.0
 
@@ -52,19 +52,19 @@ MetresPerSecond = Annotated[float, Meta(ge=-SPEED_MAX_MPS, le=SPEED_MAX_MPS)]
 HEADING_MAX_RAD = 1e3
 
 Radians = Annotated[float, Meta(ge=-HEADING_MAX_RAD, le=HEADING_MAX_RAD)]
-"""Not wrapped: a vehicle that has turned round often may say so."""
+"""An angle that is not wrapped: several full turns are allowed."""
 
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 
 _TURNING = dict.fromkeys((*range(0x202A, 0x202F), *range(0x2066, 0x206A)), "\ufffd")
-"""Characters that turn the direction of the text behind them (Unicode, TR9)."""
+"""Characters that change the direction of the text after them (Unicode, TR9)."""
 
 
 def encodable(text: str) -> str:
-    """Text from outside that can be written as UTF-8, and reads as it is written.
+    """Make text from outside safe to write as UTF-8 and to read in its written order.
 
-    A lone surrogate, which JSON and YAML can hold, becomes U+FFFD, and so does what makes text read in another order.
+    Lone surrogates, which JSON and YAML can hold, and characters that change the text's direction become U+FFFD.
     """
     if text.isascii():
         return text
@@ -72,11 +72,11 @@ def encodable(text: str) -> str:
 
 
 CLOCKS_AGREE_S = 1.0
-"""Clocks of one plant agree within this. It is added wherever a time by one clock is judged by another one."""
+"""Largest difference of clocks in one plant. It is added wherever a time by one clock is compared with another clock."""
 
 CLOCK_WRONG_S = 300.0
-"""A clock that is wrong by more is not corrected for. Computers that ask NTP are right within milliseconds; one that was
-set by hand is a few minutes off; beyond that a clock has lost its battery, or takes its time from elsewhere."""
+"""Largest error of a clock that is corrected. With NTP the error is milliseconds; set by hand, a few minutes. Beyond that, the clock
+has lost its battery or uses another time."""
 
 
 class Part(msgspec.Struct, frozen=True, gc=False):
@@ -84,7 +84,7 @@ class Part(msgspec.Struct, frozen=True, gc=False):
 
 
 class MessageType(msgspec.StructMeta):
-    """The type of messages: each says where it is defined who may say it."""
+    """The type of messages: each class names the kinds of agents that may send it."""
 
     def __new__(
         cls,
@@ -102,13 +102,13 @@ class MessageType(msgspec.StructMeta):
 
 
 class Message(msgspec.Struct, metaclass=MessageType, frozen=True, gc=False, tag_field="type", tag=True):
-    """One utterance: immutable, named on the wire by its class name in `type`.
+    """One message: immutable, named on the wire by its class name in `type`.
 
-    Fields that a receiver does not know are ignored, so an agent of a newer software may add some.
+    Receivers ignore unknown fields, so newer software may add some.
 
     Attributes:
-        said_by: the kinds of agents that may say it.
-        signed: its field that says who speaks; empty where none does.
+        said_by: the kinds of agents that may send it.
+        signed: its field that names the sender; empty when it has none.
         radio: whether it goes over the radio between vehicles when there is no WLAN.
     """
 

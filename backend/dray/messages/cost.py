@@ -1,4 +1,4 @@
-"""What work costs who bids for it: parts in seconds, so that they add up and can be compared (paper, 4.1)."""
+"""The cost of work to a bidder: parts in seconds, so that they add up and can be compared (paper, 4.1)."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from dray.messages.base import Part, Seconds
 
 
 class TransportCost(Part, tag_field="kind", tag="transport", frozen=True):
-    """The parts of a vehicle's price, all in seconds so that they add up (paper, 4.1)."""
+    """The parts of a vehicle's price (paper, 4.1)."""
 
     empty_way_s: Seconds
     """Driving to the source."""
     loaded_way_s: Seconds
     """Driving from the source to the destination."""
     energy_s: Seconds
-    """Energy used, and how little is left after it, weighed as seconds."""
+    """Energy used, and a low battery level afterwards, weighed as seconds."""
     suitability_s: Seconds
-    """What it costs the plant that this vehicle could do rarer work meanwhile."""
+    """Cost to the plant, as this vehicle could do rarer work meanwhile."""
     waiting_s: Seconds = 0.0
-    """Waiting where it loads and unloads, as was seen there lately."""
+    """Waiting at the source and the destination, by recent waits there."""
 
     @property
     def total_s(self) -> float:
@@ -28,19 +28,19 @@ class ProductionCost(Part, tag_field="kind", tag="production", frozen=True):
     """The parts of a machine's price for a goal, in seconds."""
 
     queue_s: Seconds
-    """Goals taken before that are wanted before it."""
+    """Goals taken earlier that are due before it."""
     material_s: Seconds
     """Waiting for material that is not in the buffers yet."""
     making_s: Seconds
-    """Cycles."""
+    """Its cycles."""
     passed_s: Seconds = 0.0
-    """Work that is wanted later and would have to wait, weighed: a price, and no time until it is done."""
+    """Price for later work that would have to wait, weighed; it adds no time until the goal is done."""
     rest_s: Seconds = 0.0
-    """Rests of the machine until it is done, by its working time."""
+    """Rests of the machine until then, by its working time."""
 
     @property
     def takes_s(self) -> float:
-        """From now until it is done."""
+        """Time from now until it is done."""
         return self.queue_s + self.material_s + self.making_s + self.rest_s
 
     @property

@@ -1,7 +1,7 @@
-"""What strategists and the gate of the delivery warehouses say to one another: what is let in, what has arrived, who holds which order.
+"""Messages between strategists and the gate of the delivery warehouses: admissions, arrivals, and the holders of orders.
 
-All of it may be lost, doubled or late. Strategists repeat what they ask until it is answered; the gate repeats what it tells of itself
-until that is answered. Counts are totals, and words about one goal are numbered: an old one changes nothing.
+Messages may be lost, doubled or late. Strategists repeat questions, and the gate repeats its own reports, until they are answered.
+Counts are totals, and messages about one goal are numbered, so that old ones change nothing.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from dray.messages.contract import Brought
 from dray.messages.kinds import GATES, STRATEGISTS
 
 HELD_TOLD = 500
-"""Orders in one `GateReported`: some ten kilobytes."""
+"""Maximum orders in one `GateReported`: some ten kilobytes."""
 
 
 class GoalOf(Part, frozen=True):
-    """What a goal is for, and who makes it: for a strategist that takes its order over."""
+    """A goal's order and machine, for a strategist that takes the order over."""
 
     order: Id
     item: Count
     """Its index in the order."""
     machine: Id
     epoch: Count
-    """Of the contract with the machine."""
+    """Epoch of the contract with the machine."""
 
 
 class GoalHeld(Part, frozen=True):
-    """A goal that the gate knows of an order."""
+    """A goal of an order, as the gate knows it."""
 
     goal: Id
     of: GoalOf
@@ -39,19 +39,19 @@ class GoalHeld(Part, frozen=True):
 
 
 class OrderHeld(Part, frozen=True):
-    """Who holds an order: the answer to a claim, and said to a holder that has lost it, or admits a goal of what it does not hold."""
+    """The holder of an order, for a strategist that claims it, has lost it, or admits a goal of it without holding it."""
 
     order: Id
     holder: Id
     epoch: Count
     arrived: tuple[Count, ...] = ()
-    """Per item, what has arrived of all goals that the order ever had; told to the holder."""
+    """Pieces that have arrived, per item, of all goals that the order ever had; for the holder."""
     goals: tuple[GoalHeld, ...] = ()
-    """Those that are open; likewise."""
+    """Open goals; for the holder."""
     over: Count = 0
-    """Releases up to this one have ended."""
+    """The newest release that has ended."""
     done: tuple[GoalHeld, ...] = ()
-    """Those that are not open any more, and of which something has arrived; told to the holder."""
+    """Closed goals of which pieces have arrived; for the holder."""
 
 
 class HeldOrder(Part, frozen=True):
@@ -62,12 +62,12 @@ class HeldOrder(Part, frozen=True):
 
 
 class GateAsked(Message, said_by=STRATEGISTS, frozen=True):
-    """A strategist begins its life, or has heard that the gate has: what does it hold? Repeated until the gate answers."""
+    """A strategist asks which orders it holds, after its own or the gate's restart. Repeated until the gate answers."""
 
     forgotten: bool = False
-    """It remembers nothing: the gate is to be shut for all goals of its earlier lives, and answers when it is."""
+    """Whether it has lost its memory: the gate closes for all goals of its earlier lives, and answers then."""
     after: IdOrNone = ""
-    """Only orders after this one, by name: a long list is told in parts."""
+    """Only orders after this one, by name, are asked for: a long list comes in parts."""
 
 
 class GateReported(Message, said_by=GATES, frozen=True):
@@ -75,67 +75,67 @@ class GateReported(Message, said_by=GATES, frozen=True):
 
     after: IdOrNone
     held: Annotated[tuple[HeldOrder, ...], Meta(max_length=HELD_TOLD)]
-    """The orders that the strategist holds, sorted by name; none where a plant has one strategist."""
+    """The orders that the strategist holds, sorted by name; none in a plant with one strategist."""
     more: bool
-    """There are further ones, after the last of these."""
+    """Whether there are further orders after these."""
     since: Count
-    """The life of the gate in which its notes begin: with another one than before it has lost all that it was told."""
+    """The gate's life in which its notes begin: a change means that the gate has lost everything."""
 
 
 class AdmissionAsked(Message, said_by=STRATEGISTS, frozen=True, omit_defaults=True):
-    """Let in as many pieces of this goal, those that have arrived included, and no more. Repeated until `GoodsCounted` answers it."""
+    """A strategist sets how many pieces of a goal may get in, those arrived included. Repeated until `GoodsCounted` answers."""
 
     goal: Id
     quantity: Count
     incarnation: Count
     number: Count
-    """In this life of the strategist: an earlier word about the goal counts for nothing once a later one was heard."""
+    """Number in this life of the strategist; the gate ignores older messages about the goal."""
     of: GoalOf | None = None
-    """Told with a new goal where a plant has several strategists."""
+    """Set for a new goal in a plant with several strategists."""
     held: Count = 0
-    """With which epoch its order is held; 0 where a plant has one strategist."""
+    """Epoch under which its order is held; 0 in a plant with one strategist."""
 
 
 class GoodsCounted(Message, said_by=GATES, frozen=True, omit_defaults=True):
-    """How many pieces of a goal are in. The gate alone says so: as an answer, and after each arrival until `CountAcknowledged` answers that."""
+    """The gate's count of a goal's pieces: as an answer, and after each arrival until `CountAcknowledged` answers."""
 
     goal: Id
     arrived: Count
     admitted: Count
-    """How many may get in at all; 0 tells that the gate is shut and `arrived` the last word."""
+    """How many pieces may get in; 0 means that the gate is shut and `arrived` is final."""
     incarnation: Count = 0
     number: Count = 0
-    """Of the word about this goal that the gate has obeyed last; 0 while it obeys it."""
+    """Number of the newest message about this goal that the gate has carried out; 0 while it carries one out."""
     brought: tuple[Brought, ...] = ()
-    """By whom, as far as the gate can tell."""
+    """The pieces by vehicle, as far as the gate knows."""
     by_people: bool = False
-    """People count, later than goods come."""
+    """Whether people count, after the goods have come."""
 
 
 class CountAcknowledged(Message, said_by=STRATEGISTS, frozen=True):
-    """A strategist has heard so many pieces of a goal."""
+    """A strategist has got the gate's count of a goal."""
 
     goal: Id
     arrived: Count
 
 
 class OrderClaimed(Message, said_by=STRATEGISTS, frozen=True, omit_defaults=True):
-    """A strategist wants to hold an order, or tells that one which it holds has ended. Repeated until `HolderReported` answers it."""
+    """A strategist claims an order, or reports that one which it holds has ended. Repeated until `HolderReported` answers."""
 
     order: Id
     epoch: Count
     over: Count = 0
-    """Releases up to this one have ended: nothing is to be made of them any more, whoever takes the order over."""
+    """The newest release that has ended: no later holder makes anything for it or earlier ones."""
 
 
 class HolderReported(Message, said_by=GATES, frozen=True):
-    """Who holds an order: an answer; to a holder that has lost it also unasked, until `HolderAcknowledged` answers that."""
+    """The gate names the holder of an order: as an answer, and to a holder that has lost it until `HolderAcknowledged` answers."""
 
     held: OrderHeld
 
 
 class HolderAcknowledged(Message, said_by=STRATEGISTS, frozen=True):
-    """A strategist has heard that another one holds an order."""
+    """A strategist knows that another one holds an order."""
 
     order: Id
     epoch: Count

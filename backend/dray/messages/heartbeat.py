@@ -1,7 +1,7 @@
 """Heartbeats: the short public status that every agent repeats (paper, 3.2: MHB and RHB).
 
-A heartbeat is a whole state, never a difference: a lost one costs nothing but time. What has its default is left out, and what lies at a
-machine is not in every one of its heartbeats (`dray.messages.heartbeat_stock`). (incarnation, seq) orders all heartbeats of one agent.
+A heartbeat is a whole state, never a difference, so a lost one only costs time. Default values are left out. A machine's stock is
+only in some of its heartbeats (`dray.messages.heartbeat_stock`). (incarnation, seq) orders all heartbeats of one agent.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class AtvStatus(StrEnum):
     WORKING = "working"
     CHARGING = "charging"
     STOPPED = "stopped"
-    """Held by an operator: moves again only after an acknowledge and a resume."""
+    """Stopped by an operator: it moves again only after an acknowledge and a resume."""
     ERROR = "error"
 
 
@@ -50,10 +50,10 @@ class MachineStatus(StrEnum):
     """No goal to work at."""
     PRODUCING = "producing"
     STARVED = "starved"
-    """Has a goal, but material for the next cycle is missing."""
+    """It has a goal, but material for the next cycle is missing."""
     BLOCKED = "blocked"
-    """Has a goal, but its output buffer is full."""
-    RESTING = "resting"  # By its working time, whatever it has to do.
+    """It has a goal, but its output buffer is full."""
+    RESTING = "resting"  # Outside its working time, even with goals.
     ERROR = "error"
 
 
@@ -82,11 +82,11 @@ class Phase(StrEnum):
 
 
 GOODS_ABOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER, Phase.RETURNING})
-"""Phases in which a load has left its source: goods cannot be fetched there a second time."""
+"""Phases in which the load has left its source: it cannot be fetched there again."""
 
 
 class Pose(Part, frozen=True, omit_defaults=True):
-    """Where a vehicle is in the plant's frame: x to the right, y up, heading from x towards y."""
+    """A vehicle's pose in the plant's frame: x to the right, y up, heading from x towards y."""
 
     x_m: Metres
     y_m: Metres
@@ -94,7 +94,7 @@ class Pose(Part, frozen=True, omit_defaults=True):
 
 
 class Brief(Part, frozen=True, omit_defaults=True):
-    """A vehicle's own words about one task it is contracted for."""
+    """A vehicle's report of one task it is contracted for."""
 
     task: Id
     epoch: Count
@@ -110,13 +110,13 @@ class Brief(Part, frozen=True, omit_defaults=True):
 
 
 AWAITED_MAX = 8
-"""Vehicles that a heartbeat names as awaited: more than somebody goes to look for at once."""
+"""Maximum vehicles that a heartbeat names as awaited: more than a person looks for at once."""
 
 Awaited = Annotated[tuple[Id, ...], Meta(max_length=AWAITED_MAX)]
 
 
 class DockWait(Part, frozen=True, omit_defaults=True):
-    """A vehicle stands at a dock that has not got ready for it in time."""
+    """A vehicle waits at a dock that did not get ready in time."""
 
     vehicle: Id
     since_s: Seconds
@@ -127,65 +127,65 @@ class OutOfService(Part, frozen=True, omit_defaults=True):
     """A person has taken an agent out of service: it takes no work."""
 
     by: Text
-    """Who."""
+    """The person."""
     since_s: Seconds
     reason: Text = ""
     back_s: Seconds | None = None
-    """When it is expected back (plant clock); None where nobody knows."""
+    """When it is expected back (plant clock); None when unknown."""
     after_work: bool = False
-    """What it carries it brings to its end first."""
+    """Whether it finishes its present work first."""
 
 
 class FloorBrief(Part, frozen=True, omit_defaults=True):
-    """What a vehicle holds of the floor, for others' prices of ways and places to make room: a hint, and no right to anything."""
+    """A vehicle's places on the floor: a hint for others' prices of ways and refuges, which grants no rights."""
 
     holds: Places = ()
     stands: bool = True
-    """It may not drive anywhere at present."""
+    """Whether it may not drive anywhere at present."""
     docked: bool = False
-    """It stays where it stands until its work is done there."""
+    """Whether it stays where it stands until its work there is done."""
     waits: bool = False
-    """A place that it needs is another one's, or it makes room for somebody."""
+    """Whether it waits for a place, or makes room for another vehicle."""
     waits_for: IdOrNone = ""
-    """Who holds that place, or goes first; empty where it waits for nobody, or does not know."""
+    """The vehicle that holds that place, or goes first; empty when it waits for none, or does not know."""
     waits_at: IdOrNone = ""
-    """That place, as the table has told; empty where it has told none."""
+    """That place, by the table's answer; empty when the answer names none."""
     rank: Rank = NO_RANK
     asks_where_it_stands: bool = False
-    """The place where it stands is not its own: it was put there, and asks for it before it drives anywhere."""
+    """Whether it does not hold the place where it stands: it was put there, and requests that place before it drives."""
     removal: Count = 0
-    """The newest time that it was carried away, as far as it knows (`dray.messages.floor.removal`)."""
+    """Number of its newest removal, as far as it knows (`dray.messages.floor.removal`)."""
 
 
 class ProbationBrief(Part, frozen=True, omit_defaults=True):
-    """How far an agent on probation has come."""
+    """The progress of an agent on probation."""
 
     of: Count
-    """Transports that it has to do well."""
+    """Transports that it has to complete well."""
     done: Count = 0
 
 
 class BodyWait(Part, frozen=True, omit_defaults=True):
-    """What a vehicle's body waits for, in its driver's words."""
+    """What a vehicle's body waits for, in the words of its driver software."""
 
     what: Text
     since_s: Seconds
     """Plant clock."""
     until: Text = ""
-    """What ends it; empty where the driver does not know."""
+    """What ends the wait; empty when the driver does not know."""
 
 
 class AtvHeartbeat(Message, said_by=VEHICLES, signed="atv", frozen=True, omit_defaults=True):
-    """RHB: what an ATV tells everybody (paper, 3.2).
+    """RHB: the public state of an ATV (paper, 3.2).
 
-    Idle 0.2 Hz, 1 Hz working or with a problem, and at once when the status changes.
+    At 0.2 Hz while idle, at 1 Hz while working or with a problem, and at once when the status changes.
     """
 
     atv: Id
     incarnation: Count
     seq: Count
     at_s: Seconds
-    """When it was true, on the plant's clock."""
+    """Time of this state (plant clock)."""
     status: AtvStatus
     pose: Pose
     node: Id
@@ -193,13 +193,13 @@ class AtvHeartbeat(Message, said_by=VEHICLES, signed="atv", frozen=True, omit_de
     speed_mps: MetresPerSecond
     battery_frac: Fraction
     battery_reckoned: bool = False
-    """Its vehicle does not say how full it is: that is reckoned by time and metres."""
+    """Whether the battery level is estimated from time and metres, as the vehicle does not measure it."""
     load: IdOrNone = ""
     """What is on board; empty for nothing."""
     load_quantity: Count = 0
     link: Link = Link.WLAN
     via: tuple[Id, ...] = ()
-    """The vehicles that passed this heartbeat on, in order, when the link is MESH."""
+    """The vehicles that have forwarded this heartbeat, in order, when the link is MESH."""
     lost_wlan: LostWlan | UnsetType = UNSET
     """Left out while the link is WLAN."""
     task: Brief | None = None
@@ -211,30 +211,30 @@ class AtvHeartbeat(Message, said_by=VEHICLES, signed="atv", frozen=True, omit_de
     dwell_point: IdOrNone = ""
     """The charger or parking place that it holds or is driving to."""
     speed_limit_frac: Fraction = 1.0
-    """An operator's limit, as a part of the vehicle's own top speed."""
+    """An operator's limit, as a fraction of the vehicle's top speed."""
     acknowledged: bool = False
-    """Somebody has said that the reason of its stop is gone: a resume will be obeyed."""
+    """Whether a person has confirmed that the reason of its stop is gone, so that a resume will be obeyed."""
     problem: Text = ""
     """What keeps it in ERROR, in words; empty otherwise."""
     about_problem: Problem | UnsetType = UNSET
-    """What is known of that problem; left out where there is none, or nothing is known."""
+    """Details of that problem; left out when there is none, or nothing is known."""
     body_wait: BodyWait | UnsetType = UNSET
-    """Left out where its body waits for nothing, has begun to wait only just, or does not tell."""
+    """Left out when its body does not wait, has only just begun to wait, or does not report it."""
     help: HelpWanted | None = None
     """Set while a person could still save the task."""
     software: Text = ""
     draining: bool = False
-    """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
+    """Whether it was asked to shut down: it takes no new work, and stops when nothing holds it any more."""
     out_of_service: OutOfService | UnsetType = UNSET
     """Left out while it is in service."""
     sent_to_charge: bool = False
-    """A person has sent it to charge: it takes no work before it is full."""
+    """Whether a person has sent it to charge: it takes no work until it is full."""
     probation: ProbationBrief | None = None
     """Set while it is on probation: it takes short tasks only."""
     floor: FloorBrief | UnsetType = UNSET
-    """Left out where vehicles drive without right of way."""
+    """Left out in plants without right of way."""
     closures: Count | UnsetType = UNSET
-    """The number of the list of closures that it goes by; left out where it has heard of none."""
+    """Number of the list of closures that it obeys; left out without one."""
 
 
 class BufferLevel(Part, frozen=True, omit_defaults=True):
@@ -248,32 +248,32 @@ class BufferLevel(Part, frozen=True, omit_defaults=True):
     on_order: Count = 0
     """Pieces announced and not yet handed over."""
     spare: Count = 0
-    """Finished pieces that belong to no goal: the next one of the product takes them, and whoever needs a part fetches it."""
+    """Finished pieces without a goal: the product's next goal takes them, and machines that need a part fetch them."""
 
 
 class TaskBrief(Part, frozen=True, omit_defaults=True):
-    """A coordinator's own words about one of its open tasks."""
+    """A coordinator's report of one of its open tasks."""
 
     task: Id
     epoch: Count
     item: Id
     quantity: Count
     source: IdOrNone
-    """The storage the primary chose; empty while nobody is contracted."""
+    """The storage that the primary has chosen; empty while none is contracted."""
     destination: Id
     deadline_s: Seconds
     primary: IdOrNone = ""
     secondary: IdOrNone = ""
     round: Count = 1
-    """The bidding round it is in or was contracted in: a high one means that the machine waits."""
+    """The present bidding round, or the one of its contract: a high one means that the machine waits."""
     trouble: Reason | None = None
-    """Why it does not go on; None when all is well. `PROBLEM` of its carrier, which `detail` tells; or it has failed with goods on board."""
+    """Why it does not go on; None when all is well. `PROBLEM`: its carrier reports one (`detail`), or failed with goods on board."""
     detail: Text = ""
     stranded: StrandedGoods | UnsetType = UNSET
 
 
 class GoalBrief(Part, frozen=True, omit_defaults=True):
-    """A machine's own words about one production goal. Counts only ever grow."""
+    """A machine's report of one production goal. Counts only grow."""
 
     goal: Id
     product: Id
@@ -281,13 +281,13 @@ class GoalBrief(Part, frozen=True, omit_defaults=True):
     made: Count
     delivered: Count
     deadline_s: Seconds | UnsetType = UNSET
-    """When it should be done (plant clock); left out where a software does not tell."""
+    """When it should be done (plant clock); left out when the software does not fill it."""
     offered: bool | UnsetType = UNSET
-    """Others may make what is missing: nothing is made, ready or on its way. Left out where that is not so."""
+    """Whether others may make the missing pieces, as none is in work, ready or on its way; left out when they may not."""
     to_begin: Count | UnsetType = UNSET
-    """Pieces whose material no cycle has taken; left out where those are the ones not made."""
+    """Pieces whose material no cycle has taken; left out when these are all pieces not made yet."""
     held: Count | UnsetType = UNSET
-    """With which epoch its order is held by the strategist whom the machine obeys; left out where nobody has taken it over."""
+    """Epoch under which the strategist that the machine obeys holds the order; left out while no takeover has happened."""
 
 
 class Making(Part, frozen=True, omit_defaults=True):
@@ -298,19 +298,19 @@ class Making(Part, frozen=True, omit_defaults=True):
 
 
 JOINING_MACHINES_MAX = 100
-"""Machines that may come to a plant whose file does not know them: more than anybody sets up before writing them into it."""
+"""Maximum machines outside the plant file: more than people set up before they write them into it."""
 
 
 class JoiningMachine(Part, frozen=True, omit_defaults=True):
-    """What a machine tells of itself that the plant files of others do not know yet."""
+    """The data of a machine that the plant files of others do not contain yet."""
 
     name: Text
     station: Id
     node: Id
-    """Where vehicles dock."""
+    """The node where vehicles dock."""
     x_m: Metres
     y_m: Metres
-    """Its middle; with its size, for drawing."""
+    """Its centre; with its size, for drawing."""
     width_m: Metres
     depth_m: Metres
     makes: tuple[Making, ...]
@@ -318,12 +318,12 @@ class JoiningMachine(Part, frozen=True, omit_defaults=True):
 
 
 class MaterialWait(Part, frozen=True, omit_defaults=True):
-    """Material that a machine needs, and for which nobody is hired because it is nowhere to be fetched."""
+    """Material that a machine needs and that cannot be fetched anywhere, so that no vehicle is hired."""
 
     item: Id
     quantity: Count
     short: tuple[Id, ...] = ()
-    """Storages whose stations have said that they have too little."""
+    """Storages whose stations have too little."""
     silent: tuple[Id, ...] = ()
     """Storages whose stations do not answer."""
     since_s: Seconds = 0.0
@@ -352,51 +352,51 @@ class StockLevel(Part, frozen=True, omit_defaults=True):
     level: Count
     capacity: Count
     promised: Count = 0
-    """Pieces of `level` that are set aside for tasks; never more than lie there."""
+    """Pieces of `level` that are reserved for tasks; never more than `level`."""
     wanted: Count = 0
-    """Pieces that are asked for and cannot be promised yet."""
+    """Pieces that are requested and cannot be reserved yet."""
     on_order: Count = 0
-    """Pieces that are on their way here, or are to be."""
+    """Pieces on their way here, or ordered."""
     uncounted: bool = False
-    """Nobody knows how many lie there, until somebody has counted: at least `level`."""
+    """Whether only a lower bound is known, which is `level`, until a person has counted."""
 
 
 class UnconfirmedLoad(Part, frozen=True, omit_defaults=True):
-    """A load that a vehicle says it has brought or taken, and that people have not confirmed yet."""
+    """A load that a vehicle has brought or taken by its own report, and that people have not confirmed yet."""
 
     vehicle: Id
     item: Id
     quantity: Count
     goes: bool = False
-    """It was taken away; else it was brought."""
+    """Whether it was taken away; otherwise it was brought."""
 
 
 LOADS_TOLD = 8
-"""Unconfirmed loads in a heartbeat: more than people confirm at one look."""
+"""Maximum unconfirmed loads in a heartbeat: more than people confirm at one look."""
 
 
 class GoalToCome(Part, frozen=True, omit_defaults=True):
-    """Pieces of a goal that the gate lets in, and of which people have not said that they have arrived."""
+    """Pieces of a goal that the gate admits, and whose arrival people have not reported yet."""
 
     goal: Id
     quantity: Count
 
 
 GOALS_TOLD = 50
-"""Goals in a heartbeat of the gate: more than somebody looks through. Others are known by the codes of their labels."""
+"""Maximum goals in a heartbeat of the gate: more than a person looks through. The codes on the labels identify others."""
 
 
 class PeopleAsBody(Part, frozen=True, omit_defaults=True):
-    """An agent's body is people: what they say is counted."""
+    """The state of an agent whose body is people, who report what happens."""
 
     loads: Annotated[tuple[UnconfirmedLoad, ...], Meta(max_length=LOADS_TOLD)] = ()
-    """Unconfirmed ones, the oldest first."""
+    """Unconfirmed loads, the oldest first."""
     goals: Annotated[tuple[GoalToCome, ...], Meta(max_length=GOALS_TOLD)] = ()
-    """Of the gate: what is to come, the quietest first."""
+    """For the gate: goals with pieces to come, the quietest first."""
 
 
 class StationHeartbeat(Message, said_by=STATIONS | GATES, signed="station", frozen=True, omit_defaults=True):
-    """What the agent of a storage or source warehouse tells everybody, at 0.2 Hz and when it changes: what lies there, what is promised."""
+    """The public state of a storage's or source warehouse's agent, at 0.2 Hz and after changes: its stock and its promises."""
 
     station: Id
     incarnation: Count
@@ -409,17 +409,18 @@ class StationHeartbeat(Message, said_by=STATIONS | GATES, signed="station", froz
     software: Text = ""
     draining: bool = False
     awaits: Awaited | UnsetType = UNSET
-    """Vehicles without whose word it grants no place of a reservation table that was lost; of more than `AWAITED_MAX` the first."""
+    """Vehicles whose answers a recovery poll of its tables still needs before it grants places; at most the first `AWAITED_MAX`."""
     dock_wait: DockWait | UnsetType = UNSET
-    """Left out while its dock gets ready for everybody in time."""
+    """Left out while its dock gets ready in time."""
     people: PeopleAsBody | UnsetType = UNSET
-    """Left out where its body is not people."""
+    """Left out when its body is not people."""
 
 
 class MachineHeartbeat(Message, said_by=MACHINES, signed="machine", frozen=True, omit_defaults=True):
-    """MHB: what a machine tells everybody (paper, 3.2).
+    """MHB: the public state of a machine (paper, 3.2).
 
-    Idle 0.2 Hz, 1 Hz working or with a problem, and at once when the status changes. A goal stays in `goals` until the strategist has closed it, who so misses nothing.
+    At 0.2 Hz while idle, at 1 Hz while working or with a problem, and at once when the status changes. A goal stays in `goals` until
+    the strategist has closed it, so that the strategist misses nothing.
     """
 
     machine: Id
@@ -428,39 +429,39 @@ class MachineHeartbeat(Message, said_by=MACHINES, signed="machine", frozen=True,
     at_s: Seconds
     status: MachineStatus
     product: IdOrNone = ""
-    """What is being made now; empty for nothing."""
+    """The product in work; empty for none."""
     goals: tuple[GoalBrief, ...] = ()
     """In the order in which they are worked at."""
     tasks: tuple[TaskBrief, ...] = ()
     buffers: tuple[BufferLevel, ...] | UnsetType = UNSET
-    """In the order of the plant file. They, goods and documents are left out while as in an earlier heartbeat (`dray.messages.heartbeat_stock`)."""
+    """In the order of the plant file. Unchanged buffers, goods and documents are left out (`dray.messages.heartbeat_stock`)."""
     goods: tuple[BufferLevel, ...] | UnsetType = UNSET
     """Finished products that wait to be carried away."""
     documents: Annotated[tuple[DocumentBrief, ...], Meta(max_length=DOCUMENTS_TOLD)] | UnsetType = UNSET
     waits: tuple[MaterialWait, ...] = ()
-    """What it needs and cannot have fetched, the oldest first."""
+    """Needed material that cannot be fetched, the oldest first."""
     problem: Text = ""
     """What keeps it in ERROR, in words; empty otherwise."""
     about_problem: Problem | UnsetType = UNSET
-    """What is known of that problem; left out where there is none, or nothing is known."""
+    """Details of that problem; left out when there is none, or nothing is known."""
     resettable: bool | UnsetType = UNSET
-    """Its sensors find nothing wrong any more, and it waits for somebody to say so. Left out where that is not so."""
+    """Whether its sensors find nothing wrong any more, and it waits for a person's confirmation; left out otherwise."""
     help: HelpWanted | UnsetType = UNSET
     """Set while a person could still save its goals."""
     out_of_service: OutOfService | UnsetType = UNSET
     """Left out while it is in service."""
     speed_frac: Fraction | UnsetType = UNSET
-    """A person's limit, as a part of its own speed; left out where there is none."""
+    """A person's limit, as a fraction of its own speed; left out without one."""
     software: Text = ""
     draining: bool = False
-    """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
+    """Whether it was asked to shut down: it takes no new work, and stops when nothing holds it any more."""
     probation: ProbationBrief | None = None
     """Set while it is on probation: it takes short goals only."""
     joining: JoiningMachine | None = None
-    """Set when it has come to a plant whose file did not know it."""
+    """Set when the plant file did not contain it."""
     people: PeopleAsBody | UnsetType = UNSET
-    """Left out where its body is not people."""
+    """Left out when its body is not people."""
     awaits: Awaited | UnsetType = UNSET
-    """Vehicles without whose word it grants no place of a reservation table that was lost; of more than `AWAITED_MAX` the first."""
+    """Vehicles whose answers a recovery poll of its tables still needs before it grants places; at most the first `AWAITED_MAX`."""
     dock_wait: DockWait | UnsetType = UNSET
-    """Left out while its dock gets ready for everybody in time."""
+    """Left out while its dock gets ready in time."""

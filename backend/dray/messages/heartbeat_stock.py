@@ -1,4 +1,4 @@
-"""What lies at a machine, which not every heartbeat of it tells: details at a change and now and then, the rest at the full rate (paper, 3.2)."""
+"""A machine's stock, which only some of its heartbeats contain: those after a change, and one now and then (paper, 3.2)."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from msgspec.structs import replace
 from dray.messages.heartbeat import MachineHeartbeat
 
 STOCK_EVERY_S = 10.0
-"""Where it has not changed: whoever comes, or has missed a heartbeat, knows it then."""
+"""Interval of heartbeats with unchanged stock, for agents that have joined or missed one."""
 
 
 def with_stock(heartbeat: MachineHeartbeat, before: MachineHeartbeat | None) -> MachineHeartbeat:
-    """A heartbeat that tells what lies at its machine, as far as that is known.
+    """A heartbeat with its machine's stock filled in, as far as it is known.
 
     Args:
         heartbeat: the newest one.
-        before: the one before it, made whole likewise; None for none.
+        before: the one before it, filled in likewise; None for none.
     """
     if before is None or before.incarnation != heartbeat.incarnation:
         return heartbeat

@@ -1,4 +1,4 @@
-"""An agent's history: numbered events, each with a fact, and how those that were missed are asked for again.
+"""An agent's history: numbered events, each with a fact, and how missed ones are asked for again.
 
 An agent numbers its facts from 1 in every incarnation and publishes each as an `Event`. The historian keeps them in SQL;
 panels and reports are computed from them.
@@ -11,18 +11,18 @@ from dray.messages.fact import AnyFact
 from dray.messages.kinds import GATEWAYS, HISTORIANS, TELLERS
 
 EVENTS_PER_ANSWER = 200
-"""Events that one answer to `EventsAsked` holds at most."""
+"""Maximum events in one answer to `EventsAsked`."""
 
 HISTORY_KEPT = 10_000
-"""Events that an agent keeps of its history, some 5 MB on the disk: nobody asks for older ones. A strategist whose machines
-come and go tells a thousand facts in minutes, and what it forgets before the historian is back is gone for good."""
+"""Events of its history that an agent keeps, some 5 MB on the disk. A strategist whose machines come and go records a thousand facts
+in minutes; events that it drops before the historian is back are lost for good."""
 
 
 class EventsAsked(Message, said_by=GATEWAYS | HISTORIANS, frozen=True):
-    """Tell again what was missed.
+    """Ask an agent for missed events.
 
-    Answered to the asker alone, with those `Event`s that the agent still has, `EVENTS_PER_ANSWER` at most,
-    and then with `EventsKept`. Asking for more than there is shows what was said last.
+    The agent answers the asker alone: with the `Event`s that it still has, at most `EVENTS_PER_ANSWER`, and then with `EventsKept`.
+    A question beyond the end of the history shows its newest number.
     """
 
     incarnation: Count
@@ -32,9 +32,9 @@ class EventsAsked(Message, said_by=GATEWAYS | HISTORIANS, frozen=True):
 
 
 class EventsKept(Message, said_by=TELLERS, frozen=True):
-    """Which numbers of one of its lives an agent can still tell: all from `first` to `last`.
+    """The events of one life that an agent still has: all from `first` to `last`.
 
-    What is asked for and lies before `first` is gone for good. None are kept when `last` is below `first`.
+    Events before `first` are lost for good. None are kept when `last` is below `first`.
     """
 
     incarnation: Count
@@ -42,7 +42,7 @@ class EventsKept(Message, said_by=TELLERS, frozen=True):
     first: Count
     last: Count
     life: Count
-    """The one that answers: of those before it there will be no more."""
+    """The agent's present life: earlier ones get no more events."""
 
 
 class Event(Message, said_by=TELLERS, signed="agent", frozen=True):

@@ -1,31 +1,30 @@
-"""Keys on the bus: who speaks where.
+"""Keys on the bus, and the agents that own them.
 
-Keys are paths of chunks, as in Zenoh: ``*`` stands for one chunk, ``**`` for any number of them,
-and only subscriptions may hold them. A chunk that begins with ``@`` is matched by no wildcard. An id
-never holds any of these.
+Keys are paths of chunks, as in Zenoh: ``*`` stands for one chunk, ``**`` for any number of them, and only subscriptions may hold
+these. No wildcard matches a chunk that begins with ``@``. An id never holds any of these.
 
     {plant}/hb/atv/{id}       heartbeats of a vehicle
     {plant}/hb/machine/{id}   heartbeats of a machine
     {plant}/hb/station/{id}   heartbeats of a storage's station, and of the delivery gate
     {plant}/hb/strategist/{id}  heartbeats of a strategist, where there are several
     {plant}/hb/operator/{id}  heartbeats of an operator on duty
-    {plant}/call/{id}         whom an agent calls for help, and who comes
+    {plant}/call/{id}         an agent's call for help: the operators asked, and the one who comes
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
     {plant}/goal/{product}    announcements of production goals, to the machines that were set up for it
     {plant}/goal/{machine}    those of other products, to a machine that can make them by their definition
     {plant}/dwell-point/{id}  claims of one charger or parking place
-    {plant}/free/{id}         a vehicle that is free asks for work that waits
-    {plant}/dock/{place}      when vehicles will be at the dock of a place, to those who hire vehicles for it
+    {plant}/free/{id}         a free vehicle's question for waiting work
+    {plant}/dock/{place}      when vehicles will be at the dock of a place, to the place's coordinators
     {plant}/problem/{id}      how long a vehicle's problem has lasted, when it is over
-    {plant}/obstacle/{id}     what a vehicle has met on a lane, and that it is gone; a person's word that it is
-    {plant}/breakdown/{id}    the same of a machine
-    {plant}/agent/@{id}       what is said to one agent alone
+    {plant}/obstacle/{id}     an obstacle that a vehicle has met on a lane, and its end, also as a person's report
+    {plant}/breakdown/{id}    how long a machine's problem has lasted, when it is over
+    {plant}/agent/@{id}       messages to one agent alone
     {plant}/event/{id}        an agent's numbered events
-    {plant}/shut-out          who is shut out, said again and again by gateways
-    {plant}/closures          what is closed to vehicles, likewise
-    {plant}/floor/{district}  which vehicles hold something in a district, to those that drive there or close by
-    {plant}/removals          vehicles that people have carried away, or are putting back, likewise
-    {plant}/alive/{id}/{life}/{seal}  a token that is there as long as this life of the agent is
+    {plant}/shut-out          the agents that are shut out, repeated by gateways
+    {plant}/closures          closures to vehicles, repeated by gateways
+    {plant}/floor/{district}  the vehicles that hold places in a district, to those that drive there or nearby
+    {plant}/removals          vehicles that people have carried away, or are putting back, repeated by gateways
+    {plant}/alive/{id}/{life}/{seal}  a token that exists as long as this life of the agent
 """
 
 from __future__ import annotations
@@ -33,11 +32,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 STRATEGIST = "strategist"
-"""The strategist's id, where a plant has one."""
+"""The strategist's id in a plant with one."""
 
 
 def strategists_of(count: int) -> tuple[str, ...]:
-    """The ids of so many strategists."""
+    """The ids of this number of strategists."""
     return (STRATEGIST, *(f"{STRATEGIST}{number}" for number in range(2, count + 1)))
 
 
@@ -48,7 +47,7 @@ HISTORIAN = "historian"
 """The historian's name on the bus."""
 
 STRATEGISTS = frozenset(strategists_of(9))
-"""Whoever is called so is a strategist: no plant may call a machine, a storage or a vehicle so."""
+"""The ids of strategists: no plant may use them for a machine, a storage or a vehicle."""
 
 
 class Keys:
@@ -150,7 +149,7 @@ class Keys:
         return f"{self._addressed}{agent}"
 
     def addressee(self, key: str) -> str:
-        """The one agent that what is said on `key` is for; empty when it is for whoever listens."""
+        """The one agent that messages on `key` are for; empty when they are for all listeners."""
         prefix = self._addressed
         return key[len(prefix) :] if key.startswith(prefix) else ""
 
@@ -177,6 +176,6 @@ _OWNED = frozenset(
 
 @lru_cache(maxsize=4096)
 def owner_of(key: str) -> str | None:
-    """The agent that alone may speak on `key`, in whatever plant; None when others may too."""
+    """The only agent that may speak on `key`, in any plant; None when others may, too."""
     start, _, last = key.partition("/")[2].rpartition("/")
     return last if start in _OWNED else None

@@ -1,4 +1,4 @@
-"""Kinds of agents, and the groups of them that may say the same messages."""
+"""Kinds of agents, and the groups of them that may send the same messages."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from enum import StrEnum
 
 
 class Kind(StrEnum):
-    """What an agent is."""
+    """The kind of an agent."""
 
     ATV = "atv"
     MACHINE = "machine"
     STATION = "station"
-    """Of a storage."""
+    """The agent of a storage."""
     STRATEGIST = "strategist"
     GATE = "gate"
-    """Of the delivery warehouses."""
+    """The agent of the delivery warehouses."""
     OPERATOR = "operator"
-    """Somebody on duty. A gateway speaks for those at its tablets."""
+    """A person on duty. A gateway speaks for those at its tablets."""
     GATEWAY = "gateway"
     HISTORIAN = "historian"
 
@@ -34,4 +34,4 @@ BIDDERS = VEHICLES | MACHINES
 DOCKS = MACHINES | STATIONS
 COORDINATORS = DOCKS | STRATEGISTS
 TELLERS = BIDDERS | COORDINATORS | GATES
-"""Who writes history."""
+"""Agents that write history."""

@@ -1,4 +1,4 @@
-"""The way by which a vehicle is heard, and since when it has not been the WLAN."""
+"""The link by which a vehicle is heard, and how it lost the WLAN."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from dray.messages.base import Part, Seconds, Text
 
 
 class Link(StrEnum):
-    """The way by which an ATV's heartbeat reaches the cloud (paper, case 3)."""
+    """The link by which an ATV's heartbeat reaches the cloud (paper, case 3)."""
 
     WLAN = "wlan"
     MESH = "mesh"
 
 
 class LostWlan(Part, frozen=True):
-    """A vehicle is left with its radio."""
+    """A vehicle that has only its radio."""
 
     since_s: Seconds
-    """When its agent knew (plant clock); of one that was started without WLAN, when it was started."""
+    """When its agent noticed (plant clock), or when it was started, if that was without WLAN."""
     access_point: Text = ""
-    """Over which it was on the WLAN last; empty where its modem does not know."""
+    """The last access point of its WLAN; empty when its modem does not know."""

@@ -1,4 +1,4 @@
-"""Orders, on their way from the gateway to the strategist; and what a change of one is for the machines that work at it."""
+"""Orders on their way from the gateway to the strategist, and their changes on the way to the machines."""
 
 from __future__ import annotations
 
@@ -11,50 +11,50 @@ from dray.messages.kinds import GATEWAYS, MACHINES, STRATEGISTS
 from dray.messages.product import PartDefinition, ProductDefinition
 
 PARTS_MAX = 200
-"""Parts on all levels below one product."""
+"""Maximum parts on all levels below one product."""
 
 
 class OrderItem(Part, frozen=True):
-    """One line of an order: what is still to be delivered of it."""
+    """One line of an order, with the quantity still to be delivered."""
 
     product: Id
     quantity: Count
     definition: ProductDefinition | None = None
-    """The product as its master data have it; None for one that is made as the plant file says."""
+    """The product by its master data; None for one that is made by the plant file."""
     arrived: Count = 0
-    """Pieces of it that had arrived before: with these all that was ordered."""
+    """Pieces that had arrived before; the ordered quantity is the sum of both."""
     parts: Annotated[tuple[PartDefinition, ...], Meta(max_length=PARTS_MAX)] = ()
-    """Parts on all levels below it, as far as their master data have them; all others are made as the plant file says."""
+    """Parts with master data on all levels below it; all others are made by the plant file."""
 
 
 class OrderReleased(Message, said_by=GATEWAYS, frozen=True):
-    """Make this. Repeated until the strategist answers; the same order twice is one order.
+    """Make this order. Repeated until the strategist answers; the same order twice is one order.
 
-    `items` hold what is outstanding: after a restart less than was ordered. One with a higher `change` than what is in work changes that.
+    `items` hold what is outstanding: after a restart less than was ordered. A higher `change` than that in work changes the order.
     """
 
     order: Id
     items: tuple[OrderItem, ...]
     due_s: Seconds
-    """By when all of it is wanted in the delivery warehouse (plant clock)."""
+    """When all of it must be in the delivery warehouse (plant clock)."""
     release: Count = 1
-    """How often this order was released, with this time: one that was taken back may be released again."""
+    """Number of this release: an order that was taken back may be released again."""
     change: Count = 0
     """How often people have changed it."""
 
 
 class OrderTaken(Message, said_by=STRATEGISTS, frozen=True):
-    """The strategist has the order and will see to it."""
+    """The strategist has taken the order."""
 
     order: Id
     release: Count = 1
-    """Which release of it this answers."""
+    """The release that this answers."""
     fulfilled: bool = False
-    """All of it has arrived: nothing is to be done any more, whoever has missed the facts about that."""
+    """Whether all of it has arrived, for agents that have missed the facts about that."""
     change: Count = 0
-    """The last change that was taken. A change is answered when the machines have said what they keep."""
+    """The last change taken. A change is answered when the machines have said what they keep."""
     quantities: tuple[Count, ...] = ()
-    """Per item, all that will have been delivered; empty where it was asked for without a change, or is not known any more."""
+    """Final delivered quantity per item; empty without a change, or when it is not known any more."""
 
 
 class OrderCancelled(Message, said_by=GATEWAYS, frozen=True):
@@ -74,54 +74,54 @@ class OrderRevoked(Message, said_by=GATEWAYS, frozen=True):
 
     order: Id
     release: Count
-    """Which release is meant; a later one stays."""
+    """The release that is taken back; a later one stays."""
 
 
 class RevocationTaken(Message, said_by=STRATEGISTS, frozen=True):
     """The strategist does not work at this release of an order any more, and will not begin to.
 
-    Said only when the gate of the delivery warehouses is shut for all of its goals and has counted.
+    Sent only when the gate of the delivery warehouses is shut for all its goals and has counted.
     """
 
     order: Id
     release: Count
     outstanding: tuple[Count, ...]
-    """Per item, what had not arrived when the gate was shut: what another release has to order. Empty when
-    the strategist did not work at this release: it has ended, or never came."""
+    """Pieces per item that had not arrived when the gate was shut, for the next release. Empty when the strategist did not work at
+    this release: it has ended, or never came."""
 
 
 class StrategistHeartbeat(Message, said_by=STRATEGISTS, signed="strategist", frozen=True):
-    """What a strategist tells the others of its plant, once a second: that it is there, and how much it has in work."""
+    """A strategist's heartbeat to the other strategists, once a second."""
 
     strategist: Id
     incarnation: Count
     seq: Count
     at_s: Seconds
     orders: Count
-    """Orders that it works at: its bid for the next one."""
+    """Number of orders in work: its bid for the next one."""
 
 
 class HolderChanged(Message, said_by=STRATEGISTS, frozen=True):
-    """Another strategist has taken an order over: from now on it speaks for all goals of that order. Said again until the machine's heartbeat shows it."""
+    """The sender has taken an order over, and speaks for all its goals. Repeated until the machine's heartbeat shows it."""
 
     order: Id
     epoch: Count
-    """With which it holds the order; a lower one than is known counts for nothing."""
+    """Epoch under which it holds the order; one below the known epoch is ignored."""
 
 
 class GoalRevised(Message, said_by=STRATEGISTS, frozen=True):
-    """The strategist changes a goal: less of it is wanted, or at another time. Said again until the machine's heartbeat shows it."""
+    """The strategist changes a goal's quantity or deadline. Repeated until the machine's heartbeat shows it."""
 
     task: Id
     epoch: Count
     quantity: Count
-    """As little as this would do; more than the machine has taken is another goal."""
+    """The quantity that would suffice; an increase is another goal."""
     deadline_s: Seconds
-    """When it should be done now (plant clock)."""
+    """The new deadline (plant clock)."""
 
 
 class GoalRevisionTaken(Message, said_by=MACHINES, frozen=True):
-    """What a machine makes of a goal after that: what it has begun it keeps."""
+    """A machine's quantity of a goal after a revision; it keeps pieces that it has begun."""
 
     task: Id
     epoch: Count

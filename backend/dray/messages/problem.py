@@ -1,4 +1,4 @@
-"""What keeps a vehicle or a machine from going on: the kind of its problem, and what its body knows of it (paper, case 4)."""
+"""Problems of vehicles and machines: their kind, and what the body knows of them (paper, case 4)."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from dray.messages.kinds import BIDDERS
 
 
 class ProblemKind(StrEnum):
-    """What is wrong. Whoever does not know says `UNKNOWN`, and words."""
+    """The kind of a problem; `UNKNOWN` comes with words only."""
 
     LOAD = "load"
     """The load has shifted, or its sensors contradict one another."""
     DRIVE = "drive"
-    """A motor, a brake, a wheel: it cannot move by itself."""
+    """A fault of a motor, a brake or a wheel: it cannot move by itself."""
     SENSOR = "sensor"
-    """A laser scanner that is dirty, a camera that is blind."""
+    """A dirty laser scanner, or a blind camera."""
     BATTERY = "battery"
     WAY_BLOCKED = "way_blocked"
-    """Something stands in its way that it cannot drive round."""
+    """An obstacle is in its way that it cannot drive round."""
     LOST_POSITION = "lost_position"
     LINK = "link"
-    """Between an agent and its vehicle: the agent lives, and cannot tell its vehicle what to do."""
+    """The link between agent and vehicle has failed: the agent lives, but cannot control its vehicle."""
     EMERGENCY_STOP = "emergency_stop"
-    """Somebody has pressed the button, or a bumper was touched."""
+    """The button was pressed, or a bumper was touched."""
     DOCK = "dock"
-    """Whatever it docks at is not ready: a conveyor that stands, a door that is shut."""
+    """The dock is not ready, as with a stopped conveyor or a shut door."""
     TOOL = "tool"
     """A tool of a machine is broken or worn."""
     JAM = "jam"
@@ -37,23 +37,23 @@ class ProblemKind(StrEnum):
 
 
 class Problem(Part, frozen=True):
-    """What the body of a vehicle or a machine knows of its problem beside the words; None for what it does not know."""
+    """What a body knows of its problem beside the words; None when unknown."""
 
     kind: ProblemKind = ProblemKind.UNKNOWN
     passes: bool | None = None
-    """It goes away by itself."""
+    """Whether it goes away by itself."""
     needs_person: bool | None = None
-    """Somebody has to come. Neither this nor `passes` means that nothing helps."""
+    """Whether a person has to come. If this and `passes` are both false, nothing helps."""
     load_movable: bool | None = None
-    """What is on board can be taken off, by hand or by another vehicle."""
+    """Whether the load can be taken off, by hand or by another vehicle."""
 
 
 NOTHING_KNOWN = Problem()
-"""A problem of which there are only words."""
+"""A problem with words only."""
 
 
 class ProblemEnded(Message, said_by=BIDDERS, signed="agent", frozen=True):
-    """A problem is over: said once to all of its kind, so that they know how long such problems last."""
+    """A problem is over: sent once to all agents of this kind, which learn how long such problems last."""
 
     agent: Id
     problem: Problem
@@ -61,22 +61,22 @@ class ProblemEnded(Message, said_by=BIDDERS, signed="agent", frozen=True):
 
 
 class HelpWanted(Part, frozen=True):
-    """A problem that a person can solve, and how long the task, or a machine's goals, can wait for that (paper, cases 1 and 4)."""
+    """A problem that a person can solve, and how long the task or the goals can wait for that (paper, cases 1 and 4)."""
 
     until_s: Seconds
-    """Solved by then (plant clock), it goes on; else somebody else takes its task, or its goals."""
+    """Until when help is awaited (plant clock); then other agents take its task, or its goals."""
     promised_by: Text = ""
-    """Who has said to be on the way; empty while nobody has."""
+    """The person who is on the way; empty while none is."""
 
 
 class StrandedGoods(Part, frozen=True, omit_defaults=True):
-    """Goods that wait for a person's word, since the vehicle that has them on board has failed."""
+    """Goods on board of a failed vehicle, which wait for a person's decision."""
 
     atv: Id
-    """On board of which vehicle they are, or were before they could be handed over."""
+    """The vehicle that carries them, or did before they were to be handed over."""
     node: IdOrNone
-    """Where that was heard last; empty where nobody knows."""
+    """That vehicle's last known node; empty when unknown."""
     until_s: Seconds
-    """They are given up then, and made again (plant clock)."""
+    """When they are given up and made again (plant clock)."""
     handed_at: IdOrNone = ""
-    """Where a person hands them over to another vehicle; empty while nobody has said so."""
+    """The node where a person hands them over to another vehicle; empty while none is set."""

@@ -1,9 +1,9 @@
-"""What goes over the radio between vehicles when there is no WLAN (paper, case 3).
+"""Messages over the radio between vehicles when there is no WLAN (paper, case 3).
 
-That is vehicles' heartbeats, in parts, and each message that is defined with `radio`: what a transport that is under way needs to
-come to its end, who may drive where, and calls for help. No negotiation: bids, announcements, awards, claims and history do not fit.
+These are vehicles' shortened heartbeats and each message that is defined with `radio`: for transports under way, right of way, and
+calls for help. Negotiation (bids, announcements, awards, claims) and history do not fit.
 
-The radio itself (range, hops, length of a frame) is hardware, and not said here.
+The radio's range, hops and frame length belong to the hardware and are not defined here.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ DISPENSABLE: tuple[dict[str, Any], ...] = (
     {"floor": UNSET, "closures": UNSET},
     {"out_of_service": UNSET, "lost_wlan": UNSET},
 )
-"""What a heartbeat leaves out so that it fits into a frame, in this order: what others can do without first."""
+"""Fields that a heartbeat leaves out so that it fits into a frame, the least needed first."""
 
 
 AVOID_NODES = (16, 4, 0)
-"""Of where nobody may make room, a place request or a request to make room says so many nodes, the nearest first, until it fits into a frame."""
+"""Numbers of nodes in `avoid`, nearest first, that are tried until a message about right of way fits into a frame."""
 
 
 CALL_ASKED, REASON_CHARS = (8, 2), 100
-"""Of a call's words so much is said by radio, and of whom it asks so many names, the nearest first, until it fits."""
+"""Numbers of asked operators in a call, nearest first, that are tried until it fits; and the characters of its reason."""
 
 
 def shortened_word(message: Message) -> Iterator[Message]:
-    """What is no heartbeat as it goes over the radio: whole, and then ever shorter."""
+    """A message other than a heartbeat as it goes over the radio: whole, and then ever shorter."""
     yield message
     if isinstance(message, PlaceRequested | YieldAsked | YieldRefused):
         for nodes in AVOID_NODES:

@@ -1,9 +1,8 @@
-"""Who may say what: the one place that every bus asks before anybody hears a message (`objection`).
+"""The check that every bus makes before a message is delivered: may its sender send it (`objection`).
 
-Names hold on every bus: on a key that belongs to one agent nobody else speaks, and whatever a message says
-of its speaker is true. Kinds hold where they are known, by certificates or in a simulated plant: a vehicle has
-neither a machine's words nor a strategist's facts, and nobody but a gateway gives orders. Every message says by which
-kinds it may be said, where it is defined, and every fact by which it may be told.
+Names are checked on every bus: only its owner speaks on a key that belongs to one agent, and a message names its true sender.
+Kinds are checked where they are known, by certificates or in a simulated plant: a vehicle cannot send a machine's messages or a
+strategist's facts, and only a gateway sends orders. Each message and each fact defines the kinds that may send it.
 """
 
 from __future__ import annotations
@@ -20,20 +19,20 @@ STOP_SUFFIX = "-stop"
 
 
 def stop_sender_of(gateway: str) -> str:
-    """The name of the agent by which a gateway says stops, beside its own."""
+    """The name of the agent by which a gateway sends stops, beside its own."""
     return gateway + STOP_SUFFIX
 
 
 def names_of(agent: str, kind: Kind) -> dict[str, Kind]:
-    """Whom the process of an agent speaks for, as its certificate says."""
+    """The names, and their kinds, for which an agent's process speaks by its certificate."""
     names = (agent, stop_sender_of(agent)) if kind is Kind.GATEWAY else (agent,)
     return dict.fromkeys(names, kind)
 
 
 def kind_in(agent: str, certified: Mapping[str, Kind]) -> Kind | None:
-    """What an agent is by a certificate that names these; None when the certificate is not good for it.
+    """An agent's kind by a certificate with these names; None when the certificate does not cover the agent.
 
-    People come and go, so no certificate names them: whoever may speak for a gateway may speak for the operators at its tablets.
+    No certificate names people, who come and go: one for a gateway also covers the operators at its tablets.
     """
     if agent.startswith(OPERATOR_PREFIX) and Kind.GATEWAY in certified.values():
         return Kind.OPERATOR
@@ -50,14 +49,14 @@ FOREIGN_FACT = "a fact that its kind does not tell"
 def objection(
     sender: str, kind: Kind | None, key: str, message: Message, shut_out: Container[str] = ()
 ) -> str:
-    """Why nobody should hear this from `sender`, as a reason to count; empty when all is well.
+    """Why a message must not be delivered, as a reason to count; empty when it may be.
 
     Args:
-        sender: who has really said it, whoever has passed it on.
-        kind: what the sender is; None where nobody knows, as on a bus without certificates.
-        key: on which it was said; what is said to one agent alone belongs to no key of anybody's.
-        message: what was said.
-        shut_out: agents that nobody hears any more, whatever they say.
+        sender: its original sender, also when others have forwarded it.
+        kind: the sender's kind; None when unknown, as on a bus without certificates.
+        key: the key on which it was sent; keys for one addressee have no owner.
+        message: the message.
+        shut_out: agents whose messages are all ignored.
     """
     if sender in shut_out:
         return SHUT_OUT

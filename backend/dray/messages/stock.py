@@ -1,7 +1,7 @@
-"""What lies in a storage, and who counts on it: said between its station and those who have material fetched there.
+"""Reservations of material in a storage: messages between its station and the coordinators that have material fetched there.
 
-Nobody announces a transport before a station has set the material aside for it. A reservation lapses when nobody
-asks for it again, so that whoever has failed holds nothing back for long.
+A coordinator announces a transport only when a station has reserved the material. A reservation lapses unless it is requested
+again, so that a failed coordinator holds nothing back for long.
 """
 
 from __future__ import annotations
@@ -11,20 +11,20 @@ from dray.messages.kinds import DOCKS
 
 
 class StockAsked(Message, said_by=DOCKS, frozen=True):
-    """A coordinator asks a station to set pieces aside for one task.
+    """A coordinator asks a station to reserve pieces for one task.
 
-    Said again, it renews the reservation, or the place in the queue.
+    Sent again, it renews the reservation, or the place in the queue.
     """
 
     task: Id
     epoch: Count
-    """Pieces that were fetched for an earlier epoch are gone: a higher one asks for others."""
+    """Epoch of the task: a higher one asks for new pieces, as those of an earlier epoch may be fetched already."""
     item: Id
     quantity: Count
 
 
 class StockReserved(Message, said_by=DOCKS, frozen=True):
-    """The pieces are set aside for this task. It lapses some time after it was asked for last."""
+    """The pieces are reserved for this task. The reservation lapses some time after the last request."""
 
     task: Id
     epoch: Count
@@ -33,22 +33,22 @@ class StockReserved(Message, said_by=DOCKS, frozen=True):
 
 
 class StockShort(Message, said_by=DOCKS, frozen=True):
-    """There is not enough that is promised to nobody.
+    """The station has too few free pieces.
 
-    The task is in the queue as long as it is asked for again; `StockReserved` follows when its turn has come. Also
-    said when a reservation could not be kept.
+    The task stays in the queue while its request is repeated; `StockReserved` follows when its turn comes. Also sent when a
+    reservation could not be kept.
     """
 
     task: Id
     epoch: Count
     item: Id
     free: Count
-    """Pieces that lie there and are promised to nobody."""
+    """Pieces in stock that are not reserved."""
 
 
 class StockFreed(Message, said_by=DOCKS, frozen=True, omit_defaults=True):
-    """The coordinator does not count on pieces for this task any more."""
+    """The coordinator does not need the pieces for this task any more."""
 
     task: Id
     fetched: bool = False
-    """They were fetched in the epoch of the `StockReserved` that is answered, or may have been: a carrier was bound in it, or nobody remembers."""
+    """Whether they may have been fetched in the epoch of the answered `StockReserved`: it had a carrier, or that is unknown."""

@@ -1,7 +1,7 @@
-"""Facts: what an agent writes into its own numbered history. A file of this room holds what one kind of speaker tells.
+"""Facts: what an agent writes into its own numbered history. Each module holds the facts of one kind of agent.
 
-A fact says what the agent itself did, decided or saw, and nothing about what others might think of it. How facts are numbered
-and asked for again is in `dray.messages.history`.
+A fact says what the agent itself did, decided or saw, and nothing about the opinion of others. `dray.messages.history` describes
+their numbers, and how missed ones are asked for again.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ from dray.messages.fact.vehicle import (
 if TYPE_CHECKING:
     AnyFact = Fact
 else:
-    # What bytes may be read as.
+    # The union of all facts, for decoding.
     AnyFact = reduce(or_, sorted(Fact.__subclasses__(), key=lambda kind: kind.__name__))
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""What all facts have in common, and what any agent tells."""
+"""The common part of all facts, and the facts of every agent."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray.messages.kinds import NOBODY, TELLERS, Kind
 
 
 class FactType(msgspec.StructMeta):
-    """The type of facts: each says where it is defined who may tell it."""
+    """The type of facts: each class names the kinds of agents that may record it."""
 
     def __new__(
         cls,
@@ -29,13 +29,13 @@ class Fact(Part, metaclass=FactType, tag_field="kind", tag=True, frozen=True):
     """One thing that happened, named by its class name in `kind`.
 
     Attributes:
-        told_by: the kinds of agents that may tell it as their own.
+        told_by: the kinds of agents that may record it as their own.
     """
 
     told_by: ClassVar[frozenset[Kind]]
 
 
 class MemoryLost(Fact, told_by=TELLERS, frozen=True):
-    """An agent has begun a life without what it was bound by in earlier ones: its journal was lost or damaged."""
+    """An agent was started without the obligations of earlier lives: its journal was lost or damaged."""
 
     reason: Text

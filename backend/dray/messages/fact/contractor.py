@@ -1,4 +1,4 @@
-"""What a contractor tells, vehicle or machine: its bids, and what it is bound by."""
+"""Facts of a contractor, which is a vehicle or a machine: its bids and its contracts."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ class ContractEnded(Fact, told_by=BIDDERS, frozen=True):
     role: Role
     reason: Reason
     detail: Text = ""
-    """In the words of whoever has held it up, for people."""
+    """Text for people, in the words of the agent that has held it up."""
 
 
 class NotBelieved(Fact, told_by=BIDDERS, frozen=True):
-    """A coordinator has said that it does not believe this agent, and why. Told once a minute of each."""
+    """A coordinator does not believe this agent, for this reason. At most once a minute for each coordinator."""
 
     by: Id
     task: Id
@@ -62,8 +62,8 @@ class TookOver(Fact, told_by=VEHICLES, frozen=True):
 
     task: Id
     epoch: Count
-    """The new one."""
+    """The new epoch."""
     primary: Id
-    """Whom it replaces."""
+    """The vehicle that it replaces."""
     silent_s: Seconds
     reason: Reason

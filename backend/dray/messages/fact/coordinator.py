@@ -1,4 +1,4 @@
-"""What a coordinator tells: its tasks, their auctions, and what it has learned of contractors."""
+"""Facts of a coordinator: its tasks, their auctions, and its ratings of contractors."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Outcome = Literal["delivered", "withdrawn"]
 """How a task has ended."""
 
 Answer = Literal["accepted", "declined", "silent"]
-"""What became of an award."""
+"""The result of an award."""
 
 
 class TaskOpened(Fact, told_by=COORDINATORS, frozen=True):
@@ -48,9 +48,9 @@ class BidReceived(Fact, told_by=COORDINATORS, frozen=True):
     finish_s: Seconds
     source: IdOrNone = ""
     surcharge_s: Seconds = 0.0
-    """What its coordinator adds before it ranks, for what it has seen of the bidder (`ContractorRated`)."""
+    """The coordinator's surcharge on this bidder before it ranks the bids (`ContractorRated`)."""
     battery_reckoned: bool | UnsetType = UNSET
-    """As the bid has said it."""
+    """The same field of the bid."""
 
 
 class AwardGiven(Fact, told_by=COORDINATORS, frozen=True):
@@ -64,7 +64,7 @@ class AwardGiven(Fact, told_by=COORDINATORS, frozen=True):
 
 
 class AwardAnswered(Fact, told_by=COORDINATORS, frozen=True):
-    """What became of an award: accepted, declined with a reason, or silent."""
+    """The result of an award: accepted, declined with a reason, or silent."""
 
     task: Id
     epoch: Count
@@ -76,7 +76,7 @@ class AwardAnswered(Fact, told_by=COORDINATORS, frozen=True):
 
 
 class RoundFailed(Fact, told_by=COORDINATORS, frozen=True):
-    """Nobody was contracted in this round; the next one begins at `next_round_s`."""
+    """This round contracted no bidder; the next one begins at `next_round_s`."""
 
     task: Id
     epoch: Count
@@ -103,11 +103,11 @@ class TaskClosed(Fact, told_by=COORDINATORS, frozen=True):
     outcome: Outcome
     carrier: IdOrNone
     promised_s: Seconds = 0.0
-    """When the carrier had promised to be done (plant clock); 0 when nobody had."""
+    """When the carrier had promised to be done (plant clock); 0 without a promise."""
 
 
 class PrimarySuspected(Fact, told_by=VEHICLES | DOCKS, frozen=True):
-    """Nothing was heard of a task's primary for longer than the suspicion bound."""
+    """A task's primary was silent for longer than the suspicion bound."""
 
     task: Id
     epoch: Count
@@ -120,87 +120,87 @@ class CarrierChanged(Fact, told_by=DOCKS, frozen=True):
 
     task: Id
     epoch: Count
-    """The new one."""
+    """The new epoch."""
     replaced: Id
     carrier: IdOrNone
     """The secondary that has taken over; empty when the task is announced anew."""
     reason: Reason
     silent_s: Seconds = 0.0
-    """How long nothing had been heard of the one that was replaced."""
+    """How long the replaced carrier had been silent."""
 
 
 class ContractorRated(Fact, told_by=DOCKS, frozen=True):
-    """What a coordinator has learned of a contractor, from its own contracts with it."""
+    """A coordinator's rating of a contractor, from its own contracts with it."""
 
     contractor: Id
     task: Id
-    """What it was learned from."""
+    """The task that led to the rating."""
     reason: Reason
     """`KEPT`, `LATE`, or why it was dropped."""
     surcharge_s: Seconds
-    """Added to its bids from now on; half of it is forgotten in half an hour."""
+    """Surcharge on its bids from now on, with a half-life of half an hour."""
     restricted: bool
-    """It is given short tasks only."""
+    """Whether it gets short tasks only."""
     late_s: Seconds = 0.0
-    """How much later than promised it was done, where that is the reason."""
+    """Delay beyond its promise, if that is the reason."""
 
 
 class WordDisbelieved(Fact, told_by=COORDINATORS, frozen=True):
-    """A coordinator does not believe what a contractor has said: it cannot be. Told once a minute of each."""
+    """A coordinator does not believe a contractor's implausible message. At most once a minute for each contractor."""
 
     contractor: Id
     task: Id
     reason: Implausible
     clock_ahead_s: Seconds = 0.0
-    """How far the contractor's clock is ahead of the coordinator's, behind if negative; 0 where that is not the reason."""
+    """How far the contractor's clock is ahead of the coordinator's, behind if negative; 0 when that is not the reason."""
 
 
 class NameMisused(Fact, told_by=DOCKS, frozen=True):
-    """Somebody requests places in the name of a vehicle that holds some, and has not signed with its key. Told once a minute of each."""
+    """An agent requests places in the name of a vehicle that holds some, without its key. At most once a minute for each vehicle."""
 
     atv: Id
 
 
 class BookRefused(Fact, told_by=DOCKS, frozen=True):
-    """A replica's table is not copied: it takes places from vehicles that have not given them back, or has a version to which no reservation table has come.
+    """A replica's table is refused: it takes places from vehicles without their release, or has an implausible version.
 
-    Told once a minute of each.
+    Recorded at most once a minute for each replica.
     """
 
     keeper: Id
 
 
 class HandoverDisputed(Fact, told_by=DOCKS, frozen=True):
-    """A contractor says that a load is down, and the dock where it was to go has counted something else."""
+    """A contractor reports a load as down, and the dock has counted something else."""
 
     task: Id
     epoch: Count
     contractor: Id
     item: Id
     said: Count
-    """Pieces, by the contractor's word."""
+    """Pieces by the contractor's report."""
     counted: Count
-    """Pieces, by the dock's count: these are there, and no others."""
+    """Pieces by the dock's count, which is the valid one."""
     where: Id
     """The place whose dock has counted."""
 
 
 class TransportProgressed(Fact, told_by=DOCKS, frozen=True):
-    """A plain transport that somebody has asked for is otherwise than before."""
+    """The state of a plain transport has changed."""
 
     transport: Id
     state: TransportState
     item: Id
     quantity: Count
-    """Pieces that are still to be brought, or were brought when it is delivered."""
+    """Pieces still to be brought, or brought once it is delivered."""
     source: Id
     destination: Id
     task: IdOrNone = ""
-    """Under which name it is given out at present; empty for none."""
+    """The name of its present task; empty for none."""
     carrier: IdOrNone = ""
     expected_s: Seconds | None = None
     """When its carrier has promised to be done (plant clock)."""
     wait: TransportWait | None = None
-    """Why nobody carries it, while it waits."""
+    """Why it has no carrier, while it waits."""
     refused: TransportRefusal | None = None
-    """Why it cannot be done, where that has ended it."""
+    """Why it cannot be done, if that has ended it."""

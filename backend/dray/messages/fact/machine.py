@@ -1,4 +1,4 @@
-"""What a machine tells: how it is, and what it has made."""
+"""Facts of a machine: its status, and the pieces that it has made."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class MachineStatusChanged(Fact, told_by=MACHINES, frozen=True):
 
 
 class PieceScrapped(Fact, told_by=MACHINES, frozen=True):
-    """One cycle ended with a bad piece: what it has used is used, and the piece is made again."""
+    """One cycle ended with a bad piece: its material is used up, and the piece is made again."""
 
     product: Id
     goal: IdOrNone = ""
-    """Empty where the goal has ended meanwhile."""
+    """Empty when the goal has ended meanwhile."""
 
 
 class PieceMade(Fact, told_by=MACHINES, frozen=True):
@@ -30,12 +30,12 @@ class PieceMade(Fact, told_by=MACHINES, frozen=True):
     goal: Id
     product: Id
     made: Count
-    """Of this goal, with this one."""
+    """Pieces of this goal so far, this one included."""
     from_stock: bool = False
-    """No cycle has ended: pieces that lay there serve this goal."""
+    """Whether spare pieces from stock serve this goal, without a cycle."""
 
 
 class SparePieceMade(Fact, told_by=MACHINES, frozen=True):
-    """One cycle ended well, and its goal had ended before: the piece serves the next one."""
+    """One cycle ended well after its goal had ended: the piece serves the next goal."""
 
     product: Id

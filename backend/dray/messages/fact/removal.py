@@ -1,4 +1,4 @@
-"""What whoever keeps a reservation table tells of vehicles that people have carried away."""
+"""Facts of a table's leader about vehicles that people have carried away."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from dray.messages.kinds import DOCKS
 
 
 class PlacesFreed(Fact, told_by=DOCKS, frozen=True):
-    """A vehicle was carried away: what it held here is free."""
+    """A vehicle was carried away: the places that it held here are free."""
 
     atv: Id
     number: Count
-    """Of the removal (`dray.messages.floor.removal`)."""
+    """Number of the removal (`dray.messages.floor.removal`)."""
     by: Id
-    """The person who has said so."""
+    """The person who has reported it."""
     places: Places
 
 
 class PlaceKept(Fact, told_by=DOCKS, frozen=True):
-    """A vehicle is being put back: the place is its own, and nobody drives into it."""
+    """A vehicle is being put back: the place is reserved for it, and no other vehicle drives into it."""
 
     atv: Id
     number: Count

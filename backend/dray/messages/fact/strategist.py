@@ -1,4 +1,4 @@
-"""What the strategist tells: orders, and the goals that they became."""
+"""Facts of the strategist: orders and their goals."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ class OrderAccepted(Fact, told_by=STRATEGISTS, frozen=True):
     order: Id
     goals: tuple[Id, ...]
     held: Count = 0
-    """The epoch with which it holds the order; 0 where a plant has one strategist."""
+    """Epoch under which it holds the order; 0 in a plant with one strategist."""
 
 
 class OrderTakenOver(Fact, told_by=STRATEGISTS, frozen=True):
-    """The strategist goes on with an order whose holder was silent."""
+    """The strategist continues an order whose holder was silent."""
 
     order: Id
     epoch: Count
-    """With which it holds the order."""
+    """Epoch under which it holds the order."""
     goals: tuple[Id, ...]
-    """Those that machines go on with, and new ones for what nobody makes."""
+    """Goals that machines continue, and new ones for pieces that no machine makes."""
 
 
 class GoalContracted(Fact, told_by=STRATEGISTS, frozen=True):
@@ -38,9 +38,9 @@ class GoalContracted(Fact, told_by=STRATEGISTS, frozen=True):
     machine: Id
     finish_s: Seconds
     part_of: IdOrNone = ""
-    """The product for which it is a part; empty for what goes to the delivery warehouse."""
+    """The product of which it is a part; empty for goods for the delivery warehouse."""
     held: Count = 0
-    """The epoch with which its order is held; see `OrderAccepted`. Whoever holds it next tells with a higher one."""
+    """Epoch under which its order is held; see `OrderAccepted`. The next holder uses a higher one."""
 
 
 class GoodsDelivered(Fact, told_by=STRATEGISTS, frozen=True):
@@ -51,18 +51,18 @@ class GoodsDelivered(Fact, told_by=STRATEGISTS, frozen=True):
     item: Count
     product: Id
     quantity: Count
-    """In this transport; after a takeover of the order all that had arrived before, which may have been told in part."""
+    """Pieces of this transport; after a takeover of the order, all pieces that had arrived before, some of them recorded already."""
     delivered: Count
-    """Of this goal, with these."""
+    """Pieces of this goal so far, these included."""
 
 
 class GoalLost(Fact, told_by=STRATEGISTS, frozen=True):
-    """A machine has failed with a goal; what had not arrived is announced again under another name."""
+    """A machine has failed with a goal; its missing pieces are announced again under another name."""
 
     goal: Id
     machine: Id
     arrived: Count
-    """Pieces that count, once."""
+    """Arrived pieces, each counted once."""
     successor: IdOrNone
     """The new goal for the rest; empty when nothing was left to make."""
     held: Count = 0
@@ -72,19 +72,19 @@ class GoalLost(Fact, told_by=STRATEGISTS, frozen=True):
 class GoalWithdrawn(Fact, told_by=STRATEGISTS, frozen=True):
     """A machine need not make a goal any more: its order was taken back.
 
-    A goal of parts also because its order has ended, or its machine has failed: what is lacking then is another goal.
+    A goal of parts is also withdrawn when its order has ended or its machine has failed; missing parts become another goal.
     """
 
     goal: Id
     machine: Id
     arrived: Count
-    """Pieces that count, once; 0 of parts, which arrive nowhere."""
+    """Arrived pieces, each counted once; 0 for parts, which go to no warehouse."""
     held: Count = 0
     """See `GoalContracted`."""
 
 
 class GoalReduced(Fact, told_by=STRATEGISTS, frozen=True):
-    """Less of a goal is wanted, and its machine has agreed to make no more than this."""
+    """A goal's quantity was reduced, and its machine has agreed."""
 
     goal: Id
     order: Id
@@ -103,11 +103,11 @@ class OrderChanged(Fact, told_by=STRATEGISTS, frozen=True):
     release: Count
     change: Count
     quantities: tuple[Count, ...]
-    """Per item, all that will have been delivered."""
+    """Final delivered quantity per item."""
 
 
 class MachineFailure(Part, frozen=True):
-    """A machine that makes nothing now."""
+    """A machine that has failed."""
 
     machine: Id
     reason: Reason
@@ -115,16 +115,16 @@ class MachineFailure(Part, frozen=True):
 
 
 class GoalWaits(Fact, told_by=STRATEGISTS, frozen=True):
-    """Nobody who lives can make this goal; only its order waits (paper, case 1)."""
+    """No working machine can make this goal; only its order waits (paper, case 1)."""
 
     goal: Id
     order: Id
     machines: tuple[MachineFailure, ...]
-    """All that could make it."""
+    """All machines that could make it."""
 
 
 class OrderProgressed(Fact, told_by=STRATEGISTS, frozen=True):
-    """How much of an order is made and delivered, over all its goals."""
+    """Pieces of an order made and delivered, over all its goals."""
 
     order: Id
     made: Count
@@ -139,15 +139,15 @@ class OrderFulfilled(Fact, told_by=STRATEGISTS, frozen=True):
 
 
 class OrderDropped(Fact, told_by=STRATEGISTS, frozen=True):
-    """A cancelled order left the strategist's books."""
+    """The strategist has dropped a cancelled order."""
 
     order: Id
 
 
 class OrderReturned(Fact, told_by=STRATEGISTS, frozen=True):
-    """An order that was taken back left the strategist's books; it may be released again."""
+    """The strategist has dropped an order that was taken back; it may be released again."""
 
     order: Id
     release: Count
     outstanding: tuple[Count, ...]
-    """Per item, what had not arrived."""
+    """Pieces per item that had not arrived."""

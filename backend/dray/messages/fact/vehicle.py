@@ -1,4 +1,4 @@
-"""What a vehicle tells: how its transport goes, its link, its problems, and people's commands."""
+"""Facts of a vehicle: its transport, its link, its problems, and people's commands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dray.messages.reason import CommandRefusal
 
 
 class LinkChanged(Fact, told_by=VEHICLES, frozen=True):
-    """The vehicle is on the WLAN again, or left with its radio (paper, case 3)."""
+    """The vehicle is on the WLAN again, or has only its radio (paper, case 3)."""
 
     link: Link
 
@@ -34,19 +34,19 @@ class HelpPromised(Fact, told_by=BIDDERS, frozen=True):
 
 
 class HelpCallEnded(Fact, told_by=BIDDERS | STATIONS, frozen=True):
-    """A call for help is over: how many were asked and how long it took. Nobody is named."""
+    """A call for help is over, with its counts and its duration, and without names."""
 
     call: Id
     problem: ProblemKind
     asked: Count
     rounds: Count
     taken: Count
-    """How often it was taken: of more than 1, somebody has given it back or did not come."""
+    """How often it was taken; above 1, an operator gave it back or did not come."""
     helped: bool
-    """Somebody had taken it when it ended."""
+    """Whether an operator had taken it when it ended."""
     lasted_s: Seconds
     waited_s: Seconds | None = None
-    """Until it was taken first; None where it never was."""
+    """Time until it was first taken; None when it never was."""
 
 
 class PhaseEntered(Fact, told_by=VEHICLES, frozen=True):
@@ -73,11 +73,11 @@ class CommandObeyed(Fact, told_by=BIDDERS | STATIONS | GATES, frozen=True):
     done: bool
     reason: CommandRefusal | None = None
     detail: Text = ""
-    """What its sensors still report, where that is the reason."""
+    """What its sensors still report, if that is the reason."""
     issued_by: Text = ""
 
 
 class ClosuresKnown(Fact, told_by=VEHICLES, frozen=True):
-    """From now on the vehicle drives by another list of closures (`dray.messages.floor.closure`)."""
+    """The vehicle obeys another list of closures from now on (`dray.messages.floor.closure`)."""
 
     number: Count

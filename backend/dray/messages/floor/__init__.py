@@ -1,1 +1,1 @@
-"""What is said about the floor: who may drive where, where one may stand, and what is closed, lies there, or was carried away."""
+"""Messages about the floor: right of way, dwell points, closures, obstacles, and vehicles that were carried away."""

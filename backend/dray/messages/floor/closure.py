@@ -1,8 +1,8 @@
 """Closures: what people have closed to vehicles, made slow or one-way, for a time or until they open it again.
 
-There is one list. A gateway says it again and again on a key of its own, so that whoever joins or comes back later
-learns it too. The list with the highest number counts, whichever gateway has said it. A vehicle obeys nobody's bare word
-(`dray.messages.people.command`): the list carries a signature over all of it.
+There is one list. A gateway repeats it on a key of its own, so that vehicles that join or return later learn it, too. The list
+with the highest number counts, from any gateway. A vehicle obeys only signed words (`dray.messages.people.command`), so the
+list carries a signature over all of it.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Secon
 from dray.messages.kinds import GATEWAYS
 
 MAX_CLOSURES = 64
-"""At once. Whoever has closed more of a floor than that has shut the plant; with ids of the greatest length the message is
-still below what a bus carries (`dray.codec.MAX_BYTES`)."""
+"""Maximum closures at one time. More would shut the plant; with the longest ids the message is still within what a bus carries
+(`dray.codec.MAX_BYTES`)."""
 
 MAX_CORNERS = 12
-"""Of an outline; bounded for the same reason."""
+"""Maximum corners of an outline; bounded for the same reason."""
 
 Corner = tuple[Metres, Metres]
 """x and y (m)."""
 
 SLOWEST_MPS = 0.1
-"""No slow lane is slower: a vehicle that creeps is not told from one that stands."""
+"""Slowest limit of a slow lane: a slower vehicle looks like a standing one."""
 
 
 class ClosureKind(StrEnum):
     """What a closure does to the lanes that it concerns."""
 
     CLOSED = "closed"
-    """Nobody enters them. Who is inside leaves."""
+    """No vehicle enters them; those inside leave."""
     SLOW = "slow"
     """They are driven at `speed_mps` at most."""
     ONE_WAY = "one_way"
@@ -51,22 +51,22 @@ class Closure(Part, frozen=True):
     """The person who has decided it."""
     start: IdOrNone = ""
     end: IdOrNone = ""
-    """The nodes at the ends of a lane. Both directions are meant, where there are two, unless it becomes one-way; of a two-lane road
-    that is the lane beside it, too."""
+    """The nodes at the ends of a lane. Both directions are meant, if there are two, unless it becomes one-way. On a two-lane road the
+    lane beside it is meant, too."""
     node: IdOrNone = ""
     """A node: all lanes that lead into it. A crossing of two-lane roads: all lanes over it."""
     area: IdOrNone = ""
     """An area of the plant: its nodes, and the lanes that cross it."""
     outline: Annotated[tuple[Corner, ...], Meta(max_length=MAX_CORNERS)] = ()
-    """The corners of a part of the floor that somebody has drawn: its nodes, and the lanes that cross it, as of an area."""
+    """The corners of a drawn part of the floor: its nodes, and the lanes that cross it, as with an area."""
     speed_mps: Annotated[float, Meta(ge=SLOWEST_MPS, le=100.0)] | None = None
     """For SLOW."""
     until_s: Seconds | None = None
-    """From then on it does not hold (plant clock), whether anybody says so or not; None for until it is opened."""
+    """When it ends by itself (plant clock); None for never: a person opens it."""
 
 
 class Closures(Message, said_by=GATEWAYS, frozen=True):
-    """All closures at present; what is not named is open."""
+    """All present closures; everything else is open."""
 
     number: Count
     """Grows with every decision: its time, in milliseconds of unix time, or one more than the one before."""
@@ -76,7 +76,7 @@ class Closures(Message, said_by=GATEWAYS, frozen=True):
 
 
 def closed_words(number: int, closures: tuple[Closure, ...]) -> bytes:
-    """What the signature of a list covers: a JSON array without white space, numbers as whole thousandths."""
+    """The bytes that a list's signature covers: a JSON array without white space, numbers as whole thousandths."""
     return _encoder.encode(
         (
             "dray closures 1",

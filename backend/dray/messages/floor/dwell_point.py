@@ -1,11 +1,11 @@
-"""Dwell points: chargers and parking places, shared by vehicles with nobody in the middle.
+"""Dwell points: chargers and parking places, which vehicles share without a central agent.
 
-A vehicle says which dwell point it wants on that dwell point's own key, waits a moment for an objection, and
-drives there. Whoever holds or wants the same dwell point listens on that key and objects with its own
-claim. Both sides then reach the same verdict alone: who stands there keeps it, else the emptier
-battery, else the smaller id. So the cost of finding a place does not grow with the fleet.
+A vehicle claims a dwell point on that dwell point's own key, waits a moment for an objection, and drives there. A vehicle that
+holds or wants the same dwell point listens on that key and objects with its own claim. Both sides then reach the same verdict
+alone: the vehicle that stands there keeps it, else the one with the emptier battery, else the one with the smaller id. So the
+cost of finding a place does not grow with the fleet.
 
-Who stands at a charger and has enough leaves it to somebody who needs it more: it says nothing, and drives away.
+A vehicle at a charger that has enough leaves it to one that needs it more: it says nothing, and drives away.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class DwellPointClaimed(Message, said_by=VEHICLES, signed="atv", frozen=True):
     dwell_point: Id
     atv: Id
     battery_frac: Fraction
-    """At the time of the first claim, and less by 15 % once it drives to a charger, so that only somebody who is emptier by what a charge
-    is worth turns it round; else it does not change while the claim stands."""
+    """Battery level at the first claim; it stays the same while the claim stands. Once the vehicle drives to a charger, it is reduced by
+    15 %, so that only a much emptier vehicle turns it round."""
     standing: bool
-    """True once it has arrived: it goes when it wants to."""
+    """Whether it has arrived; then it keeps the dwell point until it leaves."""

@@ -1,7 +1,6 @@
-"""Obstacles: what stands or lies on a lane and is no vehicle, as vehicles see it and tell one another.
+"""Obstacles: things on a lane that are no vehicles, as vehicles see them and tell one another.
 
-A hint and no right: who believes a wrong one takes a longer way for a while. A body stops before what is in its way, whatever
-was told.
+They are hints: a wrong one leads to a longer way for a while. A body stops before an obstacle in its way, with or without a hint.
 """
 
 from __future__ import annotations
@@ -14,13 +13,13 @@ from dray.messages.base import Id, Message, Part
 from dray.messages.kinds import GATEWAYS, VEHICLES
 
 FORGOTTEN_S = 60.0
-"""An obstacle that was seen once is forgotten after this, and somebody looks again."""
+"""Time after which an obstacle that was seen once is forgotten, and a vehicle looks again."""
 
 FORGOTTEN_AT_MOST_S = 600.0
-"""That doubles each time that it is still there, up to this."""
+"""Longest such time: it doubles each time that the obstacle is still there."""
 
 MOST = 64
-"""Obstacles that are counted on at one time; of one speaker `MOST_OF_ONE`, so that nobody shuts a floor alone."""
+"""Maximum obstacles that count at one time; of one sender `MOST_OF_ONE`, so that none shuts a floor alone."""
 
 MOST_OF_ONE = 8
 
@@ -33,9 +32,9 @@ class ObstacleSeen(Message, said_by=VEHICLES, signed="atv", frozen=True):
     end: Id
     """The nodes at the ends of the lane. Both directions are meant, where there are two."""
     there: bool
-    """False: it is gone."""
+    """False when it is gone."""
     forget_in_s: Annotated[float, Meta(ge=0.0, le=FORGOTTEN_AT_MOST_S)] = 0.0
-    """From then on nobody counts on it: whoever comes there looks again."""
+    """Time after which the obstacle does not count any more: the next vehicle looks again."""
 
 
 class ObstacleCleared(Message, said_by=GATEWAYS, frozen=True):
@@ -50,17 +49,17 @@ class ObstacleCleared(Message, said_by=GATEWAYS, frozen=True):
 
 
 class WayBlocked(Part, frozen=True):
-    """Something is in its way on a lane: it stands before the lane, or brakes on it, and leaves its way as it was given."""
+    """Something is in the body's way on a lane: it stands before the lane or brakes on it, and keeps its given way."""
 
     order: int
     start: str
     end: str
     entered: bool
-    """It is on the lane already, and cannot turn round there."""
+    """Whether it is on the lane already, where it cannot turn round."""
 
 
 class WayFree(Part, frozen=True):
-    """What it has stopped for (`WayBlocked`) is gone: it drives on by itself, if it was given no other way."""
+    """The obstacle (`WayBlocked`) is gone: the body drives on by itself, if it was given no other way."""
 
     order: int
     start: str

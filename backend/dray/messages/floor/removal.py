@@ -1,10 +1,10 @@
-"""Vehicles that people have carried away, or are putting back: whatever they held of the floor is free.
+"""Vehicles that people have carried away, or are putting back: the places that they held are free.
 
-Only a vehicle itself gives back what it holds (`dray.messages.floor.traffic`). One that is dead or switched off cannot; so a person who has
-carried it away says so in its place. A gateway says the word again and again, for as long as the vehicle is silent.
+Only a vehicle itself gives back its places (`dray.messages.floor.traffic`). A dead or switched-off one cannot, so a person who has
+carried it away reports that in its place. A gateway repeats the report as long as the vehicle is silent.
 
-*Removals* of one vehicle are numbered. What it held under a lower number is void for whoever knows the higher one, the vehicle too; so a
-word that comes late, or twice, frees nothing that the vehicle has been granted since.
+*Removals* of one vehicle are numbered. Places held under a lower number are void for all agents that know the higher one, the
+vehicle included. So a late or doubled report frees nothing that the vehicle has been granted since.
 """
 
 from __future__ import annotations
@@ -20,31 +20,31 @@ from dray.messages.kinds import GATEWAYS
 from dray.messages.people.command import Grant
 
 MAX_REMOVALS = 64
-"""In one message; whoever has more of them says several."""
+"""Maximum removals in one message; more of them take several messages."""
 
 
 class Removal(Part, frozen=True):
-    """A person's word about one vehicle: it is off the floor, or is being put back at a node."""
+    """A person's report of one vehicle: it is off the floor, or is being put back at a node."""
 
     atv: Id
     number: Count
-    """Grows with every such word about this vehicle: its time, in milliseconds of unix time, or one more than the one before."""
+    """Grows with every report of this vehicle: its time, in milliseconds of unix time, or one more than the one before."""
     life: Count
-    """With `seq`: the last heartbeat that was heard of it. Whoever has heard a later one does not believe the word."""
+    """With `seq`: the vehicle's last known heartbeat. An agent that has heard a later one refuses the report."""
     seq: Count
     grant: Grant
     node: IdOrNone = ""
-    """Where it is being put back: the place is kept for it. Empty while it is off the floor."""
+    """Where it is being put back: the place is reserved for it. Empty while it is off the floor."""
 
 
 class Removals(Message, said_by=GATEWAYS, frozen=True):
-    """Vehicles that are off the floor, or on their way back to it. Who is not named is not meant."""
+    """Vehicles that are off the floor, or being put back. It says nothing about other vehicles."""
 
     removals: Annotated[tuple[Removal, ...], Meta(max_length=MAX_REMOVALS)]
 
 
 def removed_words(removal: Removal) -> bytes:
-    """What the signature of its grant covers: a JSON array without white space, numbers of seconds as whole thousandths."""
+    """The bytes that its grant's signature covers: a JSON array without white space, seconds as whole thousandths."""
     grant = removal.grant
     return _encoder.encode(
         (

@@ -1,9 +1,9 @@
-"""Right of way: places on the lanes, who may drive into them, and who makes room.
+"""Right of way: places on the lanes, the vehicles that may drive into them, and those that make room.
 
-A *place* is a node of the plant, or a crossing of two-lane roads. The places around a machine are its *district*; one machine
-at a time keeps the district's reservation table, which says by whom each of them is held, and others keep copies (`dray.protocol.traffic`). A
-vehicle says in each request all that it holds and wants in a district, and is answered with all that the table says of it. So a lost, doubled or late
-message costs time, and nothing else.
+A *place* is a node of the plant, or a crossing of two-lane roads. The places around a machine are its *district*. One machine at a
+time leads the district's reservation table, which names the holder of each place; others keep copies (`dray.protocol.traffic`). Each
+request contains all that a vehicle holds and wants in a district, and each answer all its lines of the table. So a lost, doubled or
+late message only costs time.
 """
 
 from __future__ import annotations
@@ -20,40 +20,40 @@ from dray.messages.base import Count, Id, IdOrNone, Message, Part, Seconds
 from dray.messages.kinds import DOCKS, VEHICLES
 
 ROUTE_MAX = 64
-"""Nodes of a way that are told: nobody looks farther ahead for a place to make room."""
+"""Maximum nodes of a way in a message: no refuge is sought farther away."""
 
 HOLDS_MAX = 64
-"""Places that one vehicle holds, or wants, in one district: a few at a time in any plant."""
+"""Maximum places that one vehicle holds, or wants, in one district: a few at a time in any plant."""
 
 DISTRICT_MAX = 10_000
-"""Places of one district: those of a whole large plant that one machine keeps alone."""
+"""Maximum places of one district: a whole large plant that one machine keeps alone."""
 
 NEAR_NODES = 12
-"""So far ahead a vehicle's way counts as announced traffic: what it does later may change."""
+"""Nodes ahead of a vehicle that count as announced traffic; its later way may change."""
 
 Rank = tuple[Count, Seconds, Id]
-"""Who goes first; the lower the more urgent: class (0 with a task, 1 idle, 2 at rest), since when it is on this leg, its id.
+"""Urgency, lowest first: class (0 with a task, 1 idle, 2 at rest), start of the present leg, id.
 
-Time that it has stood for others counts many times. A new leg brings a new rank, so everybody is the most urgent one some day.
+Time held up counts many times. Each leg begins with a new rank, so every vehicle becomes the most urgent one some day.
 """
 
 FIRST_S = -1e11
-"""Instead of the time in a rank: before everybody, whenever they have begun."""
+"""Time in a rank that goes before all others."""
 
 NO_RANK: Rank = (3, 0.0, "-")
-"""Behind everybody."""
+"""The least urgent rank."""
 
 KEY_BYTES = 32
 """An Ed25519 public key."""
 
 MARK_BYTES = 12
-"""Of a key: nobody finds another one that begins alike."""
+"""Length of a mark, long enough that no other key with the same beginning can be found."""
 
 Mark = Annotated[bytes, Meta(max_length=MARK_BYTES)]
-"""The first bytes of the key by which a request is signed; empty for none. Who holds a place is a vehicle by its name and this."""
+"""The first bytes of the key that signs a request; empty for none. The holder of a place is identified by name and mark."""
 
 UNSIGNED = b"unsigned"
-"""Stands for the mark where a word is about requests without a key."""
+"""Stands for the mark of requests without a key."""
 
 Places = Annotated[tuple[Id, ...], Meta(max_length=HOLDS_MAX)]
 Nodes = Annotated[tuple[Id, ...], Meta(max_length=2 * ROUTE_MAX)]
@@ -65,68 +65,68 @@ class Blocked(StrEnum):
     NO = "no"
     """It was granted, or it wants nothing."""
     WAIT = "wait"
-    """Somebody holds a place of it, or goes first."""
+    """Another vehicle holds a place of it, or goes first."""
     DOCKED = "docked"
-    """Somebody who holds a place of it stands at a dock, and stays."""
+    """The holder of a place of it stands at a dock, and stays."""
     SILENT = "silent"
-    """Nobody has heard of its holder for a while."""
+    """The holder of a place of it is silent."""
 
 
 class PlaceRequested(Message, said_by=VEHICLES, radio=True, frozen=True):
-    """All that a vehicle holds and wants in a district. Answered with `PlaceGranted`, and repeated until it is."""
+    """All that a vehicle holds and wants in a district. Repeated until `PlaceGranted` answers it."""
 
     district: Id
     life: Count
-    """The vehicle's incarnation: with a new one everything that the table says of it is granted anew."""
+    """The vehicle's incarnation: with a new one, all its lines of the table are granted anew."""
     seq: Count
     """Grows with every request of one life."""
     epoch: Count
-    """Of the table, as far as the vehicle knows."""
+    """Epoch of the table, as far as the vehicle knows."""
     rank: Rank
-    """Its own, or the one of whom it makes room for."""
+    """Its own, or the inherited one of a vehicle for which it makes room."""
     holds: Places
     groups: Annotated[tuple[Places, ...], Meta(max_length=HOLDS_MAX)]
-    """Wanted next, in the order of the way. Each is granted whole, and none before those ahead of it."""
+    """The groups that it wants next, in the order of its way. Each is granted whole, and after those ahead of it."""
     seen: Count
-    """The highest number of a grant in this district that the vehicle has seen."""
+    """The highest grant number in this district that the vehicle has seen."""
     stands: bool
-    """It stands, and waits for what it wants."""
+    """Whether it stands and waits for what it wants."""
     docked: bool
-    """It stands at a dock, and stays there until its work is done."""
+    """Whether it stands at a dock, and stays there until its work is done."""
     avoid: Nodes = ()
-    """Where nobody may make room: the way of this vehicle, and of those whom it makes room for."""
+    """Nodes where no vehicle may make room: its way, and the ways of those for which it makes room."""
     chain: Places = ()
-    """The vehicles whom it makes room for, the first one first."""
+    """The vehicles for which it makes room, in order."""
     removal: Count = 0
-    """The newest time that it was carried away, as far as it knows (`dray.messages.floor.removal`)."""
+    """Number of its newest removal, as far as it knows (`dray.messages.floor.removal`)."""
     key: Annotated[bytes, Meta(max_length=KEY_BYTES)] = b""
-    """The vehicle's own, drawn at its first start and never given away: its certificate alone does not speak for its places. Empty for none."""
+    """The vehicle's public key, made at its first start: its certificate alone does not speak for its places. Empty for none."""
     signature: Annotated[bytes, Meta(max_length=64)] = b""
     """Ed25519 by that key, over `request_words`."""
 
     @property
     def mark(self) -> bytes:
-        """That of its key."""
+        """The mark of its key."""
         return self.key[:MARK_BYTES]
 
 
 class PlaceReservation(Part, frozen=True):
-    """A line of a reservation table: by whom a place is held."""
+    """A line of a reservation table: a place and its holder."""
 
     place: Id
     number: Count
-    """Of the grant. Numbers of one district only grow, whoever keeps its table."""
+    """Number of the grant. Numbers of one district only grow, also when the leader changes."""
     atv: IdOrNone = ""
-    """Empty where it is said to that vehicle itself."""
+    """The holder; empty in messages to that vehicle itself."""
     mark: Mark = b""
-    """Only requests under this key give it back; empty where any of that vehicle does."""
+    """Mark of the key whose requests can give it back; empty when any request of that vehicle can."""
 
 
 PlaceReservations = Annotated[tuple[PlaceReservation, ...], Meta(max_length=DISTRICT_MAX)]
 
 
 def line_beyond(reservations: Iterable[PlaceReservation], version: int) -> str:
-    """What is wrong with a reservation table: the first line under a number that it has not given yet, in words; empty for nothing."""
+    """Describes the first line of a table whose number is above its version; empty when there is none."""
     for at, line in enumerate(reservations):
         if line.number > version:
             return f"`number` {line.number} is above `version` {version} - at `$.reservations[{at}].number`"
@@ -134,7 +134,7 @@ def line_beyond(reservations: Iterable[PlaceReservation], version: int) -> str:
 
 
 def _check_lines(table: TableReplicated | TableReported) -> None:
-    """Refuse a reservation table that names grants of the future: its reader would take what is granted then for old.
+    """Refuse a table with grants of the future: its reader would take later grants for old ones.
 
     Raises:
         ValueError: a line's number is above the version.
@@ -144,112 +144,112 @@ def _check_lines(table: TableReplicated | TableReported) -> None:
 
 
 class Removed(Part, frozen=True):
-    """A vehicle of which a reservation table knows that it was carried away: what it held under a lower number is struck out."""
+    """A removal that a table knows: the vehicle's lines from before it are struck out."""
 
     atv: Id
     number: Count
     mark: Mark = b""
-    """The vehicle has said so itself, under this key or `UNSIGNED`: it is about what is held under it alone. Empty where people have said so."""
+    """Mark of the key, or `UNSIGNED`, if the vehicle reported it itself: then only lines of that mark are meant. Empty if people did."""
 
 
 AllRemoved = Annotated[tuple[Removed, ...], Meta(max_length=DISTRICT_MAX)]
 
 
 class PlaceGranted(Message, said_by=DOCKS, radio=True, frozen=True):
-    """All that the table says of one vehicle: the answer to every request, and said anew when something is granted."""
+    """All lines of one vehicle in the table: the answer to every request, and sent anew after each grant."""
 
     district: Id
     epoch: Count
     life: Count
-    """Of the vehicle; other ones are not meant."""
+    """The vehicle's life that is meant."""
     upto: Count
-    """The number of its newest request that is known."""
+    """Number of its newest known request."""
     grants: PlaceReservations
     blocked: Blocked = Blocked.NO
     by: IdOrNone = ""
-    """Who is in the way."""
+    """The vehicle in the way."""
     at: IdOrNone = ""
-    """The place that is held by it."""
+    """The place where it is in the way."""
     removal: Count = 0
-    """The newest time that the vehicle was carried away, as the table knows: whatever it was granted before is void."""
+    """Number of the vehicle's newest removal known to the table: earlier grants are void."""
     mark: Mark = b""
-    """Of the requests that are answered, or `UNSIGNED`: whoever has another key is not meant. Empty where all of that name are."""
+    """Mark of the answered requests, or `UNSIGNED`: vehicles with another key are not meant. Empty when all of that name are."""
 
 
 class PlaceConfirmed(Message, said_by=DOCKS, radio=True, frozen=True):
-    """The witness of a reservation table, the replica whose turn is next, has these lines of one vehicle in its copy: no grant is believed without.
+    """The witness, which is the replica whose turn is next, confirms a vehicle's lines of its copy: a grant needs this confirmation.
 
-    Said when it has written new ones, and to a vehicle that asks by sending its request to it.
+    Sent when it has copied new lines, and to a vehicle that sends its request to it.
     """
 
     district: Id
     epoch: Count
     grants: PlaceReservations
-    """All of that vehicle, with the mark of its key."""
+    """All lines of that vehicle, with the mark of its key."""
 
 
 class OnFloor(Part, frozen=True):
-    """A vehicle that holds something in a district, for others' prices of ways and places to make room: a hint, and no right to anything."""
+    """A vehicle that holds places in a district: a hint for others' prices of ways and refuges, which grants no rights."""
 
     atv: Id
     holds: Places
-    """In this district."""
+    """Its places in this district."""
     stands: bool
-    """It may not drive anywhere at present."""
+    """Whether it may not drive anywhere at present."""
     docked: bool
-    """It stays where it stands until its work is done there."""
+    """Whether it stays where it stands until its work there is done."""
     silent: bool
-    """Nobody knows when it moves again: it was not heard for a while, or stands until a person has seen to it."""
+    """Whether it is unknown when it moves again: its heartbeats have stopped, or it waits for a person's help."""
     rank: Rank
     route: Annotated[tuple[Id, ...], Meta(max_length=NEAR_NODES)]
-    """The node where it is and the next ones of its way."""
+    """Its node, and the next ones of its way."""
 
 
 class FloorReported(Message, said_by=DOCKS, frozen=True):
-    """What the leader of a reservation table knows of the vehicles in its district: to all that drive there or close by.
+    """The leader of a table reports the vehicles in its district to all that drive there or nearby.
 
-    Said when it has changed, twice a second at most, and again every few seconds while there is a vehicle.
+    Sent after changes, at most twice a second, and again every few seconds while there is a vehicle.
     """
 
     district: Id
     epoch: Count
     number: Count
-    """Grows with every word of one epoch."""
+    """Grows with every report of one epoch."""
     vehicles: Annotated[tuple[OnFloor, ...], Meta(max_length=DISTRICT_MAX)]
 
 
 class YieldAsked(Message, said_by=DOCKS, radio=True, frozen=True):
-    """The holder of a place is asked to make room. Whether it does is its own decision."""
+    """A replica asks the holder of a place to make room; the holder decides whether it does."""
 
     district: Id
     waiting: Id
-    """For whom."""
+    """The vehicle that needs the place."""
     rank: Rank
     avoid: Nodes
-    """Where it would be in the way again."""
+    """Nodes where the holder would be in the way again."""
     chain: Places
-    """Those whom `waiting` itself makes room for, the first one first."""
+    """The vehicles for which `waiting` itself makes room, in order."""
 
 
 class YieldRefused(Message, said_by=VEHICLES, radio=True, frozen=True):
-    """There is nowhere to go: make room yourself."""
+    """The sender has no refuge: the receiver must make room itself."""
 
     avoid: Nodes
-    """Where the sender is and wants to go."""
+    """The sender's node, and its way."""
     holds: Places
 
 
 class HoldsAsked(Message, said_by=DOCKS, radio=True, frozen=True):
-    """The table of a district is kept by somebody else from now on: tell it what you hold, as a request."""
+    """A replica reports the table's epoch, as after a change of the leader, and asks for the places that the vehicle holds."""
 
     district: Id
     epoch: Count
     recovery_poll: bool = False
-    """The table is lost: what is not told now is not held. Grants of earlier epochs count for nothing from now on."""
+    """Whether the table is lost: places that are not reported now are free, and grants of earlier epochs are void."""
 
 
 class GivenBack(Part, frozen=True):
-    """A vehicle's own word, as it has signed it: what it gives back."""
+    """A vehicle's signed request, which proves what it gives back."""
 
     atv: Id
     request: PlaceRequested
@@ -257,23 +257,23 @@ class GivenBack(Part, frozen=True):
 
 
 class TableReplicated(Message, said_by=DOCKS, frozen=True):
-    """The whole reservation table of a district, for those who keep a copy. A grant counts when a majority has it."""
+    """The whole reservation table of a district, for the replicas that keep copies. A grant counts when a majority has it."""
 
     district: Id
     epoch: Count
     version: Count
-    """The highest number that was given: no line has a higher one."""
+    """The highest number given so far: no line has a higher one."""
     reservations: PlaceReservations
     removed: AllRemoved = ()
     given_back: Annotated[tuple[GivenBack, ...], Meta(max_length=DISTRICT_MAX)] = ()
-    """By which lines were struck out that counted before: nobody copies a reservation table that takes a place from a vehicle without its word."""
+    """Releases that struck lines out: replicas refuse a table that takes a place from a vehicle without its release."""
 
     def __post_init__(self) -> None:
         _check_lines(self)
 
 
 class TableAcknowledged(Message, said_by=DOCKS, frozen=True):
-    """A copy is kept up to this version; with a higher epoch: somebody else keeps the table."""
+    """A replica has copied the table up to this version; a higher epoch means that another replica leads."""
 
     district: Id
     epoch: Count
@@ -281,41 +281,41 @@ class TableAcknowledged(Message, said_by=DOCKS, frozen=True):
 
 
 class TableAsked(Message, said_by=DOCKS, frozen=True):
-    """Somebody means to keep the table of a district, or has lost its copy: what have you?"""
+    """A replica asks others for their copies: it wants to lead the district's table, has lost its own copy, or checks who lives."""
 
     district: Id
     epoch: Count
-    """Under which it means to keep the table; 0 for one that only wants to know."""
+    """The epoch under which it wants to lead; 0 when it only asks."""
 
 
 class TableReported(Message, said_by=DOCKS, frozen=True):
-    """The copy that somebody has, and the epoch by which it goes, or under which it means to keep the table itself."""
+    """A replica's copy of the table, and the epoch that it follows, or under which it wants to lead."""
 
     district: Id
     epoch: Count
     lost: bool
-    """It knows nothing: it lives for the first time, or has lost its memory."""
+    """Whether it has no copy: it was started for the first time, or has lost its memory."""
     kept_epoch: Count
-    """Of the one who has written the copy."""
+    """Epoch under which the copy was written."""
     version: Count
-    """The highest number that was given: no line has a higher one."""
+    """The highest number given so far: no line has a higher one."""
     reservations: PlaceReservations
     removed: AllRemoved = ()
     began: Count = 0
-    """The epoch of the table that it copied when it had lost its memory, in this life; 0 where it had not."""
+    """Epoch of the table that it copied after it had lost its memory, in this life; 0 when it had not."""
 
     def __post_init__(self) -> None:
         _check_lines(self)
 
 
 def request_words(atv: str, request: PlaceRequested) -> bytes:
-    """What the signature of a request covers: a JSON array without white space, a time as whole thousandths.
+    """The bytes that a request's signature covers: a JSON array without white space, times as whole thousandths.
 
-    Not `avoid`, which is a hint and is cut where a request goes by radio.
+    `avoid` is left out: it is a hint, and is shortened when a request goes by radio.
 
     Args:
-        atv: who says it.
-        request: its `signature` is not looked at.
+        atv: the vehicle that sends it.
+        request: the request; its `signature` is ignored.
     """
     rank_class, since_s, whose = request.rank
     return _encoder.encode(

@@ -1,1 +1,1 @@
-"""What people and agents say to one another: who is on duty, who calls for help, who commands."""
+"""Messages between people and agents: duty, calls for help, and commands."""

@@ -1,7 +1,7 @@
-"""Calls for help: whoever needs somebody asks those who are on duty (paper, case 4).
+"""Calls for help: an agent asks the operators on duty (paper, case 4).
 
-A call is a whole state, said again and again by the caller while it lasts: whom it asks, who has taken it, until when. So everybody
-knows who comes, and a lost word costs time only. People are asked and never assigned: silence declines.
+A call is a whole state, which the caller repeats while it lasts: the operators asked, the one who has taken it, and until when. So
+all agents know who comes, and a lost message only costs time. Operators are asked and never assigned: silence declines.
 """
 
 from __future__ import annotations
@@ -16,78 +16,78 @@ from dray.messages.kinds import BIDDERS, OPERATORS, STATIONS
 from dray.messages.problem import NOTHING_KNOWN, Problem
 
 ASKED_MAX = 32
-"""Operators that one call asks at a time: more than are near to anything."""
+"""Maximum operators that one call asks at a time: more than are ever nearby."""
 
 CALL_WAIT_MAX_S = 900.0
-"""The longest time that somebody who takes a call can promise; it may be promised anew."""
+"""Longest time that an operator who takes a call can promise; it may be promised anew."""
 
 
 class CallState(StrEnum):
-    """How far a call has come."""
+    """The state of a call."""
 
     ASKING = "asking"
-    """Some are asked, and have not answered yet."""
+    """Operators were asked, and have not all answered yet."""
     RESTING = "resting"
-    """Nobody is there to be asked, or nobody has taken it: asked again after a while."""
+    """No operator is there, or none has taken it: the caller asks again after a while."""
     TAKEN = "taken"
-    """Somebody has promised to come."""
+    """An operator has promised to come."""
     ENDED = "ended"
-    """Nobody is needed any more."""
+    """No help is needed any more."""
 
 
 class CallAnswer(StrEnum):
-    """What an operator says to a call."""
+    """An operator's answer to a call."""
 
     TAKE = "take"
     DECLINE = "decline"
     """Not now: others are asked."""
     CANNOT = "cannot"
-    """Not at all: this operator is not asked again in this call."""
+    """Not at all: this call does not ask the operator again."""
 
 
 class HelpCall(Message, said_by=BIDDERS | STATIONS, signed="caller", radio=True, frozen=True):
-    """A call as its caller tells it to everybody."""
+    """The state of a call, which its caller publishes."""
 
     call: Id
     caller: Id
     incarnation: Count
-    """Of the caller."""
+    """The caller's incarnation."""
     number: Count
-    """Grows with each time that anything is said in one life of the caller: (incarnation, number) orders all words."""
+    """Grows with each message in one life of the caller: (incarnation, number) orders all of them."""
     at_s: Seconds
     state: CallState
     since_s: Seconds
     problem: Problem = NOTHING_KNOWN
     reason: Text = ""
-    """In words."""
+    """The problem in words."""
     x_m: Metres = 0.0
     y_m: Metres = 0.0
-    """Where help is needed."""
+    """The position where help is needed."""
     round: Count = 1
-    """How often it was asked; the reach grows with it."""
+    """Number of this round of questions; each reaches farther."""
     asked: Annotated[tuple[Id, ...], Meta(max_length=ASKED_MAX)] = ()
-    """Whose answer is awaited, the nearest first."""
+    """The operators whose answers are awaited, the nearest first."""
     until_s: Seconds | None = None
-    """By when they answer; when it was taken, by when it is promised; when it rests, when it is asked again."""
+    """Deadline for answers; when taken, the promised time; when resting, the time of the next round."""
     taken_by: IdOrNone = ""
     turn: Count = 0
-    """How often it was taken: of two who believe to have it the higher turn has."""
+    """How often it was taken; if two operators believe to have taken it, the one with the higher turn has."""
     on_duty: Count = 0
-    """How many are on duty for that place, by what the caller has heard."""
+    """Number of operators on duty for that place, as far as the caller knows."""
     goods: IdOrNone = ""
-    """The caller's transport whose goods wait on board of a failed vehicle; empty where the caller itself needs somebody."""
+    """The caller's transport whose goods wait on board of a failed vehicle; empty when the caller itself needs help."""
 
     @property
     def subject(self) -> tuple[str, str]:
-        """What is called for: of two words about the same the newer counts."""
+        """The subject of the call: of two messages about the same one, the newer counts."""
         return self.caller, self.goods
 
 
 class CallAnswered(Message, said_by=OPERATORS, signed="operator", radio=True, frozen=True):
-    """An operator's word on a call, to the caller."""
+    """An operator's answer to a call, to the caller."""
 
     call: Id
     operator: Id
     answer: CallAnswer
     wait_s: Seconds | None = None
-    """With TAKE: within which time it will be done, `CALL_WAIT_MAX_S` at most."""
+    """With TAKE: the time until it will be done, `CALL_WAIT_MAX_S` at most."""

@@ -1,8 +1,7 @@
-"""People's commands to vehicles and machines, and the grants that they come with.
+"""People's commands to vehicles and machines, and their grants.
 
-Neither obeys anybody's bare word. Every command carries a *grant*: on whose behalf it is given, in which
-areas that person may command, and until when. The signature binds the grant to one command for one
-agent, so that it says nothing about any other.
+Neither obeys a command without a grant. A *grant* names the person who commands, the areas in which that person may, and until when.
+Its signature binds it to one command for one agent, so that it is valid for no other.
 """
 
 from __future__ import annotations
@@ -19,22 +18,21 @@ from dray.messages.kinds import BIDDERS, GATES, GATEWAYS, STATIONS
 from dray.messages.reason import CommandRefusal
 
 MAX_AREAS = 64
-"""Areas that one grant can name: more than anybody answers for who is not given the whole plant."""
+"""Maximum areas of one grant: more than a person has who may not command in the whole plant."""
 
 STOP_MARGIN_M = 2.0
-"""How far outside of an area a vehicle may still be stopped by who answers for that area.
+"""Distance outside an area within which a person of that area may still stop a vehicle.
 
-A person stops what the tablet shows. Its picture of a working vehicle is up to a second old, and the command
-is under way for a moment; meanwhile a vehicle at 1.5 m/s drives 2 m, and a stop must not be lost to that.
+A person stops the vehicle that the tablet shows. That picture is up to a second old, and the command takes a moment. Meanwhile a
+vehicle at 1.5 m/s drives 2 m, and the stop must still count.
 """
 
 PROMISE_MAX_S = 900.0
-"""The longest `wait_s` of a promise. A person who has promised to come is waited for that long and no longer, since a
-promise may be forgotten."""
+"""Longest `wait_s` of a promise. No longer wait is useful, since people may forget a promise."""
 
 
 OUT_MAX_S = 30 * 86_400.0
-"""Longer than a month nobody knows when a vehicle or a machine will be back."""
+"""Longest time out of service: a month. No longer one can be foreseen."""
 
 
 class CommandKind(StrEnum):
@@ -44,38 +42,38 @@ class CommandKind(StrEnum):
     ACKNOWLEDGE = "acknowledge"
     """The fault is gone."""
     RESUME = "resume"
-    """Go on: only after an acknowledge."""
+    """Continue; only after an acknowledge."""
     SET_SPEED = "set_speed"
     PROMISE = "promise"
-    """Help is on the way: keep the task for as long as was promised (paper, case 4)."""
+    """Help is on the way: keep the task for the promised time (paper, case 4)."""
     HAND_OVER = "hand_over"
-    """It cannot be mended there: let another vehicle carry its task at once (paper, case 4)."""
+    """It cannot be repaired there: let another vehicle carry its task at once (paper, case 4)."""
     CHARGE = "charge"
-    """Charge after the present work, as full as it is ever charged, and take no work before that."""
+    """Charge to the highest level after the present work, and take no work before that."""
     TAKE_OUT = "take_out"
-    """Take no work until somebody puts it into service again: it is to be mended or looked after (paper, 4.3)."""
+    """Take no work until a person puts it into service again, as for a repair (paper, 4.3)."""
     PUT_IN = "put_in"
-    """Take work again: it was out of service, or sent to charge."""
+    """Take work again, after a time out of service or a command to charge."""
 
     @property
     def margin_m(self) -> float:
-        """How far outside of an area it still reaches from within."""
+        """Distance outside an area within which the command still counts."""
         return STOP_MARGIN_M if self is CommandKind.STOP else 0.0
 
 
 class Grant(Part, frozen=True):
-    """Who asks, where that person may, and until when. Good for the command that it comes with only."""
+    """A person's right to one command: the person, the areas, and the end of its validity."""
 
     person: Id
-    """On whose behalf the command is given."""
+    """The person who commands."""
     valid_until_s: Seconds
-    """Later than this (plant clock) nobody obeys it."""
+    """When it expires (plant clock)."""
     signature: Annotated[bytes, Meta(min_length=64, max_length=64)]
     """Ed25519, over `signed_words`."""
     areas: Annotated[tuple[Id, ...], Meta(max_length=MAX_AREAS)] = ()
     """The areas of the plant in which that person may command."""
     everywhere: bool = False
-    """In all of the plant, whatever areas there are."""
+    """Whether that person may command in the whole plant."""
 
 
 class VehicleCommand(Message, said_by=GATEWAYS, radio=True, frozen=True):
@@ -87,64 +85,64 @@ class VehicleCommand(Message, said_by=GATEWAYS, radio=True, frozen=True):
     speed_frac: Fraction | None = None
     """For SET_SPEED: 0 to 1 of the vehicle's own top speed."""
     wait_s: Seconds | None = None
-    """For PROMISE: how long from now the help will take, `PROMISE_MAX_S` at most. For TAKE_OUT: how long it is expected to be out of
-    service, `OUT_MAX_S` at most; None where nobody knows."""
+    """For PROMISE: time until help comes, `PROMISE_MAX_S` at most. For TAKE_OUT: expected time out of service, `OUT_MAX_S` at most;
+    None when unknown."""
     reason: Text = ""
-    """For TAKE_OUT: why."""
+    """For TAKE_OUT: the reason."""
     after_work: bool = False
-    """For TAKE_OUT: what it carries it brings to its end first. Else it gives back what is not on board yet."""
+    """For TAKE_OUT: whether it finishes its task first. Otherwise it gives back a task whose load is not on board yet."""
     issued_by: Text = ""
-    """Whom the vehicle names when it tells of the command; what counts is the grant."""
+    """Name that the vehicle gives when it reports the command; the right comes from the grant."""
     grant: Grant | None = None
-    """Without one it is refused."""
+    """Without a grant the command is refused."""
 
 
 class MachineCommandKind(StrEnum):
     """What a person may ask of a machine (paper, case 1)."""
 
     PROMISE = "promise"
-    """Help is on the way: keep the goals for as long as was promised."""
+    """Help is on the way: keep the goals for the promised time."""
     CLEAR_FAULT = "clear_fault"
     """The fault is gone: work again."""
     HAND_OVER = "hand_over"
-    """It cannot be mended in time: let other machines make its goals now."""
+    """It cannot be repaired in time: let other machines make its goals now."""
     SET_SPEED = "set_speed"
     """Work more slowly, or as fast as it can again."""
     RESTART = "restart"
     """Start its agent again."""
     UPDATE = "update"
-    """Start its agent again with the newer software that lies ready."""
+    """Start its agent again with the newer software that is ready."""
     TAKE_OUT = "take_out"
-    """Take no goals until somebody puts it into service again."""
+    """Take no goals until a person puts it into service again."""
     PUT_IN = "put_in"
     """Take goals again."""
     FETCH_GOODS = "fetch_goods"
-    """Goods on board of a vehicle that has failed can be handed over: have another one fetch them there."""
+    """Goods on board of a failed vehicle can be handed over: have another vehicle fetch them there."""
     WRITE_OFF = "write_off"
-    """They cannot: make them again."""
+    """Goods on board of a failed vehicle cannot be handed over: make them again."""
     LOAD_THERE = "load_there"
-    """Somebody has looked: the load of a transport that is held is where it was to go."""
+    """The load of a held transport was found at its destination."""
     LOAD_MISSING = "load_missing"
-    """It is not: have it fetched or made again."""
+    """The load of a held transport is not at its destination: have it fetched or made again."""
     ARRIVED = "arrived"
-    """Pieces have come, with a vehicle or by hand. This and the four below are *words*: they tell a machine whose body is people what has happened."""
+    """Pieces have come, with a vehicle or by hand. This and the four below are *words*: reports to a machine whose body is people."""
     TAKEN = "taken"
     """Pieces have gone."""
     MADE = "made"
     """Good pieces are finished."""
     SCRAPPED = "scrapped"
-    """Pieces came out bad: they lie nowhere."""
+    """Pieces came out bad, and are not in stock."""
     STOCK_IS = "stock_is"
-    """Somebody has counted what lies there of one item."""
+    """A person has counted the stock of one item."""
 
     @property
     def is_about_goods(self) -> bool:
-        """Whether it is about goods on board of a failed vehicle, and is granted for the place where those are."""
+        """Whether it is about goods on board of a failed vehicle; its grant must cover their position."""
         return self in (MachineCommandKind.FETCH_GOODS, MachineCommandKind.WRITE_OFF)
 
     @property
     def is_about_held(self) -> bool:
-        """Whether it is about the load of a transport that is held, and is granted for the place where that was to go."""
+        """Whether it is about the load of a held transport; its grant must cover the destination."""
         return self in (MachineCommandKind.LOAD_THERE, MachineCommandKind.LOAD_MISSING)
 
     @property
@@ -154,7 +152,7 @@ class MachineCommandKind(StrEnum):
 
     @property
     def is_word(self) -> bool:
-        """Whether it tells a machine what has happened. A word may be sent again under its name: it counts once."""
+        """Whether it reports an event to a machine. Such a word may be sent again under its name, and counts once."""
         return self in WORDS
 
 
@@ -178,50 +176,50 @@ class MachineCommand(Message, said_by=GATEWAYS, frozen=True):
     speed_frac: Fraction | None = None
     """For SET_SPEED: 0 to 1 of its own speed."""
     wait_s: Seconds | None = None
-    """For PROMISE: how long from now the help will take, `PROMISE_MAX_S` at most. For TAKE_OUT: how long it is expected to be out of
-    service, `OUT_MAX_S` at most; None where nobody knows."""
+    """For PROMISE: time until help comes, `PROMISE_MAX_S` at most. For TAKE_OUT: expected time out of service, `OUT_MAX_S` at most;
+    None when unknown."""
     reason: Text = ""
-    """For TAKE_OUT: why."""
+    """For TAKE_OUT: the reason."""
     after_work: bool = False
-    """For TAKE_OUT: the goal that it works at it finishes first."""
+    """For TAKE_OUT: whether it finishes its present goal first."""
     task: IdOrNone = ""
     """For FETCH_GOODS, WRITE_OFF, LOAD_THERE and LOAD_MISSING: the transport whose load is meant."""
     node: IdOrNone = ""
-    """For FETCH_GOODS: where they are handed over; empty for the nearest node beside the vehicle."""
+    """For FETCH_GOODS: the node where they are handed over; empty for the nearest node beside the vehicle."""
     item: IdOrNone = ""
     """For words: the material or product; empty for the product that is being made."""
     quantity: Count = 0
     """For words: pieces."""
     vehicle: IdOrNone = ""
-    """For ARRIVED and TAKEN: who has brought or fetched them; empty for by hand."""
+    """For ARRIVED and TAKEN: the vehicle that has brought or fetched them; empty for by hand."""
     sure: bool = False
-    """For words: the number is right, however far it is from the expected one."""
+    """For words: whether the number is right even if it is far from the expected one."""
     issued_by: Text = ""
-    """Whom the machine names when it tells of the command; what counts is the grant."""
+    """Name that the machine gives when it reports the command; the right comes from the grant."""
     grant: Grant | None = None
-    """Without one it is refused."""
+    """Without a grant the command is refused."""
 
 
 class CommandAnswered(Message, said_by=BIDDERS | STATIONS | GATES, radio=True, frozen=True):
-    """The word of whom a command was given to: done, or refused with a reason."""
+    """The answer to a command: done, or refused with a reason."""
 
     command: Id
     done: bool
     reason: CommandRefusal | None = None
     """None when it was done."""
     detail: Text = ""
-    """What its sensors still report, or what does not support the command, where that is the reason."""
+    """Details of the reason: what its sensors still report, or what does not support the command."""
 
 
 def signed_words(agent: str, command: VehicleCommand | MachineCommand, grant: Grant) -> bytes:
-    """What the signature of a grant covers: a JSON array without white space, the same for the same command.
+    """The bytes that a grant's signature covers: a JSON array without white space, the same for the same command.
 
     Its numbers are whole thousandths, which every language writes alike.
 
     Args:
-        agent: the vehicle or machine that is to obey.
-        command: what is asked; its own `grant` is not looked at.
-        grant: its `signature` is not looked at.
+        agent: the vehicle or machine that must obey.
+        command: the command; its own `grant` is ignored.
+        grant: the grant; its `signature` is ignored.
     """
     words: tuple[object, ...] = (
         "dray command 2" if isinstance(command, VehicleCommand) else "dray machine command 1",
@@ -249,5 +247,5 @@ _encoder = msgspec.json.Encoder()
 
 
 def _thousandths(value: float | None) -> int | None:
-    """Halves are rounded up, by arithmetic that is the same in all languages; what no wire can carry says nothing."""
+    """Round to thousandths, halves up, with the same arithmetic in all languages; None for infinities and NaN, too."""
     return None if value is None or not isfinite(value) else floor(value * 1000.0 + 0.5)

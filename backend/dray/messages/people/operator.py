@@ -1,7 +1,7 @@
-"""Operators on duty, as agents: who is there, where, and what for (paper, 3.2).
+"""Operators on duty, as agents: that they are there, where, and for which problems (paper, 3.2).
 
-The name on the wire is one of the duty and of nobody's: it says that somebody is there, and not who. What a person may do is
-told by the grant of each command, and by nothing here.
+The name on the wire is that of the duty, and not of the person. A person's rights come only from the grant of each command, and from
+nothing here.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from dray.messages.people.command import MAX_AREAS
 from dray.messages.problem import ProblemKind
 
 OPERATOR_PREFIX = "operator."
-"""Begins the names of all operators on the bus. A gateway speaks for those who are on duty at its tablets."""
+"""Prefix of all operators' names on the bus. A gateway speaks for those who are on duty at its tablets."""
 
 
 class DutyStatus(StrEnum):
-    """Whether somebody who is there can be asked."""
+    """Whether an operator on duty can be asked."""
 
     FREE = "free"
     BUSY = "busy"
     BREAK = "break"
-    """There, and not to be asked."""
+    """There, but not to be asked."""
 
 
 class OperatorHeartbeat(Message, said_by=OPERATORS, signed="operator", frozen=True):
-    """What an operator on duty tells everybody: a whole state, every few seconds and at once when it changes."""
+    """The public state of an operator on duty, every few seconds and at once when it changes."""
 
     operator: Id
     incarnation: Count
@@ -38,18 +38,18 @@ class OperatorHeartbeat(Message, said_by=OPERATORS, signed="operator", frozen=Tr
     at_s: Seconds
     status: DutyStatus
     areas: Annotated[tuple[Id, ...], Meta(max_length=MAX_AREAS)] = ()
-    """For which areas the operator is there."""
+    """The areas that the operator serves."""
     everywhere: bool = False
-    """For all of the plant."""
+    """Whether the operator serves the whole plant."""
     station: IdOrNone = ""
-    """At which working station; empty for none, or not told."""
+    """The operator's working station; empty for none, or not published."""
     helps_with: Annotated[tuple[ProblemKind, ...], Meta(max_length=len(ProblemKind))] = ()
-    """What for; empty for everything."""
+    """The kinds of problems that the operator helps with; empty for all."""
     caller: IdOrNone = ""
-    """With whom the operator is busy; empty for nobody who has called."""
+    """The caller that keeps the operator busy; empty for none."""
     until_s: Seconds | None = None
-    """Until when, as far as that is known (plant clock)."""
+    """Until when, if known (plant clock)."""
     label: Text = ""
-    """What people are shown; empty where names are not told."""
+    """Name that is shown to people; empty when names are not published."""
     draining: bool = False
-    """The last one: off duty."""
+    """Whether this is the last heartbeat: the operator goes off duty."""

@@ -1,1 +1,1 @@
-"""Right of way between neighbours: who may drive into a place, and who makes room."""
+"""Right of way between neighbours: the vehicles that may drive into a place, and those that make room."""

@@ -1,4 +1,4 @@
-"""What the leader of reservation tables knows of vehicles, from their heartbeats and requests: who is silent, who moves. Never a right to anything."""
+"""A table leader's knowledge of vehicles, from heartbeats and requests: which are silent or moving. It grants no rights."""
 
 from __future__ import annotations
 
@@ -13,59 +13,59 @@ from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 
 
 class Seen(msgspec.Struct, frozen=True, gc=False):
-    """What one vehicle has said of itself last."""
+    """A vehicle's newest report of itself."""
 
     at_s: float
-    """When it was heard."""
+    """When the report came."""
     holds: tuple[str, ...] = ()
     stands: bool = True
     docked: bool = False
-    """It stays where it stands until its work is done there."""
+    """Whether it stays where it stands until its work there is done."""
     rank: Rank = NO_RANK
     route: tuple[str, ...] = ()
-    """The nodes ahead of it; the first one is where it is."""
+    """Its node, and the nodes ahead of it."""
     every_s: float = WORKING_INTERVAL_S
-    """How often it beats."""
+    """Heartbeat interval."""
     stuck: bool = False
-    """It stands until a person has seen to it."""
+    """Whether it cannot move until a person helps."""
     said: tuple[int, int] = (0, 0)
     """Its life, and the number of the heartbeat."""
 
 
 class Beat(msgspec.Struct, frozen=True, gc=False):
-    """Where a vehicle was by its own heartbeat, which is the same for all that hear it."""
+    """A vehicle's position by its own heartbeat, which is the same for all receivers."""
 
     at_s: float
-    """When it was heard."""
+    """When the heartbeat came."""
     node: str
     every_s: float
-    """How often it beats."""
+    """Heartbeat interval."""
 
 
 class Neighbours:
-    """The newest word of each vehicle that a replica listens to."""
+    """The newest report of each vehicle that a replica listens to."""
 
     def __init__(self) -> None:
         self._beats: dict[str, Beat] = {}
-        """Vehicle -> its newest heartbeat, also of one that is listened to no more."""
+        """Vehicle -> its newest heartbeat, also after `forget`."""
         self._expected_s: dict[str, float] = {}
         """Vehicle -> since when it is listened to."""
         self._seen: dict[str, Seen] = {}
         self._brief: dict[str, Seen] = {}
-        """Vehicles that have told nothing of traffic yet."""
+        """Vehicles whose heartbeats had no traffic fields yet."""
         self._away: dict[str, Seen] = {}
-        """Vehicles that people have carried away, as they were heard last: what they have said until then counts no more."""
+        """Last reports of vehicles that people have carried away; these and older ones do not count any more."""
 
     def on_heartbeat(self, atv: str, seen: Seen) -> None:
-        """A heartbeat has come."""
+        """Note a heartbeat."""
         self._seen[atv] = seen
         self._beats[atv] = Beat(seen.at_s, seen.route[0], seen.every_s)
 
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
-        """A vehicle's heartbeat. One that tells nothing of traffic is shortened for the radio, or drives without right of way.
+        """Note a vehicle's heartbeat. Without traffic fields it was shortened for radio, or the vehicle has no right of way.
 
         Returns:
-            Whether it tells something new, beside that it is there.
+            Whether it contains news beside its time.
         """
         floor, before = heartbeat.floor, self._seen.get(heartbeat.atv)
         said = (heartbeat.incarnation, heartbeat.seq)
@@ -98,7 +98,7 @@ class Neighbours:
         return before is None or _is_news(before, seen)
 
     def on_request(self, atv: str, request: PlaceRequested, now_s: float) -> None:
-        """A vehicle has said what it holds and wants in one district: so it is there, and stands, or does not."""
+        """Note from a request that the vehicle lives, and whether it stands or is docked."""
         before = self._seen.get(atv) or self._brief.get(atv) or Seen(at_s=now_s, every_s=IDLE_INTERVAL_S)
         self._seen[atv] = msgspec.structs.replace(
             before,
@@ -110,25 +110,25 @@ class Neighbours:
         )
 
     def expect(self, atv: str, now_s: float) -> None:
-        """It is listened to from now on."""
+        """Note that the vehicle is listened to from now on."""
         self._expected_s.setdefault(atv, now_s)
 
     def expected_since_s(self, atv: str) -> float | None:
-        """Since when it is listened to; None where it is not."""
+        """Since when the vehicle is listened to; None when it is not."""
         return self._expected_s.get(atv)
 
     def forget(self, atv: str) -> None:
-        """It is listened to no more."""
+        """Forget a vehicle that is listened to no more."""
         self._expected_s.pop(atv, None)
         self._seen.pop(atv, None)
         self._brief.pop(atv, None)
 
     def beat_of(self, atv: str) -> Beat | None:
-        """Where a vehicle was by its newest heartbeat; None where none was heard since it was carried away."""
+        """A vehicle's newest heartbeat; None when none has come since it was carried away."""
         return self._beats.get(atv)
 
     def carry_away(self, atv: str, said: tuple[int, int]) -> None:
-        """It was carried away: what it has said up to this heartbeat, by its life and number, counts no more."""
+        """Note a removal: the vehicle's reports up to this heartbeat, by life and number, do not count any more."""
         self._beats.pop(atv, None)
         seen = self._seen.get(atv)
         brief = self._brief.get(atv)
@@ -144,20 +144,20 @@ class Neighbours:
             self._away[atv] = msgspec.structs.replace(seen, said=said)
 
     def last(self, atv: str) -> Seen | None:
-        """What a vehicle has said last, also of one that was carried away since, or has told nothing of traffic."""
+        """A vehicle's newest report, also when it was carried away since, or has sent no traffic fields."""
         return self._seen.get(atv) or self._brief.get(atv) or self._away.get(atv)
 
     def of(self, atv: str) -> Seen | None:
-        """What a vehicle has said last."""
+        """A vehicle's newest report; None when it has sent no traffic fields, or was carried away since."""
         return self._seen.get(atv)
 
     @property
     def all(self) -> Mapping[str, Seen]:
-        """The newest word of each."""
+        """The newest report of each vehicle."""
         return self._seen
 
     def is_silent(self, atv: str, now_s: float) -> bool:
-        """Whether nobody knows when a vehicle moves again: it was not heard for a while, or stands until a person has seen to it."""
+        """Whether it is unknown when a vehicle moves again: its heartbeats have stopped, or it waits for a person's help."""
         seen = self._seen.get(atv)
         if seen is None:
             since_s = self._expected_s.get(atv, now_s)
@@ -166,7 +166,7 @@ class Neighbours:
 
 
 def _is_news(before: Seen, seen: Seen) -> bool:
-    """Whether others' prices or refuges change with it."""
+    """Whether a report changes the prices or refuges of other vehicles."""
     return (
         seen.stands is not before.stands
         or seen.docked is not before.docked

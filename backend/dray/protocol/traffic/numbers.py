@@ -1,6 +1,7 @@
-"""How far one agent's word alone moves numbers that only grow: epochs of a reservation table, and versions of it.
+"""Limits on how far a single agent can raise numbers that only grow: epochs and versions of a reservation table.
 
-There is an end of numbers (`COUNT_MAX`). Whoever could bring a reservation table there, or beyond what others believe, would stop its district for good.
+Numbers end at `COUNT_MAX`. An agent that raised a table's number to that end, or beyond what others believe, would stop its
+district for good.
 """
 
 from __future__ import annotations
@@ -10,47 +11,47 @@ from collections.abc import Iterable
 from dray.messages.base import COUNT_MAX
 
 LEAP_MAX = 2**20
-"""Nobody believes one replica alone that the epoch is higher than the present one by more."""
+"""Largest raise of the epoch above the present one that is believed from a single replica."""
 
 OUTBID_MAX = LEAP_MAX // 4
-"""By so much a replica alone lets a vehicle go on, or a vehicle a replica, to a later epoch. Less than `LEAP_MAX`: copies follow the epoch that is begun
-then, also one that has missed the one before."""
+"""Largest raise of the epoch that a single replica causes at a vehicle, or a vehicle at a replica. It is below `LEAP_MAX`, so that
+copies follow the new epoch even when they have missed the one before."""
 
 FAR = COUNT_MAX // 2
-"""Nobody believes that an epoch or a version has come farther: a thousand a second do not in 100,000 years."""
+"""Highest believed epoch or version: at a thousand a second, it is not reached in 100,000 years."""
 
 ALONE_MAX = FAR // 2
-"""One word alone brings no number farther. So what honest agents count from there on is far from `FAR` for ever."""
+"""Number up to which a single agent is believed. Honest agents that count on from there stay far below `FAR` for ever."""
 
 VERSION_LEAP = 2**27
-"""Above `ALONE_MAX` nobody believes one word alone that the version is higher than what others have told by more."""
+"""Largest raise of the version, above `ALONE_MAX` and others' reports, that is believed from a single agent."""
 
 
 def most_believed(known: int, leap: int) -> int:
-    """How far one word alone brings a number of which the highest is known that others have told."""
+    """The highest number that is believed from a single agent, when others have reported `known`."""
     return max(ALONE_MAX, known) + leap
 
 
 def is_version_believed(version: int, known: int) -> bool:
-    """Whether a reservation table can have come to a version.
+    """Whether a table's reported version is believed.
 
     Args:
-        version: that somebody tells.
-        known: the highest that is known.
+        version: the reported one.
+        known: the highest known one.
     """
     return version <= most_believed(known, VERSION_LEAP)
 
 
 def highest_believed(said: Iterable[int], known: int = 0, leap: int = VERSION_LEAP) -> int:
-    """How far a number has come.
+    """The highest believed number among several reports.
 
-    Whoever tells more than is believed is not contradicted: it moves the number by half as much. So what honest agents count from there on is
-    believed the next time, when it may be the only word.
+    A report above what is believed still raises the number by half a leap. So the numbers that honest agents count from there are
+    believed the next time, even when only one agent reports them.
 
     Args:
-        said: what each of several agents has told, once.
-        known: the highest that is known otherwise.
-        leap: by how much more one of them is believed alone, above `ALONE_MAX`.
+        said: one report of each agent.
+        known: the highest number known otherwise.
+        leap: the raise above `ALONE_MAX` that is believed from a single agent.
     """
     for number in sorted(said):
         is_believed = number <= most_believed(known, leap)

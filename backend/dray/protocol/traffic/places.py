@@ -1,8 +1,8 @@
-"""The floor as places that are held by one vehicle at a time: worked out from the plant alone, by every agent alike.
+"""The floor as places that are held by one vehicle at a time. Every agent derives the same places from the plant alone.
 
-A place is a node, or a crossing of two-lane roads (`Crossing`). A lane is entered only with all its places held; it ends in the
-last of them. On single track that is the node at its end: so two vehicles never meet on a lane, and whoever follows enters behind
-somebody who has left. Places that must be granted together belong to one *district*, whose reservation table one machine keeps at a time.
+A place is a node, or a crossing of two-lane roads (`Crossing`). A vehicle enters a lane only when it holds all its places; the lane
+ends in the last one. On single track that is the node at its end: two vehicles never meet on a lane, and a follower enters only
+when the one ahead has left. Places that must be granted together belong to one *district*; one machine at a time leads its table.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from dray.plant.floor.clearance import clear_m
 from dray.plant.layout import MARGIN_M
 
 REPLICAS = 3
-"""Who keep the table of a district, its copies included: one may fail, or be cut off, and two still agree."""
+"""Replicas of a district's table: if one fails or is cut off, two still form a majority."""
 
 NEAR_M = 8.0
-"""Districts that are nearer to one another lie side by side: a vehicle in one is told who is in the other. In a warehouse of narrow aisles
-50 vehicles carry 7 % less when they hear only where lanes lead (`dray bench traffic --plant kiva-50`)."""
+"""Distance below which districts are neighbours, so that vehicles in one hear of those in the other. In a warehouse with narrow
+aisles 50 vehicles carry 7 % less when only lanes make neighbours (`dray bench traffic --plant kiva-50`)."""
 
 STILL_M = 0.01
-"""So near to a place counts as there."""
+"""Distance to a place within which a vehicle counts as there."""
 
 AHEAD_S = 10.0
-"""So far ahead, at the highest speed, a vehicle asks at the most: what it brakes in, and what it drives until an answer comes on a slow link."""
+"""Driving time, at top speed, for which a vehicle requests places at most: braking, and waiting for an answer on a slow link."""
 
 
 class Footprint(msgspec.Struct, frozen=True):
@@ -40,54 +40,53 @@ class Footprint(msgspec.Struct, frozen=True):
 
     @classmethod
     def of(cls, plant: Plant) -> Footprint:
-        """Of the vehicles of a plant."""
+        """The footprint of a plant's largest vehicles."""
         kinds = plant.vehicle_types.values()
         return cls(max(kind.length_m for kind in kinds), max(kind.width_m for kind in kinds))
 
     @property
     def turning_radius_m(self) -> float:
-        """Of the circle that it sweeps when it turns on the spot."""
+        """Radius of the circle that it sweeps when it turns on the spot."""
         return hypot(self.length_m, self.width_m) / 2.0
 
     @property
     def spacing_m(self) -> float:
-        """From a vehicle that turns on a node to the middle of one that has left it."""
+        """Distance from a node on which a vehicle turns to the middle of a vehicle that has left it."""
         return self.length_m / 2.0 + self.turning_radius_m + MARGIN_M
 
     def clear_m(self, angle_rad: float) -> float:
-        """From a node along a lane until a vehicle is clear of those that drive on another lane at this angle to it."""
+        """Distance along a lane until a vehicle is clear of those on another lane of its node, at this angle."""
         return clear_m(self.length_m, self.width_m, angle_rad)
 
 
 class Crossing(msgspec.Struct, frozen=True):
-    """A part of the floor that is crossed by one vehicle at a time, and where none stops."""
+    """A part of the floor that one vehicle crosses at a time, and where none stops."""
 
     id: str
     x_m: float
     y_m: float
     lanes: frozenset[tuple[str, str]]
-    """Those that lead into it, through it or out of it, by their ends."""
+    """Lanes that lead into it, through it or out of it, by their ends."""
     nodes: frozenset[str] = frozenset()
-    """Those that lie in it: they are held with it, and nobody stops there."""
+    """Nodes that lie in it: they are held with it, and no vehicle stops there."""
 
 
 class Places:
-    """What is held, by whom it is granted, and when it is given back.
+    """The places of a plant, the replicas that grant them, and when a vehicle is clear of them.
 
     Args:
         plant: nodes, lanes and machines.
         footprint: of the largest vehicle.
         crossings: of two-lane roads; by default those of the plant.
-        replicas: who keep reservation tables; the machines by default, and the stations too where there are few of them.
+        replicas: the agents that keep tables; by default the machines, and with fewer than `REPLICAS` the stations, too.
 
     Attributes:
         all: every place, in the order of the plant file.
-        at_m: place -> where it is.
-        dock_entries: dock node -> the node before it, where nobody waits for the dock.
-        district_of: place -> district. A district has the name of the machine that is nearest to its first place, and a checksum
-            of its places, replicas and lanes: whoever goes by another plant file means another district, so
-            that no reservation table grants a place that another one has granted.
-        replicas_of: district -> who keep its table, in the order in which they take it over.
+        at_m: place -> its position.
+        dock_entries: dock node -> the node before it, where no vehicle waits for the dock.
+        district_of: place -> district. A district's name is that of the machine nearest to its first place, and a checksum of its
+            places, replicas and lanes. With another plant file it is another district, so that no two tables grant one place.
+        replicas_of: district -> its replicas, in the order of their turns.
     """
 
     def __init__(
@@ -140,11 +139,11 @@ class Places:
         self._around = self._side_by_side(spots)
 
     def around(self, district: str) -> tuple[str, ...]:
-        """A district, and those side by side with it: lanes lead from one to the other, or they are near (`NEAR_M`)."""
+        """A district and its neighbours: those that are joined to it by lanes, or near (`NEAR_M`)."""
         return self._around[district]
 
     def reach_m(self, since_s: float) -> float:
-        """As the crow flies, how far what a vehicle holds or wants may be from where it was heard to be so long ago."""
+        """Largest straight distance of a vehicle's places from its position reported `since_s` ago."""
         return 2.0 * self._longest_m + self._fastest_mps * (AHEAD_S + since_s)
 
     def places_in(self, district: str) -> frozenset[str]:
@@ -166,15 +165,15 @@ class Places:
         return self._inner_of.get(node, node)
 
     def needs(self, start: str, end: str) -> tuple[str, ...]:
-        """What must be held to drive from one node to the next."""
+        """The places that must be held to drive from one node to the next."""
         return self._needs[start, end]
 
     def may_stop(self, node: str) -> bool:
-        """Whether a vehicle may stand there, as far as roads go."""
+        """Whether a vehicle may stand there: the node lies in no crossing."""
         return node not in self._inner
 
     def length_m(self, start: str, end: str) -> float:
-        """Of the lane from one node to the next.
+        """The length of the lane from one node to the next.
 
         Raises:
             KeyError: there is none.
@@ -185,13 +184,13 @@ class Places:
         return lane.length_m
 
     def clear_m(self, start: str, end: str) -> float:
-        """How far a vehicle must be past a node, on the lane to another one, until nothing of it is in the way there."""
+        """How far past a node, on the lane to another one, a vehicle is clear of it."""
         return self._clear_m[start, end]
 
     def group_end(self, nodes: Sequence[str], first: int) -> int:
-        """Where the group ends that begins with the `first` of a way's nodes: the next one where a vehicle may stop and wait.
+        """The index where the group that begins at index `first` of a way ends: the next node where a vehicle may stop and wait.
 
-        A dock is taken with its entry, so nobody waits in an entry; a crossing with the stop point behind it.
+        A dock is taken with its entry, so that no vehicle waits in an entry; a crossing with the stop point behind it.
         """
         last = len(nodes) - 1
         end = first
@@ -205,11 +204,11 @@ class Places:
     # --- how it is worked out --------------------------------------------------------------------
 
     def _leaves_m(self, lane: DirectedLane, *, crosses: bool) -> float:
-        """How far along a lane its first node is clear for everybody else.
+        """How far along a lane a vehicle is clear of the lane's first node.
 
-        Who turns back at a crossing is clear of the stop point where it waited as soon as it stands at the next one: there is
-        room for two that stand, turn and set off side by side (`dray.plant.layout`). Else two that had turned back at both
-        ends of a road would each stand before a stop point that the other one still holds.
+        A vehicle that turns back at a crossing is clear of its stop point when it stands at the next one: there is room for two
+        to stand, turn and set off side by side (`dray.plant.layout`). Otherwise two vehicles that turned back at both ends of a road
+        would each wait for a stop point that the other one still holds.
         """
         others = [
             other.heading_rad - lane.heading_rad
@@ -228,7 +227,7 @@ class Places:
         return min(leaves_m, lane.length_m) if between_stops else leaves_m
 
     def _side_by_side(self, spots: Mapping[str, tuple[float, float]]) -> dict[str, tuple[str, ...]]:
-        """Each district, with those that a vehicle in it is told of."""
+        """District -> itself and its neighbours, of which a vehicle in it hears."""
         around: dict[str, dict[str, None]] = {district: {district: None} for district in self.replicas_of}
         for start, end in self._needs:
             one, other = (self.district_of[self.place_of(node)] for node in (start, end))
@@ -245,7 +244,7 @@ class Places:
         replicas_of: Mapping[str, tuple[str, ...]],
         spots: Mapping[str, tuple[float, float]],
     ) -> dict[str, str]:
-        """The first replica of each district -> the district's name."""
+        """First replica of a district -> the district's name."""
         told: dict[str, list[object]] = {first: [replicas] for first, replicas in replicas_of.items()}
         for place, (x_m, y_m) in sorted(spots.items()):
             told[nearest[place]].append((place, f"{x_m:.3f} {y_m:.3f}"))
@@ -257,7 +256,7 @@ class Places:
     def _divide(
         self, spots: Mapping[str, tuple[float, float]], at_m: Mapping[str, tuple[float, float]]
     ) -> dict[str, str]:
-        """The district of every place: that of the machine nearest to the first place of those that go together."""
+        """Place -> the replica nearest to the first of the places that go together with it."""
         together = _Together(spots)
         for dock, entry in self.dock_entries.items():
             together.join(self.place_of(entry), self.place_of(dock))
@@ -273,7 +272,7 @@ class Places:
 
 
 class _Box:
-    """The least rectangle with some points in it."""
+    """The smallest rectangle round some points."""
 
     def __init__(self, spots: Iterable[tuple[float, float]]) -> None:
         xs_m, ys_m = zip(*spots, strict=True)
@@ -281,7 +280,7 @@ class _Box:
         self._low_m, self._high_m = min(ys_m), max(ys_m)
 
     def gap_m(self, other: _Box) -> float:
-        """To another one; 0 where they overlap."""
+        """Distance to another one; 0 where they overlap."""
         beside_m = max(self._left_m - other._right_m, other._left_m - self._right_m, 0.0)
         above_m = max(self._low_m - other._high_m, other._low_m - self._high_m, 0.0)
         return hypot(beside_m, above_m)
@@ -306,7 +305,7 @@ class _Together:
 
 
 def _dock_entries(plant: Plant) -> dict[str, str]:
-    """Docks at the end of a spur, or on a one-way loop beside the road, with the node that leads to each."""
+    """Dock -> the node that leads to it, for docks at the end of a spur or on a one-way loop beside the road."""
     entries: dict[str, str] = {}
     for place in plant.places:
         dock = plant.node_of(place)
@@ -318,18 +317,18 @@ def _dock_entries(plant: Plant) -> dict[str, str]:
 
 
 def _replicas(plant: Plant) -> tuple[str, ...]:
-    """The machines; with fewer than it takes, the stations of the storages as well."""
+    """The machines; with fewer than `REPLICAS`, also the stations of the storages."""
     machines = tuple(plant.machines)
     return machines if len(machines) >= REPLICAS else (*machines, *plant.stores)
 
 
 def _nearest(spot: tuple[float, float], at_m: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
-    """Replicas by their distance as the crow flies, ties by id."""
+    """Replicas by straight distance, ties by id."""
     return tuple(sorted(at_m, key=lambda replica: (_distance_m(spot, at_m[replica]), replica)))
 
 
 def _distance_m(one: tuple[float, float], other: tuple[float, float]) -> float:
-    # Rounded, so that the last bits of a root decide nothing.
+    # Rounded, so that rounding errors of the root decide nothing.
     return round(hypot(one[0] - other[0], one[1] - other[1]), 6)
 
 

@@ -1,4 +1,4 @@
-"""What every agent works out of a plant for right of way, written out: for agents that do not want to work it out again."""
+"""The places, districts and lanes of a plant as a document, for agents that do not derive them from the plant themselves."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dray.protocol.traffic.places import Places
 
 
 class DistrictEntry(msgspec.Struct, frozen=True):
-    """A district, and who keeps its table."""
+    """A district and the replicas of its table."""
 
     district: str
     replicas: tuple[str, ...]
-    """The table of epoch E is written by number E modulo their count, from 0."""
+    """The leader of epoch E is number E modulo their count, from 0."""
     places: tuple[str, ...]
 
 
@@ -25,17 +25,17 @@ class LaneEntry(msgspec.Struct, frozen=True):
     needs: tuple[str, ...]
     """Places that must be held to enter it, in order."""
     clear_m: float
-    """So far past `start` on this lane nothing of a vehicle is in the way at `start` any more."""
+    """Distance past `start` on this lane at which a vehicle is clear of `start`."""
 
 
 class PlacesDocument(msgspec.Struct, frozen=True):
     """Places, districts and lanes of a plant.
 
     Attributes:
-        districts: each place is in one of them.
+        districts: all districts; each place is in one of them.
         lanes: of the plant as it is driven.
-        dock_entries: dock -> the node before it, which is taken with it.
-        crossed: nodes in crossings, where nobody stops -> the place that each lies in.
+        dock_entries: dock -> the node before it, which is granted with it.
+        crossed: node in a crossing, where no vehicle stops -> the crossing's place.
     """
 
     districts: tuple[DistrictEntry, ...]

@@ -1,6 +1,6 @@
-"""What a vehicle knows of the traffic around it, as prices of places: what replicas tell of others, its own late waits.
+"""A vehicle's knowledge of the traffic around it, as prices of places: replicas' reports of other vehicles, and its own recent waits.
 
-Hints and nothing more: who is wrong about them takes a longer way.
+Prices are hints only: a wrong one leads to a longer way.
 """
 
 from __future__ import annotations
@@ -14,30 +14,30 @@ from dray.plant.restrictions import OPEN, Ends, Restrictions
 from dray.protocol.traffic.surroundings import Surroundings
 
 OBSTRUCTED_S = 300.0
-"""For a lane on which something lies: as for a silent vehicle, whoever finds another way takes it."""
+"""Price of a lane with an obstacle: as for a silent vehicle, any other way is taken."""
 
 STANDS_S, DOCKED_S, SILENT_S = 3.0, 12.0, 300.0
-"""For a place that is held by one who stands, is docked, or was not heard for a while."""
+"""Prices of a place whose holder stands, is docked, or is silent."""
 
 WAIT_HALF_S = 30.0
-"""So old a wait of one's own counts half."""
+"""Half-life of the vehicle's own waits."""
 
 TELL_S = {Blocked.WAIT: STANDS_S, Blocked.DOCKED: DOCKED_S, Blocked.SILENT: SILENT_S}
-"""Added to the price of a place that the table says is held so."""
+"""Added to the price of a place that, by an answer of the table, is blocked like this."""
 
 TOLD_COUNTS_S = 20.0
-"""So long the word of a reservation table counts in prices."""
+"""Time for which such an answer counts in prices."""
 
 
 class Prices:
-    """What is added to lane times, at one moment.
+    """The prices that are added to lane times at one moment.
 
     Args:
-        others: the other vehicles, as far as they are known.
-        waits_s: place -> seconds of one's own late waits there, as `Waits` tells them.
-        told: place -> seconds, told by whoever keeps the table there.
+        others: the other known vehicles.
+        waits_s: place -> the vehicle's own recent waits there, from `Waits`.
+        told_s: place -> price from an answer of its table.
         restrictions: what people have closed.
-        obstructed: lanes on which something lies.
+        obstructed: lanes with an obstacle.
     """
 
     def __init__(
@@ -50,10 +50,10 @@ class Prices:
         obstructed: frozenset[Ends] = frozenset(),
     ) -> None:
         self.admits = restrictions.admits if restrictions.nodes or restrictions.lanes else None
-        """Whether a lane, by its ends, may be entered; None where nothing is closed."""
+        """Returns whether a lane, by its ends, may be entered; None when nothing is closed."""
         self.obstructed = obstructed
         self._announced: Counter[tuple[str, str]] = Counter()
-        """Lane, by its ends -> how many others mean to drive it soon."""
+        """Lane, by its ends -> number of others that will drive it soon."""
         self.place_s: dict[str, float] = {}
         for seen in others.values():
             self._announced.update(pairwise(seen.route))
@@ -72,22 +72,22 @@ class Prices:
                 self.place_s[place] = self.place_s.get(place, 0.0) + price_s
 
     def oncoming(self, start: str, end: str) -> int:
-        """How many others have announced to drive a lane the other way."""
+        """Number of others that will drive a lane the other way."""
         return self._announced[end, start]
 
 
 class Waits:
-    """Where a vehicle has waited lately, and how long; forgotten by half every `WAIT_HALF_S`."""
+    """A vehicle's recent waits by place; each counts half after `WAIT_HALF_S`."""
 
     def __init__(self) -> None:
         self._waited: dict[str, tuple[float, float]] = {}
 
     def add(self, place: str, waited_s: float, now_s: float) -> None:
-        """It has waited so long for a place."""
+        """Add a wait for a place."""
         self._waited[place] = (self._of(place, now_s) + waited_s, now_s)
 
     def all(self, now_s: float) -> dict[str, float]:
-        """Place -> seconds that still count."""
+        """Place -> seconds of waiting that still count."""
         waits_s = {place: self._of(place, now_s) for place in self._waited}
         for place, wait_s in waits_s.items():
             if wait_s < 0.5:
@@ -101,12 +101,12 @@ class Waits:
 
 
 class Outlook:
-    """What one vehicle knows.
+    """One vehicle's knowledge of traffic.
 
     Args:
-        surroundings: what it is told of others.
-        restrictions: what people have closed, as far as the vehicle knows now.
-        obstructed: lanes on which something lies, likewise.
+        surroundings: the reports of other vehicles.
+        restrictions: returns what people have closed, as far as the vehicle knows.
+        obstructed: returns the lanes with an obstacle, likewise.
     """
 
     def __init__(
@@ -119,20 +119,20 @@ class Outlook:
         self._surroundings = surroundings
         self._waits = Waits()
         self._told: dict[str, tuple[float, float]] = {}
-        """Place -> its price as the table told it, and until when that counts."""
+        """Place -> its price from an answer of its table, and until when that counts."""
 
     def note(self, granted: PlaceGranted, now_s: float) -> None:
-        """A reservation table has said who is in the way."""
+        """Note the place that a table's answer names as blocked."""
         price_s = TELL_S.get(granted.blocked)
         if granted.at and price_s is not None:
             self._told[granted.at] = (price_s, now_s + TOLD_COUNTS_S)
 
     def waited(self, place: str, waited_s: float, now_s: float) -> None:
-        """The vehicle has waited for a place."""
+        """Note that the vehicle has waited for a place."""
         self._waits.add(place, waited_s, now_s)
 
     def prices(self, now_s: float) -> Prices:
-        """As things stand."""
+        """The present prices."""
         self._told = {place: told for place, told in self._told.items() if told[1] > now_s}
         told_s = {place: price_s for place, (price_s, _) in self._told.items()}
         return Prices(
@@ -144,7 +144,7 @@ class Outlook:
         )
 
     def holders(self, chain: tuple[str, ...], rank: Rank, now_s: float) -> tuple[set[str], set[str]]:
-        """Places that cannot be had by one who makes room for `chain` with this rank, and those whose holders would make room."""
+        """Places that a vehicle which makes room for `chain` with this rank cannot get, and those whose holders would make room."""
         forbidden: set[str] = set()
         taken: set[str] = set()
         for other, seen in self._surroundings.others(now_s).items():

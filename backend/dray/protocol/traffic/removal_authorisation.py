@@ -1,7 +1,7 @@
-"""Whether a person's word that a vehicle was carried away is believed: everybody who obeys it asks this, whoever has said it.
+"""Decides whether a person's report that a vehicle was carried away is accepted, for all agents that act on it.
 
-It is not believed while the vehicle is heard, or may be speaking on the worst of links, nor once it was heard after the word was given:
-then it is there, or back.
+It is refused while the vehicle is heard, or may be sending over a bad link. It is also refused once the vehicle was heard after the
+report: then it is still there, or back.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ NOT_THERE = "a removal by somebody who may not command where the vehicle was, or
 TOO_EARLY = "a removal that comes before one could have heard the vehicle"
 
 LISTEN_S = gone_s(IDLE_INTERVAL_S)
-"""Whoever has just begun to listen hears of every vehicle that lives within this."""
+"""Time of listening within which every living vehicle is heard."""
 
 
 class RemovalAuthorisation:
-    """Of one agent.
+    """The check of removals for one agent.
 
     Args:
-        plant: where nodes and areas are.
-        trusts: whose signatures count.
+        plant: positions of nodes and areas.
+        trusts: the people whose signatures count.
         neighbours: when vehicles were heard.
     """
 
@@ -36,11 +36,11 @@ class RemovalAuthorisation:
         self._plant, self._trusts, self._neighbours = plant, trusts, neighbours
 
     def objection(self, removal: Removal, since_s: float, now_s: float) -> str:
-        """Why a word is not believed; empty when it is.
+        """Why a removal is refused; empty when it is accepted.
 
         Args:
-            removal: the word.
-            since_s: since when this agent listens.
+            removal: the person's report.
+            since_s: since when this agent listens to the vehicle.
             now_s: the present time.
         """
         if not self._trusts(removed_words(removal), removal.grant.signature):
@@ -57,7 +57,7 @@ class RemovalAuthorisation:
         return ""
 
     def covers(self, removal: Removal, nodes: tuple[str, ...]) -> bool:
-        """Whether its grant reaches one of the nodes where the vehicle may have been, and the one where it comes to."""
+        """Whether a removal's grant covers one of the vehicle's possible nodes, and the node where it is being put back, if any."""
         grant = removal.grant
         if grant.everywhere:
             return True

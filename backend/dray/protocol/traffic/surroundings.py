@@ -1,7 +1,7 @@
-"""What a vehicle knows of others on the floor around it: hints for prices and refuges, and never a right to anything.
+"""A vehicle's knowledge of others around it: hints for prices and refuges, which grant no rights.
 
-The leader of each table tells who holds something in its district (`FloorReported`). A vehicle listens to the districts in which it holds
-something, and to those beside them; one that rests where it is in nobody's way need not know, and does not listen.
+Each table's leader reports the vehicles that hold places in its district (`FloorReported`). A vehicle listens to the districts in
+which it holds places, and to their neighbours. A vehicle that rests in nobody's way does not listen.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.places import Places
 
 COUNTS_S = 10.0
-"""So long a word counts: three of them are lost, and a replica that died was replaced."""
+"""Time for which a report counts: long enough to lose three of them, or to replace a leader that died."""
 
 AGAIN_S = 4.0
-"""So long a word counts that was heard before the vehicle rested: until those have spoken that it listens to again."""
+"""Time for which a report from before a rest counts, until the districts have reported again."""
 
 
 class _Word(msgspec.Struct, frozen=True, gc=False):
-    """The newest word about one district."""
+    """The newest report of one district."""
 
     told: FloorReported
     at_s: float
@@ -30,12 +30,12 @@ class _Word(msgspec.Struct, frozen=True, gc=False):
 
 
 class Surroundings:
-    """Of one vehicle.
+    """The surroundings of one vehicle.
 
     Args:
-        me: the vehicle: what is said of itself is no traffic.
-        places: which districts there are, which lie side by side, and who keeps their reservation tables.
-        key_of: the bus key on which a district is told.
+        me: the vehicle; reports of itself are left out.
+        places: the districts, their neighbours and their replicas.
+        key_of: the bus key on which a district is reported.
     """
 
     def __init__(self, me: str, places: Places, key_of: Callable[[str], str], life: Life) -> None:
@@ -46,10 +46,10 @@ class Surroundings:
         self._words: dict[str, _Word] = {}
         self._inside: frozenset[str] = frozenset()
         self._heard: tuple[str, ...] = ()
-        """The districts that it listens to."""
+        """The districts to which it listens."""
 
     def listen(self, inside: Iterable[str], now_s: float) -> None:
-        """Listen to some districts and to those beside them from now on; to none where it rests."""
+        """Listen to these districts and their neighbours from now on; a resting vehicle passes none."""
         inside = frozenset(inside)
         if inside == self._inside:
             return
@@ -70,7 +70,7 @@ class Surroundings:
                 )
 
     def on_floor(self, sender: str, told: FloorReported, now_s: float) -> bool:
-        """A replica has told of a district; False when it is not believed, or is old."""
+        """Note a report of a district; False when its sender is no replica, or it is old."""
         if sender not in self._places.replicas_of.get(told.district, ()):
             return False
         before = self._words.get(told.district)
@@ -80,7 +80,7 @@ class Surroundings:
         return True
 
     def silent_at(self, now_s: float) -> frozenset[str]:
-        """Places that are held by somebody of whom nobody knows when it moves again."""
+        """Places that silent vehicles hold."""
         words = (word for word in self._words.values() if now_s < word.until_s)
         return frozenset(
             place
@@ -91,7 +91,7 @@ class Surroundings:
         )
 
     def others(self, now_s: float) -> dict[str, OnFloor]:
-        """The other vehicles, each as it was told last, with all that it holds in the districts that were told."""
+        """The other vehicles by their newest reports, with all places that they hold in the reported districts."""
         others: dict[str, OnFloor] = {}
         words = [word for word in self._words.values() if now_s < word.until_s]
         for word in sorted(words, key=lambda one: (one.at_s, one.told.district)):

@@ -1,4 +1,4 @@
-"""What every agent of a plant works out alike for right of way: places, whose tables they are in, and ways."""
+"""The places, their replicas and the ways that every agent derives alike from the plant for right of way."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ IsSigned = Callable[[str, PlaceRequested], bool]
 
 
 def names_no_key(_atv: str, request: PlaceRequested) -> bool:
-    """Where nobody can tell a signature: only requests without a key are heard."""
+    """Whether a request has no key: for agents that cannot check signatures, only such requests count."""
     return not request.key
 
 
 class TrafficMap:
-    """Places and ways of one plant. Whoever is given one drives, or keeps tables, with right of way.
+    """Places and ways of one plant. An agent that is given one drives, or keeps tables, with right of way.
 
-    It follows from the plant alone and never changes: agents of one process may share it.
+    It depends on the plant alone and never changes, so agents of one process may share it.
 
     Args:
         plant: nodes, lanes, machines and vehicle types.
@@ -29,8 +29,8 @@ class TrafficMap:
 
     Attributes:
         is_signed: likewise.
-        places: what is held, and who keeps the reservation tables of it.
-        atvs: the vehicles that the plant file knows.
+        places: the places and their replicas.
+        atvs: the vehicles of the plant file.
     """
 
     def __init__(self, plant: Plant, is_signed: IsSigned = names_no_key) -> None:
@@ -41,7 +41,7 @@ class TrafficMap:
         self._ways: dict[str, Ways] = {}
 
     def ways(self, vehicle_type: str) -> Ways:
-        """Ways of a type of vehicle."""
+        """The ways of a type of vehicle."""
         if vehicle_type not in self._ways:
             kind = self._plant.vehicle_types[vehicle_type]
             self._ways[vehicle_type] = Ways(self._plant, self.places, kind)

@@ -1,8 +1,8 @@
-"""Ways with regard to traffic, and refuges for those who make room: A* over lanes, priced by what is known.
+"""Ways through traffic, and refuges for vehicles that make room: A* over lanes, with prices for known traffic.
 
-Lane time is what a way costs on an empty floor. Rows and columns of lanes have a convention, alternating directions, and going
-against it costs more: so that vehicles meet seldom. Announced oncoming vehicles, those that stand, are docked
-or silent, and one's own late waits add to the price. None of it is a rule: every lane may be driven.
+On an empty floor a way costs its lane time. By convention rows and columns of lanes have alternating directions. The other
+direction costs more, so that vehicles seldom meet. Announced oncoming vehicles, standing, docked or silent ones, and the vehicle's own
+recent waits add to the price. None of this is a rule: every lane may be driven.
 """
 
 from __future__ import annotations
@@ -20,36 +20,36 @@ from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.prices import OBSTRUCTED_S, STANDS_S, Prices
 
 AGAINST = 1.5
-"""Times the lane time, against the convention."""
+"""Factor of the lane time against the convention."""
 
 ONCOMING = 3.0
-"""Times the lane time, for every vehicle that has announced to come the other way."""
+"""Factor of the lane time that is added for every announced oncoming vehicle."""
 
 THROUGH_DOCK_S = 30.0
-"""For a way through somebody else's dock."""
+"""Price of a way through a dock that is not its goal."""
 
 ROW_M = 1.0
-"""Lanes of one row, or column, are nearer to one another than this."""
+"""Largest gap between neighbouring lanes of one row or column."""
 
 STRAIGHT = 0.05
-"""Lanes that lean less than this (as a sine) against an axis have a convention."""
+"""Largest sine of the angle to an axis at which a lane belongs to a row or column."""
 
 REFUGE_THROUGH_S = 8.0
-"""For making room through somebody who has to make room in turn."""
+"""Price of a place whose holder has to make room in turn, on the way to a refuge."""
 
 OWN_WAY = 0.5
-"""Times the lane time, for making room along the way that one would take anyhow."""
+"""Factor of the lane time for lanes to a refuge that lead along the vehicle's own way."""
 
 
 class _Road:
-    """A lane as the search sees it."""
+    """A lane, as A* uses it."""
 
     __slots__ = ("against", "end", "lane_s", "needs", "onward", "start")
 
     def __init__(self, start: str, end: str, lane_s: float, needs: tuple[str, ...], *, against: bool) -> None:
         self.start, self.end, self.lane_s, self.needs, self.against = start, end, lane_s, needs, against
         self.onward: list[tuple[_Road, float]] = []
-        """What may follow, and the seconds that the bend costs."""
+        """The lanes that may follow, and the time (s) that the bend costs."""
 
 
 class Ways:
@@ -57,9 +57,9 @@ class Ways:
 
     Args:
         plant: the roads.
-        places: what lanes need.
-        vehicle: speeds and acceleration.
-        convention: whether alternating directions are kept.
+        places: the places that lanes need.
+        vehicle: its speeds and acceleration.
+        convention: whether the convention of directions counts.
     """
 
     def __init__(
@@ -135,17 +135,17 @@ class Ways:
         own: Iterable[str] = (),
         behind_others: bool = True,
     ) -> tuple[str, ...] | None:
-        """The cheapest way out of somebody's way; None when there is none.
+        """The cheapest way to a refuge; None when there is none.
 
         Args:
             start: where the vehicle stands.
             avoid: nodes where it would be in the way again; it may drive over them.
-            forbidden: places that cannot be had: of those it makes room for, of docked, silent and more urgent ones.
-            taken: places that somebody holds, who would have to make room in turn: no refuge, but passed if need be.
+            forbidden: places it cannot get: those of vehicles for which it makes room, and of docked, silent and more urgent ones.
+            taken: places whose holders would have to make room in turn: no refuge, but it may pass them.
             prices: of places.
             own: the nodes of its own way.
-            behind_others: whether it may lie behind a vehicle that has to let this one past. Otherwise the way ends where that
-                vehicle is: it makes room by driving on.
+            behind_others: whether the refuge may lie behind a vehicle that has to let this one past. Otherwise the way ends where
+                that vehicle is, which makes room by driving on.
         """
         mine = frozenset(own)
 
@@ -174,7 +174,7 @@ class Ways:
             )
 
         def can_be_left(node: str) -> bool:
-            """Whoever is there can make room by driving on where this way leads."""
+            """Whether the vehicle there can make room by driving on where this way leads."""
             return node not in avoid and self._places.place_of(node) in taken and self._places.may_stop(node)
 
         way = self._search(start, lambda _: 0.0, cost_s, is_refuge)
@@ -190,7 +190,7 @@ class Ways:
         cost_s: Callable[[_Road], float],
         is_goal: Callable[[str], bool],
     ) -> tuple[str, ...] | None:
-        """A* over lanes, so that bends are counted."""
+        """A* over lanes instead of nodes, so that bends count."""
         numbers = count()
         open_roads: list[tuple[float, int, float, _Road, _Road | None]] = []
         came_from: dict[_Road, _Road | None] = {}
@@ -221,7 +221,7 @@ class Ways:
 
 
 def _way_back(road: _Road | None, came_from: Mapping[_Road, _Road | None]) -> tuple[str, ...]:
-    """The nodes along the lanes that led to one."""
+    """The nodes along the lanes that led to `road`, its end included."""
     nodes: list[str] = []
     while road is not None:
         nodes.append(road.end)
@@ -231,7 +231,7 @@ def _way_back(road: _Road | None, came_from: Mapping[_Road, _Road | None]) -> tu
 
 
 def _against(plant: Plant) -> frozenset[tuple[str, str]]:
-    """The lanes that run against the convention: rows and columns in alternating directions, from the plant file alone."""
+    """The lanes against the convention of alternating rows and columns, derived from the plant file alone."""
     nodes = plant.nodes
     docks = {plant.node_of(place) for place in plant.places}
     along_x, along_y = [], []
@@ -257,7 +257,7 @@ def _against(plant: Plant) -> frozenset[tuple[str, str]]:
 
 
 def _rows(positions_m: Iterable[float]) -> dict[float, int]:
-    """Number the rows: positions nearer to one another than `ROW_M` are one."""
+    """Number the rows: positions with gaps up to `ROW_M` are one row."""
     numbers: dict[float, int] = {}
     row, last_m = -1, -inf
     for position_m in sorted(set(positions_m)):

@@ -1,1 +1,1 @@
-"""A vehicle drives only into what it holds, and makes room for others."""
+"""The vehicle's side of right of way: it drives only into places that it holds, and makes room for others."""

@@ -1,10 +1,10 @@
-"""What a vehicle says to the replicas of reservation tables: its whole state in each district, repeated until it is answered.
+"""A vehicle's requests to the replicas of reservation tables: its whole state in each district, repeated until it is answered.
 
-A vehicle goes by the epoch that a majority of the replicas have told it, and believes no grant of another one. As long as one replica alone has
-told of a later epoch, the vehicle sends its request to all of them: those that keep copies answer with the epoch.
+A vehicle accepts grants only under the epoch that a majority of the replicas have reported. While one replica alone reports a later
+epoch, the vehicle sends its request to all replicas: those that keep copies answer with their epoch.
 
-Nor does it believe the leader of the table alone: the *witness*, whose turn is next, confirms each line that it has copied. Only where that one
-does not answer is a grant believed without its word.
+Nor does the vehicle trust the leader alone: the *witness*, whose turn is next, confirms each line that it has copied. A grant
+without confirmation is accepted only when the witness does not answer.
 """
 
 from __future__ import annotations
@@ -28,39 +28,39 @@ from dray.protocol.traffic.numbers import OUTBID_MAX
 REQUEST_AGAIN = "request again"
 
 LEAST_AGAIN_S, MOST_AGAIN_S, MOST_ROUNDS = 0.6, 8.0, 1.5
-"""Within these an answer is waited for: twice as long as answers take and a little more, doubled with each repetition. On a link on
-which they take longer than the most, so many of its round trips."""
+"""Least and most time until a request is repeated: twice the round trip plus 0.2 s, doubled with each repetition. If `MOST_ROUNDS`
+round trips take longer than `MOST_AGAIN_S`, they are the limit."""
 
 WAITS_AGAIN_S, LOSSY_AGAIN_S = 3.0, 1.5
-"""A request that was answered and not granted is said again after this: the word that grants it may have been lost. The shorter
-one holds where more than `LOSSY_FRAC` of the requests went unanswered at first."""
+"""Time until an answered but ungranted request is repeated, since its grant may have been lost. The shorter one applies when more
+than `LOSSY_FRAC` of the first requests get no answer."""
 
 LOSSY_FRAC = 0.05
 
 NEXT_REPLICA_AFTER = 2
-"""So often a request is said to one replica without an answer, then to the next one."""
+"""Unanswered repetitions to one replica before the request goes to the next one."""
 
 REPEATS_KEPT = 8
-"""Repetitions of one request of which it is known when they were said: an answer to an older one is later than any link explains."""
+"""Repetitions of one request whose sending times are kept; no link delays an answer longer."""
 
 FIRST_ROUND_S = 0.3
-"""How long an answer takes, as long as none has come."""
+"""Assumed round trip before the first answer."""
 
 GAIN, LATE_GAIN = 0.2, 0.5
-"""Weight of the newest round trip; and of one in which the request was said again before its answer came: what is believed is too
-short then. What a repetition has answered tells nothing: its request was lost, or its replica could not answer yet."""
+"""Weights of the newest round trip: usually, and when the request was repeated before its answer came, as the estimate is too short
+then. An answer to a repetition is no measurement: the request was lost, or its replica could not answer yet."""
 
 LATE_IN_ROW = 3
-"""So many of these in a row are the link's doing, and not that of one replica that has just begun, or has taken a reservation table over."""
+"""Late answers in a row that show a slow link, and not only a replica that has just started or taken a table over."""
 
 WITNESS_ASKED = 4
-"""So often the witness is asked for its word without an answer: at 20 % loss each way one of 60 that live."""
+"""Unanswered questions after which the witness counts as silent: at 20 % loss each way, 1 of 60 living ones."""
 
 NO_EPOCH = -1
-"""Before the first one."""
+"""The epoch before the first one."""
 
 LOSS_GAIN = 0.05
-"""Weight of the newest request, in the part of those that went unanswered."""
+"""Weight of the newest request in the share of unanswered ones."""
 
 
 Sign = Callable[[PlaceRequested], PlaceRequested]
@@ -68,12 +68,12 @@ Sign = Callable[[PlaceRequested], PlaceRequested]
 
 
 def unsigned(request: PlaceRequested) -> PlaceRequested:
-    """By a vehicle without a key: whoever has its name speaks for its places."""
+    """Return the request unchanged: without a key, any agent with the vehicle's name speaks for its places."""
     return request
 
 
 class State(msgspec.Struct, frozen=True, gc=False):
-    """What all requests of one moment have in common."""
+    """The common part of all requests at one moment."""
 
     rank: Rank
     stands: bool
@@ -82,7 +82,7 @@ class State(msgspec.Struct, frozen=True, gc=False):
     chain: tuple[str, ...]
     removal: int = 0
     asks: bool = False
-    """It asks for where it stands, and does not count that among what it holds: a request gives nothing back then where that is asked for."""
+    """Whether it requests the place where it stands, which it does not hold: such a request gives nothing back."""
 
 
 class _Line:
@@ -119,50 +119,50 @@ class _Line:
     def __init__(self) -> None:
         self.seq = 0
         self.since = 0
-        """The first request that said what was said last."""
+        """The first request with the present content."""
         self.seen = 0
         self.epoch = 0
-        """Of the table; answers under an earlier one are not believed. It may be later than `agreed` while a recovery poll runs."""
+        """The table's epoch; answers under earlier ones are refused. It may be above `agreed` while a recovery poll runs."""
         self.agreed = NO_EPOCH
-        """The latest that a majority of the replicas have told."""
+        """The latest epoch that a majority of the replicas have reported."""
         self.words: dict[str, int] = {}
-        """Replica -> the latest epoch that it has told."""
+        """Replica -> the latest epoch that it has reported."""
         self.request: PlaceRequested | None = None
-        """What was said last, as it was said."""
+        """The newest request."""
         self.asked_all = False
-        """It was said to all replicas."""
+        """Whether that request went to all replicas."""
         self.missed: tuple[str, PlaceGranted] | None = None
-        """The newest answer under an epoch that was not agreed, or that was not confirmed, and who has given it."""
+        """Sender and answer: the newest one whose epoch was not agreed, or that was not confirmed."""
         self.asks = False
-        """What was said last asks for where the vehicle stands."""
+        """Whether the newest request asks for the place where the vehicle stands."""
         self.confirmed: dict[str, int] = {}
         """Place -> number of the grant, as the witness has it."""
         self.rolled_after: int | None = None
-        """The epoch that was agreed when a recovery poll was started last; None once a reservation table that was begun since has told of grants."""
+        """`agreed` when the last recovery poll asked; None once a table made since has answered with grants."""
         self.confirmed_epoch = NO_EPOCH
         self.early: PlaceConfirmed | None = None
-        """The witness's newest word under an epoch that was not agreed."""
+        """The witness's newest confirmation under an epoch that was not agreed."""
         self.witness_asked = 0
-        """How often it was asked since it was heard last."""
+        """Questions to the witness since it was last heard."""
         self.content: object = None
-        """What was said last; None when it must be said anew whatever it is."""
+        """The content of the newest request; None before the first one."""
         self.groups: tuple[tuple[str, ...], ...] = ()
         self.unanswered = False
         self.hindered = False
-        """It was answered, and not all was granted."""
+        """Whether the answer did not grant everything."""
         self.tries = 0
         self.turn = 0
-        """By how many replicas it has gone on from the one whose epoch it is."""
+        """Offset of the replica that gets the requests from the epoch's leader."""
         self.said_s = 0.0
         self.repeats_s: dict[int, float] = {}
-        """The first request that said what was said last, and its repetitions -> when: an answer names the one that it answers."""
+        """Number of the first request with the present content, and of its repetitions -> when it was sent. Answers name a number."""
         self.rolled = (NO_EPOCH, 0)
-        """The latest epoch under which it has answered a recovery poll, and the number of its newest answer to one."""
+        """Latest epoch of an answered recovery poll, and the number of the newest answer to one."""
         self.lives = False
-        """The replica knows of something that is held, or wanted."""
+        """Whether the replica knows of places that are held or wanted."""
 
     def note_new_table(self, granted: PlaceGranted) -> None:
-        """A reservation table has answered under an epoch that is agreed. The first one after a recovery poll may count from below what was seen before: that is void."""
+        """Note an answer under the agreed epoch. The first table after a recovery poll may have lower numbers: then `seen` is void."""
         after, (_, answer) = self.rolled_after, self.rolled
         if (
             after is None
@@ -180,12 +180,12 @@ class PlaceRequests:
     """The correspondence of one vehicle with the replicas of all districts.
 
     Args:
-        incarnation: how often the vehicle's agent was started.
+        incarnation: number of starts of the vehicle's agent.
         replicas_of: district -> its replicas, in the order of their turns.
-        sign: signs what it says.
+        sign: signs its requests.
 
     Attributes:
-        round_s: how long an answer takes: two messages and the copies.
+        round_s: estimated time to an answer: two messages and the copying.
     """
 
     def __init__(
@@ -194,26 +194,26 @@ class PlaceRequests:
         self.life = incarnation
         self._sign = sign
         self._mark = b""
-        """That of its key, as it has said last."""
+        """The mark of its key in the newest request."""
         self._replicas_of = replicas_of
         self._life = life
         self._lines: dict[str, _Line] = {}
         self.round_s = FIRST_ROUND_S
         self._lost_frac = 0.0
         self._late = 0
-        """Requests in a row of which the answer came when they had been said again."""
+        """Requests in a row whose answer came after their repetition."""
 
     @property
     def districts(self) -> Iterable[str]:
-        """Those whose replicas know of something that is held, or wanted."""
+        """Districts whose replicas know of places that are held or wanted."""
         return [district for district, line in self._lines.items() if line.lives]
 
     def open(self, district: str) -> None:
-        """Have the leader of a district told at the next occasion, whatever there is to tell."""
+        """Let the next requests include this district, even if nothing is held or wanted there."""
         self._lines.setdefault(district, _Line()).lives = True
 
     def groups(self, district: str) -> tuple[tuple[str, ...], ...]:
-        """What was asked for last."""
+        """The groups of the newest request."""
         line = self._lines.get(district)
         return line.groups if line is not None else ()
 
@@ -229,17 +229,17 @@ class PlaceRequests:
         to: str = "",
         epoch: int = NO_EPOCH,
     ) -> None:
-        """Say how things stand, unless that is known already.
+        """Send a request, unless its content is unchanged.
 
         Args:
-            district: whose replica is to know.
-            holds: what it holds there.
-            groups: what it wants there, one group after the other.
-            state: what all its requests have in common.
-            now_s: the time.
-            anew: also when it is known.
-            to: who has asked; empty for the leader of the table.
-            epoch: under which a recovery poll was started that this answers.
+            district: the district of the request.
+            holds: the places that it holds there.
+            groups: the groups that it wants there, in order.
+            state: the common part of all requests.
+            now_s: the present time.
+            anew: send it also when it is unchanged.
+            to: the replica that has asked; empty for the leader of the table.
+            epoch: of the recovery poll that this answers, if any.
         """
         line = self._lines.get(district)
         if line is None:
@@ -262,10 +262,10 @@ class PlaceRequests:
         state: State,
         now_s: float,
     ) -> None:
-        """The alarm has come: no answer, or one that has not granted all."""
+        """Repeat a request whose alarm has come: it was not answered, or not granted in full."""
         line = self._lines[district]
         if line.missed is not None and line.missed[1].epoch == line.agreed:
-            # Perhaps it was forged: the leader of the table is asked again, too.
+            # The answer may be forged, so the leader is asked again, too.
             line.witness_asked += 1
         elif line.unanswered:
             self._lost_frac += LOSS_GAIN * (1.0 - self._lost_frac)
@@ -299,7 +299,7 @@ class PlaceRequests:
         replicas = self._replicas_of[district]
         line.seq += 1
         lives = bool(holds or groups)
-        # Who runs the recovery poll asks again if this is lost: whoever has nothing there waits for no answer.
+        # A recovery poll asks again if this is lost, so a vehicle with nothing there waits for no answer.
         waits = lives or line.unanswered or not to
         line.unanswered, line.said_s, line.lives = waits, now_s, lives
         line.repeats_s[line.seq] = now_s
@@ -326,7 +326,7 @@ class PlaceRequests:
         if epoch != NO_EPOCH:
             line.rolled = (max(line.rolled[0], epoch), line.seq)
             if epoch > line.epoch:
-                # Nobody but who runs the recovery poll is told an epoch which that one alone has told.
+                # Other replicas are not told this epoch, which only the poll's own replica has reported.
                 said = self._sign(msgspec.structs.replace(request, epoch=line.epoch, key=b"", signature=b""))
         line.request, line.asked_all, line.asks = said, False, state.asks and bool(groups)
         for place in [
@@ -345,15 +345,15 @@ class PlaceRequests:
         self._life.alarm((REQUEST_AGAIN, district), now_s + patience_s)
 
     def keeps(self, agent: str, district: str) -> bool:
-        """Whether an agent is a replica of a district's reservation table: nobody else's word about it counts."""
+        """Whether an agent is a replica of a district's table."""
         return agent in self._replicas_of.get(district, ())
 
     def is_answered(self, granted: PlaceGranted) -> bool:
-        """Whether an answer was given after what was said last had come."""
+        """Whether an answer refers to the present content of the requests."""
         return granted.upto >= self._lines[granted.district].since
 
     def is_anothers(self, sender: str, granted: PlaceGranted) -> bool:
-        """Whether a replica answers a request of this life that was never said: somebody else speaks under its name. Its next request outbids that one."""
+        """Whether an answer is to a request of this life that was never sent: an impostor's. The next request gets a higher number."""
         replicas = self._replicas_of.get(granted.district, ())
         line = self._lines.get(granted.district)
         said = line.seq if line is not None else 0
@@ -365,7 +365,7 @@ class PlaceRequests:
         return True
 
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> tuple[str, ...] | None:
-        """What an answer grants that was not seen before; None when it is not to be believed."""
+        """The newly granted places of an answer; None when the answer is not accepted, or not yet."""
         replicas = self._replicas_of.get(granted.district, ())
         if granted.life != self.life or not replicas or replicas[granted.epoch % len(replicas)] != sender:
             return None
@@ -406,7 +406,7 @@ class PlaceRequests:
         return fresh
 
     def on_confirmed(self, sender: str, confirmed: PlaceConfirmed) -> bool:
-        """The witness of a reservation table has told what it has copied; False when it is not to be believed."""
+        """Note the witness's confirmation of the lines that it has copied; False when it is refused."""
         replicas = self._replicas_of.get(confirmed.district, ())
         if not replicas or _witness(replicas, confirmed.epoch) != sender:
             return False
@@ -424,7 +424,7 @@ class PlaceRequests:
         line.confirmed = {one.place: one.number for one in confirmed.grants if one.mark == self._mark}
 
     def _is_confirmed(self, line: _Line, granted: PlaceGranted) -> bool:
-        """Whether the witness has all that is news to the vehicle, or does not answer."""
+        """Whether the witness has confirmed all new lines of an answer, or is silent."""
         replicas = self._replicas_of[granted.district]
         if len(replicas) == 1 or line.witness_asked > WITNESS_ASKED:
             return True
@@ -439,27 +439,27 @@ class PlaceRequests:
         )
 
     def _is_meant(self, granted: PlaceGranted) -> bool:
-        """Whether it is no answer to somebody else who speaks under its name, with another key."""
+        """Whether an answer is for this vehicle's key, and not for another key under its name."""
         return not granted.mark or granted.mark == (self._mark or UNSIGNED)
 
     def count_as_said(
         self, district: str, holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], state: State
     ) -> None:
-        """The vehicle has taken all that it was granted: the replica knows what it holds without being told."""
+        """Count this content as sent: the vehicle has taken all its grants, so the replica knows what it holds."""
         line = self._lines[district]
         line.content, line.groups, line.lives = _content(holds, groups, state), groups, bool(holds or groups)
 
     def on_holds_asked(self, sender: str, asked: HoldsAsked) -> bool:
-        """Somebody else keeps the table; True when it is to be told."""
+        """A replica asks what the vehicle holds; True when it must be answered."""
         if not self.keeps(sender, asked.district):
             return False
         line = self._lines.setdefault(asked.district, _Line())
         if asked.recovery_poll:
-            # Who calls it is alone with its epoch. It is answered under that one (`say`), for it counts no other; what is told is no grant, and
-            # from now on no earlier one counts.
+            # Only the poll's replica reports this epoch. It accepts no other, so the answer carries it (`say`). An answer is no
+            # grant. From now on, grants under earlier epochs are refused.
             line.words[sender] = max(line.words.get(sender, 0), asked.epoch)
             line.rolled_after = line.agreed
-            # Nor can it be so far that nobody else leads ever after: who leads begins a later one when it is told.
+            # The raise is limited, so that others can lead again: a leader that hears of a later epoch begins a still later one.
             line.epoch, line.turn = max(line.epoch, min(asked.epoch, line.agreed + OUTBID_MAX)), 0
             return True
         if asked.epoch < line.epoch:
@@ -468,14 +468,14 @@ class PlaceRequests:
             if line.lives or line.unanswered:
                 self._say_to_all(line, "")
                 return False
-            # A copy misses the word by which something was given back, and nobody else may ask for that.
+            # Only a replica whose copy misses a release may ask under such an epoch, and not the epoch's leader.
             replicas = self._replicas_of[asked.district]
             return replicas[asked.epoch % len(replicas)] != sender
         line.epoch, line.turn = asked.epoch, 0
         return not line.asked_all
 
     def take_missed(self, district: str) -> tuple[str, PlaceGranted] | None:
-        """An answer that can be believed now, and by whom it was given: a majority have told its epoch, and the witness has it. None for none."""
+        """A missed answer, with its sender, that is agreed and confirmed by now; None for none."""
         line = self._lines.get(district)
         if line is None or line.missed is None or line.missed[1].epoch != line.agreed:
             return None
@@ -485,7 +485,7 @@ class PlaceRequests:
         return missed
 
     def _is_agreed(self, line: _Line, sender: str, district: str, epoch: int) -> bool:
-        """Whether a replica tells an epoch that a majority have told."""
+        """Note an epoch that a replica reports; whether it is the one that a majority have reported."""
         if epoch > line.agreed:
             line.words[sender] = max(line.words.get(sender, 0), epoch)
             alike = sum(word == epoch for word in line.words.values())
@@ -494,7 +494,7 @@ class PlaceRequests:
         return epoch == line.agreed
 
     def _say_to_all(self, line: _Line, but: str) -> None:
-        """Say once more to all replicas what was said last: those who do not keep the table tell under which epoch it is kept."""
+        """Send the newest request to all other replicas, once: those that keep copies answer with the table's epoch."""
         if line.asked_all or line.request is None:
             return
         line.asked_all = True
@@ -504,19 +504,19 @@ class PlaceRequests:
 
 
 def _witness(replicas: Sequence[str], epoch: int) -> str:
-    """Whose word about what a reservation table grants is asked for, beside that of the one who keeps it."""
+    """The replica that confirms the leader's grants under an epoch."""
     return replicas[(epoch + 1) % len(replicas)]
 
 
 def _is_over(line: _Line, granted: PlaceGranted) -> bool:
-    """Whether an answer is of an earlier epoch; or it was on its way when the vehicle told in a recovery poll that it does not hold this."""
+    """Whether an answer is of an earlier epoch, or was sent before the vehicle's answer to a recovery poll."""
     rolled, answer = line.rolled
     is_overtaken = granted.epoch < rolled and granted.upto < answer
     return granted.epoch < line.epoch or (is_overtaken and bool(granted.grants))
 
 
 def _content(holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], state: State) -> object:
-    """What of a request is news: for whom one waits, and since when, only with something wanted; where to make room only when it stands."""
+    """The part of a request whose change is news: the rank only while it wants places, and where to make room only while it stands."""
     if not groups:
         return holds, groups, state.docked and bool(holds)
     if not state.stands:

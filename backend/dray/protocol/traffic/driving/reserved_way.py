@@ -1,4 +1,4 @@
-"""The way of a vehicle as it holds it: what lies behind it and is not clear yet, what is granted, and what it would like next."""
+"""The reserved way of a vehicle: the places behind it that it has not cleared yet, the granted ones, and those it wants next."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Iterable, Sequence
 from dray.protocol.traffic.places import STILL_M, Places
 
 NOT_ON_THIS_WAY = 2**31
-"""Instead of the index of a node, where a place is held for another reason."""
+"""Index for a place that is held, but not needed for this way."""
 
 SHORTEN_AT = 64
-"""Nodes that are kept behind the vehicle at most."""
+"""Maximum nodes kept behind the vehicle."""
 
 
 class ReservedWay:
-    """Nodes of a way with the places that they need. The base, once granted, is only ever driven, never taken back.
+    """Nodes of a way with the places that they need. The base, once granted, is always driven and never taken back.
 
     Args:
-        places: what each lane needs.
+        places: the places that each lane needs.
         node: where the vehicle stands, or the last node that it has passed.
         next_node: the end of the lane that it is on; empty when it stands.
 
@@ -32,7 +32,7 @@ class ReservedWay:
         self._passed = 0
         self._base = 0
         self._forgotten = 0
-        """Nodes that were passed and are not kept any more."""
+        """Number of passed nodes that are not kept any more."""
         self._past_m = 0.0
         self.held: dict[str, int] = {places.place_of(node): 0}
         if next_node and next_node != node:
@@ -41,19 +41,19 @@ class ReservedWay:
             self.held.update(dict.fromkeys(places.needs(node, next_node), 1))
 
     def again(self, node: str, next_node: str) -> ReservedWay:
-        """A way that begins where the vehicle is now; nodes are counted on. What was held is kept (`keep`)."""
+        """A way that begins at the vehicle's present position; node numbers continue, and held places are kept (`keep`)."""
         way = ReservedWay(self._places, node, next_node)
         way._forgotten = self.passed
         way.keep(self.held)
         return way
 
     def keep(self, places: Iterable[str]) -> None:
-        """Hold more than the way needs: the body may still drive there on a way that it was given before."""
+        """Hold places beyond the way: the body may still drive there on an earlier way."""
         for place in places:
             self.held.setdefault(place, NOT_ON_THIS_WAY)
 
     def let_go(self) -> bool:
-        """The body drives this way: give back what was kept beyond it; True when there was something."""
+        """Give back the places beyond the way, since the body drives this way now; True when there were any."""
         gone = [place for place, index in self.held.items() if index >= NOT_ON_THIS_WAY]
         for place in gone:
             del self.held[place]
@@ -78,7 +78,7 @@ class ReservedWay:
 
     @property
     def stands(self) -> bool:
-        """Whether there is nothing ahead that it may drive to."""
+        """Whether the base is driven to its end."""
         return self._passed >= self._base
 
     @property
@@ -98,7 +98,7 @@ class ReservedWay:
 
     @property
     def base_left_m(self) -> float:
-        """From the vehicle to the end of its base."""
+        """Distance from the vehicle to the end of its base."""
         return max(self._at_m[self._base] - self._at_m[self._passed] - self._past_m, 0.0)
 
     @property
@@ -108,7 +108,7 @@ class ReservedWay:
 
     @property
     def passed(self) -> int:
-        """How many nodes were passed so far: the number of `node`; the one after it has the next."""
+        """The number of `node`, which is the count of nodes passed so far; the next node has the next number."""
         return self._forgotten + self._passed
 
     # --- what happens ----------------------------------------------------------------------------
@@ -121,7 +121,7 @@ class ReservedWay:
             self._nodes.append(node)
 
     def groups(self, within_m: float) -> list[tuple[str, ...]]:
-        """The places of the groups after the base that begin nearer than this; all in the district of the first one."""
+        """The places of the groups after the base that begin within this distance, as far as they lie in one district."""
         wanted: list[tuple[str, ...]] = []
         end, district = self._base, ""
         here_m = self._at_m[self._passed] + self._past_m
@@ -136,7 +136,7 @@ class ReservedWay:
         return wanted
 
     def take(self, granted: Iterable[str]) -> bool:
-        """Hold what was granted, as far as it continues the base, group by group; True when there was something."""
+        """Extend the base by every next group that is granted or held in full; True when it has grown."""
         got = {*granted, *self.held}
         before = self._base
         while self._base + 1 < len(self._nodes):
@@ -150,31 +150,31 @@ class ReservedWay:
         return self._base > before
 
     def take_next(self) -> None:
-        """Hold what the next node needs, whatever else is taken with it."""
+        """Extend the base by the next node alone, even if its group has more."""
         here, self._base = self._nodes[self._base], self._base + 1
         for place in self._places.needs(here, self._nodes[self._base]):
             self.held[place] = self._base
 
     def pass_next(self) -> None:
-        """The next node of the base was reached."""
+        """The vehicle has reached the next node of the base."""
         self._passed += 1
         self._past_m = 0.0
         if self._passed > SHORTEN_AT:
             self._shorten()
 
     def move(self, past_m: float) -> None:
-        """The vehicle is so far past its last node."""
+        """Set how far the vehicle is past its last node."""
         self._past_m = past_m
 
     def give_back(self) -> bool:
-        """Give back what the vehicle is clear of; True when there was something."""
+        """Give back the places that the vehicle has cleared; True when there were any."""
         gone = [place for place, index in self.held.items() if self._clear_in_m(place, index) <= STILL_M]
         for place in gone:
             del self.held[place]
         return bool(gone)
 
     def next_clear_m(self) -> float | None:
-        """How far the vehicle has to drive until it is clear of something; None when there is nothing behind it."""
+        """Distance to drive until the vehicle is clear of a place; None when it clears none on its base."""
         gaps_m = [
             gap_m
             for place, index in self.held.items()
@@ -191,19 +191,19 @@ class ReservedWay:
         return tuple(dict.fromkeys(place for here, there in lanes for place in needs(here, there)))
 
     def _clear_in_m(self, place: str, index: int) -> float:
-        """How far the vehicle has to drive until it is clear of a place; infinite when it does not get clear of it yet."""
+        """Distance to drive until the vehicle is clear of a place; infinite for places ahead, or when the base ends before that."""
         if index > self._passed:
             return float("inf")
         here_m = self._at_m[self._passed] + self._past_m
         node = self._nodes[index]
-        if place != node:  # A crossing is clear where the next one may be waited for, docks included.
+        if place != node:  # A crossing is clear at the next node where a vehicle may stop, docks included.
             return self._at_m[index] - here_m if self._places.may_stop(node) else float("inf")
         if index >= self._base:
             return float("inf")
         return self._at_m[index] + self._places.clear_m(node, self._nodes[index + 1]) - here_m
 
     def _shorten(self) -> None:
-        """Forget nodes that were passed and are clear."""
+        """Forget nodes that are passed and clear."""
         first = min((self._passed, *self.held.values()))
         del self._nodes[:first], self._at_m[:first]
         self._forgotten += first

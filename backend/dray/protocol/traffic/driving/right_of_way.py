@@ -1,8 +1,8 @@
-"""The vehicle's side of right of way: it drives only into what it holds, and decides itself when to make room.
+"""The vehicle's side of right of way: it drives only into places that it holds, and decides itself when to make room.
 
-What it holds ahead it will drive: a base is never taken back, so whoever stands holds the one place where it stands. It asks for
-what it needs so early that it need not brake, and gives back what it is clear of. Whoever owns this says where to go (`go`),
-carries out its instructions to the body, and tells where the vehicle is (`sense`) whenever it is woken.
+A base is always driven and never taken back, so a standing vehicle holds only the place where it stands. It requests places early
+enough not to brake, and gives them back when it is clear of them. The owner of this object sets the goal (`go`) and carries out
+its instructions to the body. Whenever it is woken, it first reports the vehicle's position (`sense`).
 """
 
 from __future__ import annotations
@@ -42,60 +42,60 @@ HELD_UP = "held up"
 RESTED = "rested"
 
 REROUTE_S, REROUTE_MORE_S = 3.0, 2.0
-"""Held up for so long, a vehicle looks for another way; the second part follows from its name."""
+"""Time held up before a vehicle looks for another way; a share of the second part, by its name, is added."""
 
 AGES_EVERY_S, AGES_BY_S = 30.0, 240.0
-"""Who has been held up for so long counts as so much longer on its leg: else one that stands where many pass waits for all that have
-begun before it."""
+"""Every 30 s held up add 240 s to the age of a vehicle's leg. Otherwise a vehicle where many pass waits for all that began their
+legs before it."""
 
 SHUT_OUT_S = 30.0
-"""Whoever has waited so long for a silent vehicle counts on no way that leads past it: most that were switched off for a moment are back."""
+"""Wait for a silent vehicle after which the way past it counts as closed; most that were switched off briefly are back by then."""
 
 WITH_TASK, IDLE, RESTING = 0, 1, 2
-"""Classes of rank. Who rests makes room for everybody who drives: else one that has rested for long would be in the way of those who begin
-to look for a place to rest."""
+"""Classes of rank. A resting vehicle makes room for all driving ones. Otherwise one that has rested for long would block vehicles
+that begin to look for a place to rest."""
 
 
 class Errand(Enum):
-    """Why the vehicle drives where it drives."""
+    """The purpose of the vehicle's present drive."""
 
     OWN = "own"
-    """To where it was told to go."""
+    """To its own goal."""
     REFUGE = "refuge"
-    """Out of somebody's way."""
+    """Out of another vehicle's way."""
     REST = "rest"
-    """It stands at a refuge for a while."""
+    """A rest at a refuge."""
 
 
 class ShutOut(msgspec.Struct, frozen=True):
-    """A silent vehicle holds what another one needs, and no way leads round it."""
+    """A vehicle is shut out: a silent vehicle holds a place that it needs, and no way leads round it."""
 
     by: str
     """The silent vehicle."""
     lanes: tuple[Ends, ...]
-    """Those that lead into the place that it holds; first the one on which the other one would come."""
+    """Lanes into the place that it holds, beginning with the one on the way of the shut-out vehicle."""
     waited_s: float
-    """How long the other one has waited for it."""
+    """How long the shut-out vehicle has waited."""
 
 
 class RightOfWay:
-    """One vehicle's right of way: its requests for places, and what follows from the answers for its body.
+    """One vehicle's right of way: its requests for places, and the instructions to its body that follow from the answers.
 
     Args:
         atv: the vehicle.
-        incarnation: how often its agent was started.
+        incarnation: number of starts of its agent.
         places, ways: of the plant.
-        surroundings: what is known of others.
+        surroundings: its knowledge of other vehicles.
         node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.
         top_mps, acceleration_mps2: of the vehicle.
         next_order: numbers ways.
-        restrictions: what people have closed or made slow, as far as the vehicle knows now.
-        obstructed: lanes on which something lies, likewise.
-        sign: signs what it says to replicas of reservation tables.
+        restrictions: returns what people have closed or made slow, as far as the vehicle knows.
+        obstructed: returns the lanes with an obstacle, likewise.
+        sign: signs its requests.
 
     Attributes:
-        is_denied: it was driving when it heard that it had been carried away: it drives on what is not its own.
-        is_doubled: it has just heard an answer to what it has not said: what it holds may have been given back in its name.
+        is_denied: it was driving when it learned of its removal, and so drives on places that it does not hold.
+        is_doubled: it got an answer to a request it never sent: an impostor may have given its places back.
     """
 
     is_denied = False
@@ -126,11 +126,11 @@ class RightOfWay:
         self.goal = next_node or node
         self.docked = False
         self.stuck = False
-        """It cannot move until a person has seen to it: it asks for nothing, and is asked in vain."""
+        """Whether it cannot move until a person helps: then it requests nothing, and does not make room."""
         self._obeys = True
-        """The body was seen to drive the way that it was given last: it goes nowhere else. Until then what was held before is kept."""
+        """Whether the body was seen to drive its newest way. Until then all places held before are kept."""
         self._rests = True
-        """It was told no goal: wherever it stands is as good."""
+        """Whether it has no goal of its own, so that any place to stand will do."""
         self._places = places
         self._ways = ways
         self._life = life
@@ -145,50 +145,50 @@ class RightOfWay:
         self._held_up_s: float | None = None
         """Since when it stands and waits for its next group."""
         self._aged_s = 0.0
-        """When that has made it more urgent last."""
+        """When this wait last made it more urgent."""
         self.waited_at_goal_s = 0.0
-        """How long it has stood on this leg for nothing but the goal itself: for whoever was at the dock before it."""
+        """Time on this leg for which it stood only because its goal, such as a dock, was held."""
         self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
-        """Why it was not granted that, who is in the way and where, as the table has told last."""
+        """Why its next group was not granted, the vehicle in the way, and the place, by the table's newest answer."""
         self._silent_since_s = 0.0
-        """Since when that is a silent vehicle, where it is one."""
+        """Since when a silent vehicle is in the way, if one is."""
         self.removal = 0
-        """The newest time that it was carried away, as far as it knows: what it was granted before is void."""
+        """Number of its newest known removal: earlier grants are void."""
         self._asked = set(self.way.held)
-        """Places where the body is, or is about to be, and that no reservation table has told to be its own yet: it drives nowhere before."""
+        """Places where the body is, or is about to be, that no table has granted yet: it does not drive before."""
 
     # --- how things stand ------------------------------------------------------------------------
 
     @property
     def stands(self) -> bool:
-        """Whether it may not drive anywhere: it stands, or has come to its last place."""
+        """Whether it has driven its base to the end."""
         return self.way.stands
 
     @property
     def is_finishing(self) -> bool:
-        """Whether the body was told to end its way, and has not said that it has."""
+        """Whether the body was told to end its way, and has not reported that yet."""
         return self._wheels.is_finishing
 
     @property
     def holds(self) -> tuple[str, ...]:
-        """The places that are its own."""
+        """The places that it holds by a grant."""
         return tuple(place for place in self.way.held if place not in self._asked)
 
     @property
     def is_placed(self) -> bool:
-        """Whether the places where it is are its own; else it asks for them."""
+        """Whether it holds the places where it is; otherwise it requests them."""
         return not self._asked
 
     def knows(self, order: int) -> bool:
-        """Whether the body was given a way of this number lately."""
+        """Whether this order is one of the body's newest ways."""
         return self._wheels.knows(order)
 
     @property
     def own_rank(self) -> Rank:
-        """Its rank, without what it has inherited.
+        """Its rank without inheritance.
 
-        Who waits for a silent vehicle goes behind all that have a task: it may wait for ever, and must not stand in their way meanwhile.
-        Nobody is more urgent than one that asks for where it stands.
+        A vehicle that waits for a silent one is less urgent than all with a task: it may wait for ever and must not be in their way.
+        A vehicle that requests the place where it stands is the most urgent.
         """
         if self._asked:
             return (WITH_TASK, FIRST_S, self.atv)
@@ -197,24 +197,24 @@ class RightOfWay:
         return self._rank
 
     def rank(self, now_s: float) -> Rank:
-        """Its rank, or the one of whom it makes room for."""
+        """Its own rank, or the inherited one if that is more urgent."""
         rank = self.own_rank
         inherited = self._yielding.of(now_s)
         return rank if inherited is None else min(rank, inherited.rank)
 
     @property
     def is_hindered(self) -> bool:
-        """Whether it waits for a place, or makes room for somebody: it does not come nearer to its goal, and cannot help it."""
+        """Whether it waits for a place or makes room, and so comes no nearer to its goal."""
         return self._held_up_s is not None or self.errand is not Errand.OWN
 
     @property
     def waits_for(self) -> str:
-        """Who holds what it needs, or goes first; empty where it waits for nobody, or does not know."""
+        """The vehicle that holds its next place, or goes first; empty when it waits for none, or does not know."""
         return self._blocked_by if self._held_up_s is not None else ""
 
     @property
     def waits_at(self) -> str:
-        """The place that it needs and another one has; empty where it waits for none, or does not know."""
+        """The place for which it waits; empty when it waits for none, or does not know."""
         return self._blocked_at if self._held_up_s is not None else ""
 
     @property
@@ -223,7 +223,7 @@ class RightOfWay:
         return self._held_up_s
 
     def shut_out(self, now_s: float) -> ShutOut | None:
-        """Who is silent and has kept it from its goal for `SHUT_OUT_S`, with no way round; None for nobody."""
+        """The silent vehicle for which it has waited `SHUT_OUT_S`, with no way round; None when there is none."""
         since_s, at = self._held_up_s, self._blocked_at
         if since_s is None or self._blocked is not Blocked.SILENT or not self.is_placed:
             return None
@@ -238,7 +238,7 @@ class RightOfWay:
         return ShutOut(self._blocked_by, tuple(lanes), waited_s)
 
     def shut_out_by(self, by: str, holds: Collection[str]) -> ShutOut | None:
-        """A vehicle that stands until a person has seen to it holds these places: what it is in the way of; None for nothing of this vehicle's."""
+        """How a stuck vehicle that holds these places shuts this one out; None when its way does not need them."""
         for lane in pairwise((self.way.base_end, *self.way.beyond)):
             for place in self._places.needs(*lane):
                 if place in holds:
@@ -251,7 +251,7 @@ class RightOfWay:
         return self.errand is Errand.OWN and self.way.stands and self.way.node == self.goal
 
     def hint(self, now_s: float) -> Seen:
-        """What others are told with a heartbeat."""
+        """The traffic fields of its heartbeat."""
         return Seen(
             at_s=now_s,
             holds=self.holds,
@@ -261,21 +261,20 @@ class RightOfWay:
             route=(self.way.node, *self.way.ahead)[:ROUTE_MAX],
         )
 
-    # --- what its owner tells --------------------------------------------------------------------
+    # --- calls by its owner ----------------------------------------------------------------------
 
     def start(self, now_s: float) -> None:
-        """Tell the tables where it stands: those, too, that may know more of an earlier life."""
+        """Report to the tables where it stands; after a restart, to all of them, as any may know of an earlier life."""
         for district in self._places.replicas_of if self.requests.life > 1 else ():
             self.requests.open(district)
         self._settle(now_s, anew=True)
 
     def take_control(self, now_s: float, *, drives_beyond: bool) -> None:
-        """The body may follow a way that it was given in an earlier life, or has lost its way: let it go to the end of the base.
+        """Make the body drive to the end of the base: it may follow a way of an earlier life, or have lost its way.
 
         Args:
-            now_s: when.
-            drives_beyond: it may be beyond that end already when it hears of this: what was held before is held until it has
-                been seen to obey.
+            now_s: the present time.
+            drives_beyond: the body may pass that end before it gets the instruction; all places are held until it is seen to obey.
         """
         self._wheels.forget()
         self._obeys = not drives_beyond
@@ -296,14 +295,14 @@ class RightOfWay:
         speed_mps: float,
         drives_beyond: bool = False,
     ) -> None:
-        """The body has lost its way, or was carried to another place: go on from where it is.
+        """Continue from the body's present position: it has lost its way, or was carried elsewhere.
 
         Args:
             node: where it stands, or the last node that it has passed.
             next_node: the end of the lane that it is on; `node` when it stands there.
-            now_s: when.
-            past_m: how far it is past `node`.
-            speed_mps: how fast.
+            now_s: the present time.
+            past_m: its distance past `node`.
+            speed_mps: its speed.
             drives_beyond: see `take_control`.
         """
         own = self.holds
@@ -320,7 +319,7 @@ class RightOfWay:
         self._settle(now_s, anew=True)
 
     def leads_round(self, node: str, now_s: float) -> bool:
-        """Whether nothing is known to lie on the way that it would take to its goal from a node."""
+        """Whether its way from a node to its goal has no known obstacle."""
         prices = self._outlook.prices(now_s)
         way = self._ways.way(node, self.goal, prices)
         return way is not None and prices.obstructed.isdisjoint(pairwise(way))
@@ -343,18 +342,18 @@ class RightOfWay:
         return True
 
     def dock(self, now_s: float) -> None:
-        """Stay where it stands until there is another goal: nobody is to ask for room meanwhile."""
+        """Stay where it stands until the next goal, without making room."""
         self.docked = True
         self._settle(now_s)
 
     def rest(self, now_s: float) -> None:
-        """There is nothing to do: make room for everybody."""
+        """Rest without a goal, and make room for all others."""
         self.docked, self._rests = False, True
         self._rank = (RESTING, now_s, self.atv)
         self._settle(now_s)
 
     def on_passed(self, now_s: float) -> None:
-        """The next node of the base was reached."""
+        """The vehicle has reached the next node of the base."""
         self.way.pass_next()
         if self.way.stands:
             self._speed_mps = 0.0
@@ -375,24 +374,24 @@ class RightOfWay:
             self._settle(now_s)
 
     def be_stuck(self, stuck: bool, now_s: float) -> None:
-        """It cannot move until a person has seen to it, or can again."""
+        """Note whether it cannot move until a person helps."""
         if stuck is not self.stuck:
             self.stuck = stuck
             self._settle(now_s)
 
     def sense(self, past_m: float, speed_mps: float) -> None:
-        """The vehicle is so far past its last node, at this speed; told before anything else of the same moment."""
+        """Note its distance past the last node and its speed, before any other call at the same moment."""
         self._speed_mps = speed_mps
         self.way.move(past_m)
 
     def look(self, now_s: float) -> None:
-        """The alarm `LOOK` has come: its owner has told before where the vehicle is."""
+        """The alarm `LOOK` has come; the owner has called `sense` before."""
         self._settle(now_s)
 
     # --- messages --------------------------------------------------------------------------------
 
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> None:
-        """A replica has answered, or grants something."""
+        """Handle a replica's answer or grant."""
         if self.requests.is_anothers(sender, granted):
             self.is_doubled, self._asked = True, set(self.way.held)
             self._settle(now_s, anew=True)
@@ -424,13 +423,13 @@ class RightOfWay:
         self._settle(now_s, anew_in=granted.district if unwanted else "")
 
     def on_confirmed(self, sender: str, confirmed: PlaceConfirmed, now_s: float) -> None:
-        """The witness of a reservation table has told what it has copied."""
+        """Handle a witness's confirmation."""
         if not self.requests.on_confirmed(sender, confirmed):
             self._life.ignore("what is confirmed by somebody who is not to confirm it")
         self._take_missed(confirmed.district, now_s)
 
     def repeat_request(self, district: str, now_s: float) -> None:
-        """No answer has come from a district."""
+        """Repeat the request to a district, whose alarm has come."""
         groups = self._groups_in(district, self._groups())
         self.requests.repeat(district, self._holds_in(district), groups, self._state(now_s), now_s)
         self._take_missed(district, now_s)
@@ -442,7 +441,7 @@ class RightOfWay:
         return missed is not None
 
     def on_silence_told(self, now_s: float) -> None:
-        """A replica has told of silent vehicles: whoever would come to one looks for another way, once on each leg."""
+        """A replica has reported silent vehicles: look for another way, once on each leg for each place of theirs."""
         if self.errand is not Errand.OWN or self.docked or self.way.base_end == self.way.goal:
             return
         ahead = (self.way.base_end, *self.way.beyond)
@@ -457,12 +456,12 @@ class RightOfWay:
             self._settle(now_s)
 
     def on_yield_asked(self, sender: str, asked: YieldAsked, now_s: float) -> None:
-        """Somebody wants to come by."""
+        """Make room for a more urgent vehicle, or refuse."""
         if not self.requests.keeps(sender, asked.district):
             self._life.ignore("asked to make room by somebody who does not keep that table")
             return
         if not self._holds_in(asked.district):
-            # The table is wrong about this vehicle: tell it.
+            # The table is wrong about this vehicle: correct it.
             self._settle(now_s, anew_in=asked.district)
             return
         if not self._can_yield or asked.waiting == self.atv or self.atv in asked.chain:
@@ -475,7 +474,7 @@ class RightOfWay:
         own = (self.way.node, *self.way.ahead)
         chain = (asked.waiting, *asked.chain)
         way = self._refuge(asked.avoid, chain, asked.rank, now_s)
-        # Who has nowhere to go inherits, too: it comes out with the rank of the one who makes room for it.
+        # A vehicle without a refuge inherits, too: it comes out with the rank of the one that makes room for it.
         self._yielding.inherit(asked, now_s)
         if way is None:
             self._yielding.refuse(asked.waiting, own[:ROUTE_MAX], self.way.held, now_s)
@@ -484,7 +483,7 @@ class RightOfWay:
             self._leave_for(way, now_s)
 
     def on_yield_refused(self, sender: str, refused: YieldRefused, now_s: float) -> None:
-        """Whoever is in the way has nowhere to go."""
+        """The vehicle in the way has no refuge: make room itself, or pass the refusal on."""
         if not self._can_yield or self._held_up_s is None or self.errand is Errand.REST:
             return
         inherited = self._yielding.of(now_s)
@@ -498,9 +497,9 @@ class RightOfWay:
             self._yielding.refuse(inherited.pusher, refused.avoid, self.way.held, now_s)
 
     def on_holds_asked(self, sender: str, asked: HoldsAsked, now_s: float) -> None:
-        """Somebody else keeps a reservation table from now on."""
+        """A replica reports its epoch and asks what the vehicle holds."""
         if asked.recovery_poll and not self._obeys:
-            # Where the body goes is not known yet; whoever has not told is asked again.
+            # It is not known yet where the body goes; the poll will ask again.
             return
         is_to_tell = self.requests.on_holds_asked(sender, asked)
         if self._take_missed(asked.district, now_s):
@@ -515,7 +514,7 @@ class RightOfWay:
     # --- alarms ----------------------------------------------------------------------------------
 
     def reroute(self, now_s: float) -> None:
-        """Held up for a while: is there a better way by now?"""
+        """After a while held up, raise the rank and look for a better way."""
         if self._held_up_s is None or self.docked:
             return
         if now_s - max(self._held_up_s, self._aged_s) >= AGES_EVERY_S and self._blocked is Blocked.WAIT:
@@ -530,13 +529,13 @@ class RightOfWay:
             and self._yielding.of(now_s) is None
             and not self._yielding.backtracks
         ):
-            # Nobody asks any more: go on with one's own.
+            # No vehicle asks for room any more: continue to its own goal.
             self._resume(now_s)
         self._life.alarm(HELD_UP, now_s + self._patience_s)
         self._settle(now_s)
 
     def go_on(self, now_s: float) -> None:
-        """Rested at a refuge: go on to where it was going."""
+        """Continue to its own goal after the rest at a refuge."""
         if self.errand is Errand.REST:
             self._resume(now_s)
             self._settle(now_s)
@@ -548,7 +547,7 @@ class RightOfWay:
         return self.way.stands and self.is_placed and not self.docked and not self.stuck
 
     def _begin_anew(self, granted: PlaceGranted) -> None:
-        """A person has said that it was carried away: nothing that it held is its own any more."""
+        """A person has reported its removal: it holds nothing any more, and requests where it stands."""
         self.removal = granted.removal
         told = {reservation.place for reservation in granted.grants}
         district_of = self._places.district_of
@@ -592,19 +591,19 @@ class RightOfWay:
         self._finish_there()
 
     def _finish_there(self) -> None:
-        """It stands at its goal: the body is to know that there is nothing more to drive."""
+        """At its goal, let the body end a way that leads on."""
         if self.has_arrived and self._wheels.has_more(self.way):
             self._life.instruct(self._wheels.finish(self.way))
 
     # --- driving ---------------------------------------------------------------------------------
 
     def _drive_on(self, now_s: float) -> None:
-        """The base has grown: let the body drive it."""
+        """Let the body drive the base, which has grown."""
         self._note_wait(now_s)
         self._life.instruct(self._wheels.drive(self.way, self._speed_mps))
 
     def _note_hindrance(self, granted: PlaceGranted, now_s: float) -> None:
-        """A reservation table has told why it does not grant what is wanted next."""
+        """Note why a table does not grant the next group."""
         groups = self._groups()
         if groups and self._places.district_of[groups[0][0]] == granted.district:
             if self._blocked is not Blocked.SILENT or self._blocked_by != granted.by:
@@ -624,11 +623,11 @@ class RightOfWay:
     # --- requests ----------------------------------------------------------------------------------
 
     def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "") -> None:
-        """Give back what it is clear of, ask for what comes next, and look again in time."""
+        """Give back cleared places, request the next ones, and set the alarm for the next look."""
         self.way.give_back()
         self._asked &= self.way.held.keys()
         if self.way.stands and self.is_placed and self.way.take(()):
-            # Back over a place that it was not clear of yet: no reservation table has to grant it.
+            # The way leads back over a place that it still holds: no table has to grant it.
             self._drive_on(now_s)
         groups = self._groups()
         wanted_in = self._places.district_of[groups[0][0]] if groups else ""
@@ -656,14 +655,14 @@ class RightOfWay:
         self._look_again(now_s)
 
     def _tell(self, asked: HoldsAsked, replica: str, now_s: float) -> None:
-        """Answer a recovery poll: how things stand in one district, and nothing else."""
+        """Answer a recovery poll, with the state in that district only."""
         district, state = asked.district, self._state(now_s)
         groups = self._groups_in(district, self._groups())
         holds = self._holds_in(district)
         self.requests.say(district, holds, groups, state, now_s, anew=True, to=replica, epoch=asked.epoch)
 
     def _is_in_no_hurry(self, now_s: float) -> bool:
-        """Whether it rests at its own place, and nobody has asked it for room: it need not know who is around."""
+        """Whether it rests at its own place and was not asked for room: then it needs no reports of others."""
         return (
             self._rests
             and self.way.stands
@@ -673,7 +672,7 @@ class RightOfWay:
         )
 
     def _groups(self) -> tuple[tuple[str, ...], ...]:
-        """What it wants next: first of all where it is."""
+        """The groups that it wants next; first the places where it is."""
         if self._asked:
             first = next(place for place in self.way.held if place in self._asked)
             return self._asked_in(self._places.district_of[first])
@@ -716,7 +715,7 @@ class RightOfWay:
         )
 
     def _look_again(self, now_s: float) -> None:
-        """Set the alarm for the moment when it may be clear of a place, or needs the next one."""
+        """Set the alarm for when it may be clear of a place, or need the next one."""
         when_s = self._wheels.look_in_s(self.way, self._speed_mps, self.requests.round_s)
         if when_s is None:
             self._life.cancel(LOOK)

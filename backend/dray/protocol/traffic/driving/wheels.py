@@ -1,4 +1,4 @@
-"""From places that are held to instructions for the body, and how early the next ones are needed."""
+"""Instructions for the body, made from the places that are held; and how early the next places are needed."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from dray.plant.restrictions import Restrictions
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
 
 REACTION_S = 0.3
-"""From a grant to the wheels, and back from the wheels to the request."""
+"""Time from a grant to the wheels, and from the wheels to the next request."""
 
 AHEAD_M = 1.0
-"""Asked for earlier than it must be."""
+"""Distance by which places are requested earlier than necessary."""
 
 SOON_S = 0.6
-"""Within this an answer finds the vehicle at the speed at which it has asked, or nearly; later it has got faster meanwhile."""
+"""Round trip up to which the vehicle's speed is nearly unchanged when the answer comes; on longer ones it has accelerated."""
 
 LEAST_LOOK_S = 0.1
-"""Between two looks at where the vehicle is: less than half a metre at the highest speed."""
+"""Shortest time between two looks at the vehicle's position: less than half a metre at top speed."""
 
 ORDERS_KEPT = 4
-"""Reports of older ways than that are late beyond any reason."""
+"""Newest ways whose reports by the body are understood; no link delays a report longer."""
 
 LEAST_GAP_M = 0.15
-"""A gap that shrinks while the vehicle gets faster is looked at again after half of it, and not after less than this."""
+"""Shortest distance after which a gap is looked at again; usually half the gap, since it shrinks while the vehicle accelerates."""
 
 
 class Wheels:
-    """What the body of one vehicle is told.
+    """The instructions to the body of one vehicle.
 
     Args:
         top_mps, acceleration_mps2: of the vehicle.
         next_order: numbers ways.
-        restrictions: which lanes people have made slow, as far as the vehicle knows now.
+        restrictions: returns the lanes that people have made slow, as far as the vehicle knows.
     """
 
     def __init__(
@@ -50,17 +50,17 @@ class Wheels:
         self._restrictions = restrictions
         self._order = 0
         self._driven: tuple[str, ...] = ()
-        """The way as the body knows it."""
+        """The way that the body knows."""
         self.is_finishing = False
-        """The body was told to end its way where it stands, and has not said that it has."""
+        """Whether the body was told to end its way where it stands, and has not reported that yet."""
         self._first: dict[int, int] = {}
-        """Order -> the number of its first node, as the reserved way counts nodes; the newest orders only."""
+        """Order -> the number of its first node, as the reserved way counts nodes; newest orders only."""
 
     def drive(self, way: ReservedWay, speed_mps: float) -> Drive | ReleaseWay:
-        """Drive the base: more of the way that the body knows, or another one from the next node on."""
+        """Drive the base: release more of the way that the body knows, or give another one from the next node on."""
         base, ahead = way.base, way.ahead
         done = len(self._driven) - len(ahead)
-        # By number, too: a way that passes a node twice is like its own end at the first time.
+        # Compare the number, too: a way that passes a node twice may look like its own end at the first pass.
         if self._is_next(way.passed + 1, done) and self._driven[done:] == ahead:
             return ReleaseWay(order=self._order, released=done + len(base))
         stood = speed_mps == 0.0 and way.past_m <= 0.0
@@ -74,18 +74,18 @@ class Wheels:
         )
 
     def _is_next(self, number: int, index: int) -> bool:
-        """Whether a node of the reserved way, by its number, is the one with an index in the way that the body knows."""
+        """Whether node `number` of the reserved way is node `index` of the way that the body knows."""
         return index >= 0 and bool(self._driven) and self._first[self._order] + index == number
 
     def finish(self, way: ReservedWay) -> Drive:
-        """End the way that the body knows where it stands."""
+        """Let the body's way end where the vehicle stands."""
         self._driven = (way.node,)
         self._number(way.passed)
         self.is_finishing = True
         return Drive(order=self._order, nodes=self._driven, released=1)
 
     def has_more(self, way: ReservedWay) -> bool:
-        """Whether the body knows of more to drive than where it stands."""
+        """Whether the way that the body knows leads on from where it stands."""
         return bool(self._driven) and self._first[self._order] + len(self._driven) - 1 > way.passed
 
     def forget(self) -> None:
@@ -93,14 +93,14 @@ class Wheels:
         self._driven, self.is_finishing = (), False
 
     def number_of(self, order: int, index: int) -> int | None:
-        """The number of a node that the body has reached, as the reserved way counts them; None for a way of old."""
+        """The number of a reached node, as the reserved way counts them; None for a way that is too old."""
         if order == self._order:
             self.is_finishing = False
         first = self._first.get(order)
         return None if first is None else first + index
 
     def knows(self, order: int) -> bool:
-        """Whether a way of this number was given lately."""
+        """Whether this order is one of the newest."""
         return order in self._first
 
     def _number(self, first: int) -> None:
@@ -110,14 +110,14 @@ class Wheels:
             del self._first[next(iter(self._first))]
 
     def needs_m(self, speed_mps: float, round_s: float) -> float:
-        """How near the end of the base may be before the next place is asked for: braking, and the way until an answer comes."""
+        """Distance to the base's end at which the next place is requested: the braking distance and that driven until the answer."""
         if round_s > SOON_S:
             speed_mps = min(self._top_mps, speed_mps + self._rate_mps2 * (round_s - SOON_S))
         brake_m = speed_mps * speed_mps / (2.0 * self._rate_mps2)
         return brake_m + speed_mps * (round_s + REACTION_S) + AHEAD_M
 
     def look_in_s(self, way: ReservedWay, speed_mps: float, round_s: float) -> float | None:
-        """When the vehicle may be clear of a place at the earliest, or need the next one; None when it need not be looked at."""
+        """Shortest time (s) until the vehicle is clear of a place, or needs the next one; None when no look is needed."""
         if way.stands:
             return None
         gaps_m = []

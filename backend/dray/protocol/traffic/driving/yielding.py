@@ -1,8 +1,8 @@
-"""Who makes room for whom: priority inheritance with backtracking (Okumura et al., PIBT), for vehicles that take time.
+"""How vehicles make room for each other: priority inheritance with backtracking (Okumura et al., PIBT), in continuous time.
 
-Whoever stands in the way of a more urgent vehicle inherits its rank, until `LAPSE_S` after it was asked last, and drives to a refuge:
-a place off the way of those it makes room for. It asks for its way with the inherited rank, so whoever is in ITS way makes room as well.
-Who finds no refuge says so; then whoever has asked makes room itself, and rests meanwhile.
+A vehicle in the way of a more urgent one inherits its rank, until `LAPSE_S` after the last request, and drives to a refuge: a place
+off the way of those it makes room for. It requests its way with the inherited rank, so vehicles in its own way make room, too.
+A vehicle without a refuge refuses; then the asking vehicle makes room itself, and rests meanwhile.
 """
 
 from __future__ import annotations
@@ -18,47 +18,47 @@ from dray.protocol.traffic.prices import Outlook
 from dray.protocol.traffic.ways import Ways
 
 LAPSE_S = 8.0
-"""A rank that nobody renews for so long is inherited no more: eight requests are lost in a row on no link."""
+"""Time after which an inherited rank lapses unless it is renewed: no link loses eight requests in a row."""
 
 REST_S = 1.0
-"""At a refuge, before going on: the other one has set off by then."""
+"""Rest at a refuge: the other vehicle has set off by then."""
 
 BACKTRACK_S = 6.0
-"""At a refuge that was taken because somebody had nowhere to go: so long it takes him to come out and past."""
+"""Rest at a refuge that was taken because another vehicle had none: the time it needs to come out and past."""
 
 BACKTRACKS_MAX = 4
-"""So often that time is doubled at most, when it was not enough for the same vehicle."""
+"""Maximum doublings of that time, when it was too short for the same vehicle."""
 
 BACKTRACK_MORE_S = 2.0
-"""Added to that by a part that follows from the vehicle's name, so that two do not go on together."""
+"""Largest addition to that time; its share follows from the vehicle's name, so that two do not go on together."""
 
 PATIENCE_S = 4.0
-"""A refuge that was not reached within this is given up for another one."""
+"""Time after which a refuge that was not reached is given up for another one."""
 
 REFUSE_AGAIN_S = 1.0
-"""The same is not refused more often than it is asked for."""
+"""Shortest time between two refusals, as between two requests for room."""
 
 
 class Inherited(msgspec.Struct, frozen=True, gc=False):
-    """The rank of somebody for whom room is made."""
+    """The inherited rank of a vehicle for which room is made."""
 
     rank: Rank
     pusher: str
-    """Who has asked."""
+    """The vehicle that has asked."""
     chain: tuple[str, ...]
-    """Everybody for whom room is made, the first one first, `pusher` last."""
+    """All vehicles for which room is made, `pusher` last."""
     avoid: tuple[str, ...]
-    """Where they want to go."""
+    """The nodes where they want to go."""
     until_s: float
 
 
 class Yielding:
-    """For whom one vehicle makes room, and where it goes meanwhile.
+    """One vehicle's yielding: the rank that it inherits, and its refuge.
 
     Args:
         atv: the vehicle.
         ways: of the plant.
-        outlook: what it knows of others.
+        outlook: its knowledge of traffic.
     """
 
     def __init__(self, atv: str, ways: Ways, outlook: Outlook, life: Life) -> None:
@@ -70,34 +70,34 @@ class Yielding:
         self._refuge_s = 0.0
         """When the present refuge was chosen."""
         self._backtracks = False
-        """It makes room because somebody else has nowhere to go."""
+        """Whether it makes room because another vehicle has no refuge."""
         self._refuser, self._again = "", 0
-        """For whom it did so last on this leg, and how often before."""
+        """The vehicle for which it did so last on this leg, and how often before."""
         self._tried: set[str] = set()
-        """Where it has gone for that on this leg: it was not enough, so it goes elsewhere next."""
+        """The refuges that it took for that on this leg; next it prefers other ones."""
         self._refused_s = -REFUSE_AGAIN_S
 
     # --- ranks -----------------------------------------------------------------------------------
 
     def of(self, now_s: float) -> Inherited | None:
-        """What it has inherited, unless that has lapsed."""
+        """The inherited rank, unless it has lapsed."""
         inherited = self._inherited
         if inherited is not None and inherited.until_s <= now_s:
             self._inherited = inherited = None
         return inherited
 
     def inherit(self, asked: YieldAsked, now_s: float) -> None:
-        """Make room for somebody from now on."""
+        """Inherit the rank of a vehicle that asks for room."""
         chain = (*(atv for atv in asked.chain if atv != asked.waiting), asked.waiting)
         self._inherited = Inherited(
             asked.rank, asked.waiting, chain, asked.avoid[: 2 * ROUTE_MAX], now_s + LAPSE_S
         )
 
     def renew(self, asked: YieldAsked, now_s: float) -> bool:
-        """Somebody asks with the rank that is inherited already; True then.
+        """Renew the inherited rank if a request carries the same one; True then.
 
-        Whoever asks now is the one for whom room is made from now on. Nobody renews the rank of one for whose sake it has it itself:
-        it stands in the chain then, and its request counts for nothing. So a rank that its owner does not renew lapses everywhere.
+        From now on room is made for the asking vehicle. Requests whose chain contains this vehicle do not renew (see the caller),
+        so vehicles cannot renew each other's inherited rank: one that its owner does not renew lapses everywhere.
         """
         inherited = self.of(now_s)
         if inherited is None or inherited.rank != asked.rank:
@@ -106,7 +106,7 @@ class Yielding:
         return True
 
     def stop(self) -> None:
-        """Room was made, or is asked for no more."""
+        """Give the inherited rank up: room was made, or is not needed any more."""
         self._inherited = None
 
     # --- refuges ---------------------------------------------------------------------------------
@@ -123,17 +123,17 @@ class Yielding:
         again: bool,
         refused: bool = False,
     ) -> tuple[str, ...] | None:
-        """The cheapest way out of somebody's way; None when there is none.
+        """The cheapest way to a refuge; None when there is none.
 
         Args:
             here: the node where it stands.
-            goal: where it goes afterwards.
+            goal: the node where it goes afterwards.
             avoid: nodes where it would be in the way again.
-            chain: the vehicles for whom it makes room.
+            chain: the vehicles for which it makes room.
             rank: of the first one of them.
-            now_s: when.
-            again: the one before was not reached: whoever was in the way there drives on itself, if it can.
-            refused: because somebody else has nowhere to go: then not where it has gone for that before, as long as there is more.
+            now_s: the present time.
+            again: the last refuge was not reached; a vehicle in the way there makes room by driving on, if it can.
+            refused: another vehicle has no refuge; prefer refuges that were not tried for that before.
         """
         if refused and self._tried:
             elsewhere = (*avoid, *self._tried)
@@ -153,12 +153,12 @@ class Yielding:
         )
 
     def begin_leg(self) -> None:
-        """It goes somewhere else: what was in the way there counts no more."""
+        """Forget tried refuges and refusals of the leg before."""
         self._refuser, self._again = "", 0
         self._tried.clear()
 
     def leave(self, to: str, now_s: float, *, refuser: str = "") -> None:
-        """It drives to a refuge from now on; because somebody else, the refuser, has nowhere to go, or not."""
+        """Note that it drives to a refuge; `refuser` is the vehicle without a refuge because of which it does, if any."""
         self._refuge_s, self._backtracks = now_s, bool(refuser)
         if refuser:
             self._tried.add(to)
@@ -166,16 +166,16 @@ class Yielding:
             self._refuser = refuser
 
     def is_patient(self, now_s: float) -> bool:
-        """Whether the refuge that was chosen last may still be reached."""
+        """Whether the present refuge is not given up yet."""
         return now_s - self._refuge_s < PATIENCE_S
 
     @property
     def backtracks(self) -> bool:
-        """Whether it makes room because somebody else has nowhere to go."""
+        """Whether it makes room because another vehicle has no refuge."""
         return self._backtracks
 
     def reach_refuge(self) -> float:
-        """Room is made; how long to rest there (s)."""
+        """Note that room is made; the time (s) to rest there."""
         rest_s = REST_S
         if self._backtracks:
             rest_s = BACKTRACK_S * 2.0**self._again + BACKTRACK_MORE_S * spread_frac(self._atv)
@@ -184,7 +184,7 @@ class Yielding:
         return rest_s
 
     def refuse(self, to: str, avoid: tuple[str, ...], holds: Iterable[str], now_s: float) -> None:
-        """Say that there is nowhere to go, not more often than it is asked for."""
+        """Refuse to make room, at most once in `REFUSE_AGAIN_S`."""
         if now_s - self._refused_s >= REFUSE_AGAIN_S:
             self._refused_s = now_s
             self._life.send(to, YieldRefused(avoid=avoid, holds=tuple(holds)))

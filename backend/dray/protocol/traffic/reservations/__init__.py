@@ -1,1 +1,1 @@
-"""Who holds which place: the reservation tables that machines keep."""
+"""The reservation tables that machines keep: which vehicle holds which place."""

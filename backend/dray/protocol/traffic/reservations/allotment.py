@@ -1,4 +1,4 @@
-"""Who is granted what next: the requests of a district, in the order of their ranks, against its table."""
+"""Allotment: grants a district's requests from its table, in the order of their ranks."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from dray.protocol.traffic.reservations.reservation_table import ReservationTabl
 
 
 class Hindrance(msgspec.Struct, frozen=True, gc=False):
-    """Why a vehicle does not get its next group."""
+    """Why a vehicle is not granted its next group."""
 
     blocked: Blocked
     by: str
-    """Who holds a place of it, or goes first."""
+    """The vehicle that holds a place of the group, or goes first; the vehicle itself while its position is unknown."""
     at: str
     """The place."""
     holds: bool
-    """Whether it holds that place; else it only goes first."""
+    """Whether `by` holds that place; otherwise it only goes first."""
 
 
 FREE = Hindrance(Blocked.NO, "", "", holds=False)
@@ -32,26 +32,25 @@ def allot(
     is_silent: Callable[[str], bool],
     is_within_reach: Callable[[str, Sequence[str]], bool],
 ) -> tuple[dict[str, Hindrance], set[str]]:
-    """Grant every group that is free and whose turn it is; the table is changed.
+    """Grant every group that is free and whose turn it is; changes the table.
 
-    A group is granted when all of it is free, and whole. The most urgent vehicle that waits for several places has those of them
-    that are free kept for it, except from vehicles that stand in its own way and from those that wait on a docked one's work: else
-    a row of single places taken behind one another would let it wait for ever.
+    A group is granted as a whole, when all its places are free. While a vehicle waits for a holder, the free places of its group
+    are kept from less urgent vehicles, or it could wait for ever. Vehicles that stand in its way may still take them.
+    Nothing is kept while the holder is docked or silent.
 
     Args:
         table: of the district.
         requests: the newest one of every vehicle.
-        is_silent: whether nobody has heard of a vehicle for a while.
-        is_within_reach: whether a vehicle may have these places, as far as one knows where it is.
+        is_silent: whether a vehicle's heartbeats have stopped.
+        is_within_reach: whether a vehicle may have these places, by its last known position.
 
     Returns:
-        Vehicle -> what keeps it from its next group, for those that are not granted all that they want; and those that were
-        granted something.
+        Vehicle -> hindrance, for vehicles that did not get all that they want; and the vehicles that were granted something.
     """
     hindrances: dict[str, Hindrance] = {}
     granted: set[str] = set()
     kept: dict[str, str] = {}
-    """Place -> for whom it is kept."""
+    """Place -> the vehicle for which it is kept."""
     waiting = [(request.rank, atv, request) for atv, request in requests.items() if request.groups]
     waiting.sort(key=itemgetter(0, 1))
     for _, atv, request in waiting:
@@ -83,7 +82,7 @@ def _hindrance(
     missing: list[str],
     kept: Mapping[str, str],
 ) -> Hindrance | None:
-    """What keeps a vehicle from the places that it misses of a group; None for nothing."""
+    """What keeps a vehicle from the missing places of a group; None for nothing."""
     for place in missing:
         holder = table.holder(place)
         if holder:
@@ -108,5 +107,5 @@ def _hindrance(
 
 
 def _is_in_its_way(table: ReservationTable, first: PlaceRequested, atv: str) -> bool:
-    """Whether a vehicle holds something that a more urgent one waits for: it must be let out."""
+    """Whether a vehicle holds a place that a more urgent one waits for: then it must be let out."""
     return any(table.holder(place) == atv for group in first.groups for place in group)

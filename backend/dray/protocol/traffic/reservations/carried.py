@@ -1,4 +1,4 @@
-"""Vehicles that people carry away and put back, as one reservation table knows of them: what is told of it, and to whom."""
+"""Vehicles that people carry away and put back: what one reservation table reports about them."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from dray.protocol.traffic.reservations.reservation_table import ReservationTabl
 
 
 class Carried:
-    """Of one district.
+    """The carried vehicles of one district.
 
     Attributes:
-        unaware: vehicles that were carried away, and were not heard to know of it.
+        unaware: vehicles that were carried away and have not acknowledged it.
     """
 
     def __init__(self, life: Life) -> None:
         self._life = life
         self._to_tell: list[tuple[int, PlacesFreed]] = []
-        """What was freed, and the version with which that counts."""
+        """Version of the table, and the freed places to report once it counts."""
         self._keeping: dict[str, tuple[int, str]] = {}
-        """Vehicles that are being put back -> number of the removal, and the place that is to be kept."""
+        """Vehicle that is being put back -> number of the removal, and the place to reserve."""
         self._kept: dict[str, tuple[int, str]] = {}
-        """Those whose place is kept, and that was told."""
+        """The same for reserved places that were reported."""
         self.unaware: set[str] = set()
 
     def take_over(self, atvs: Iterable[str]) -> None:
-        """The table was taken over: it names these as carried away."""
+        """Start with a table that was taken over, in which these vehicles are carried away."""
         self._to_tell, self._keeping, self.unaware = [], {}, set(atvs)
 
     def free(self, removal: Removal, places: tuple[str, ...], version: int) -> None:
-        """What a vehicle held is free once this version of the table counts."""
+        """Report a vehicle's places as free once this version of the table counts."""
         self.unaware.add(removal.atv)
         if places:
             freed = PlacesFreed(
@@ -42,19 +42,19 @@ class Carried:
             self._to_tell.append((version, freed))
 
     def is_kept(self, removal: Removal, place: str) -> bool:
-        """Whether that place is kept for the vehicle, and was told."""
+        """Whether that place is reserved for the vehicle, and reported."""
         return self._kept.get(removal.atv) == (removal.number, place)
 
     def keep(self, removal: Removal, place: str) -> None:
-        """Keep a place for a vehicle that is being put back."""
+        """Reserve a place for a vehicle that is being put back."""
         self._keeping[removal.atv] = (removal.number, place)
 
     def is_being_put_back(self, atv: str) -> bool:
-        """Whether a place is asked for in the vehicle's stead."""
+        """Whether a place is requested for the vehicle, and not reserved yet."""
         return atv in self._keeping
 
     def tell(self, table: ReservationTable, counted: int) -> None:
-        """Tell people what was freed and kept, once that counts."""
+        """Report to people the places that were freed and reserved, once that counts."""
         for version, fact in self._to_tell:
             if version <= counted:
                 self._life.record(fact)
@@ -67,12 +67,12 @@ class Carried:
 
 
 def absent(district: str, removal: Removal, place: str, epoch: int) -> PlaceRequested:
-    """What is said in the place of a vehicle that is not on the floor: it wants the place where it is being put back, if any.
+    """A request in the name of a vehicle that is off the floor, for the place where it is being put back, if any.
 
     Args:
         district: of the table.
-        removal: a person's word.
-        place: where it is being put back; empty where that is in no place of the district.
+        removal: the person's report.
+        place: where it is being put back; empty when that is outside the district.
         epoch: of the table.
     """
     return PlaceRequested(

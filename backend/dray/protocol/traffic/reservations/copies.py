@@ -1,20 +1,20 @@
-"""One reservation table, kept by several machines: who may write it, and when what is written counts.
+"""One reservation table, replicated on several machines: which of them may write it, and when its writes count.
 
-Viewstamped replication with a reservation table small enough to be sent whole. Under an *epoch* one replica alone writes, the one whose turn it is;
-it has that epoch from a majority, and learned from them the newest copy that there is. What it writes counts when a majority has it. Whoever
-was left behind by a torn network finds no majority any more: traffic in the district waits, and no place is given twice.
+This is viewstamped replication with a table small enough to be sent whole. Under each *epoch* only one replica, the leader, writes.
+A majority has promised it the epoch and told it the newest copy. A write counts when a majority has it. A replica that a network
+partition cuts off finds no majority: traffic in its district waits, and no place is granted twice.
 
-Nobody takes an epoch by saying so. A replica follows a later one when the leader of the present one begins it, when two others have told the
-same one, or when the leader of the present one does not answer *it* either. So whoever has stolen the certificate of one replica writes over
-none that lives. A replica that waits for the promises of others promises nothing meanwhile: it goes on with the present one when that one answers.
+A claim alone gives no epoch. A replica follows a later epoch in three cases: the present leader begins it, two other replicas report
+it, or the present leader does not answer *this replica* either. So a stolen certificate of one replica cannot displace a living
+leader. A replica that waits for promises gives none itself. It goes on with the present leader when that one answers.
 
-Nor does the one that leads write what it likes: nobody copies a reservation table that takes a place from a vehicle without its word (`witness`), and the
-replica whose turn is next confirms to each vehicle what it has copied. So two replicas would have to lie to give a place twice.
+The leader cannot write anything it likes. Replicas refuse a table that takes a place from a vehicle without its release (`witness`).
+The replica whose turn is next confirms to each vehicle what it has copied. So only two lying replicas could grant a place twice.
 
-A replica that has lost its memory takes no part until it has heard all others, for it may have promised what it does not know. When too
-few remember, the vehicles are asked what they hold (a recovery poll), every one of them. Another one that has lost its memory, too, and
-has heard since that the caller had, takes the caller's reservation table: each vehicle has told under that epoch, and follows no earlier one. It has heard of
-no later one from anybody since, so nobody leads by a promise that it has forgotten.
+A replica that has lost its memory takes no part until all others have answered: it may have forgotten a promise. When too few
+remember, one replica asks all vehicles what they hold (a recovery poll). Another replica without memory takes the resulting table if
+it has learned that the writer had lost its memory, too. Each vehicle has answered under that epoch and follows no earlier one. No
+replica has reported a later epoch since, so none leads by a forgotten promise.
 """
 
 from __future__ import annotations
@@ -48,16 +48,16 @@ from dray.protocol.traffic.reservations.witness import Witness
 from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 
 PATIENT_ROUNDS = 2
-"""So often all others are asked before the answers of a majority are enough: what one has, the other must have, too."""
+"""Rounds of questions to all others before the answers of a majority suffice."""
 
 
 class Kept(msgspec.Struct, frozen=True):
-    """What a replica must not forget between two of its lives."""
+    """What a replica must store across restarts."""
 
     epoch: int = 0
-    """The highest that it has promised, or heard of."""
+    """The highest epoch that it has promised, or follows."""
     kept_epoch: int = 0
-    """Of the one who has written the copy."""
+    """Epoch under which the copy was written."""
     version: int = 0
     reservations: PlaceReservations = ()
     removed: AllRemoved = ()
@@ -70,16 +70,16 @@ class Copies:
         district: whose reservation table.
         me: the replica.
         replicas: all of them, in the order of their turns; `me` is one of them.
-        kept: what an earlier life has left; None when it is lost, or there was none.
+        kept: the copy that an earlier run has stored; None when it is lost, or there was none.
         is_signed: whether a vehicle's request is signed by the key that it names.
 
     Attributes:
-        kept: what must be written down before anything is said.
+        kept: what must be stored before any message is sent.
         leads: whether `me` writes the table under the present epoch.
         counted: the highest version that a majority has.
-        lost: whether it knows nothing yet.
-        refused: tables of the one that leads that were not copied, since one was.
-        needs_recovery_poll: too few remember; `me` is to ask the vehicles.
+        lost: whether it has no memory yet.
+        refused: the leader's tables refused since the last one that was copied.
+        needs_recovery_poll: too few replicas remember; `me` is to ask the vehicles.
     """
 
     def __init__(
@@ -106,29 +106,29 @@ class Copies:
         """Replica -> the version that it has under this epoch."""
         self._witness = Witness(district, is_signed)
         self._given_back: dict[str, tuple[int, PlaceRequested]] = {}
-        """Vehicle -> its word by which lines were struck out while `me` led, and the first version without them. Kept until all have that version."""
+        """Vehicle -> first version without the lines it released while `me` led, and its request; until all have copied that version."""
         self._copied = False
-        """It has copied a reservation table in this life: what is written from then on is examined."""
+        """Whether it has copied a table since its start: later tables are checked against that copy."""
         self._began = 0
         self._elsewhere: TableReported | None = None
-        """What the other copy has told last, while a reservation table is not copied."""
+        """Newest report of a replica other than the leader, since the last table was copied."""
         self._versions: dict[str, int] = {}
-        """Replica -> the highest version that it has told."""
+        """Replica -> the highest version that it has reported."""
         self._told: dict[str, TableReported] = {}
         self._highest = 0
-        """Epoch that anybody has told of."""
+        """The highest epoch that anybody has reported."""
         self._words: dict[str, int] = {}
-        """Replica -> the highest epoch that it has told to be the present one."""
+        """Replica -> the highest epoch that it has reported as the present one."""
         self._sought = 0
-        """The epoch under which `me` asks to keep the table; 0 when it does not."""
+        """The epoch for which `me` seeks promises; 0 when it does not."""
         self._absent: frozenset[str] = frozenset()
-        """Those who are not waited for."""
+        """Replicas that are not waited for."""
         self._rounds = 0
-        """How often the others were asked for their promises."""
+        """How often the others were asked."""
         self._heard: dict[str, int] = {}
-        """While it is lost: replica -> the epoch that it has told of."""
+        """While it is lost: replica -> the highest epoch that it has reported."""
         self._lost_too: set[str] = set()
-        """While it is lost: those that have told that they were."""
+        """While it is lost: replicas that have reported that they are lost, too."""
 
     @property
     def majority(self) -> int:
@@ -145,19 +145,19 @@ class Copies:
     # --- writing ---------------------------------------------------------------------------------
 
     def write(self, version: int, reservations: PlaceReservations, removed: AllRemoved = ()) -> None:
-        """Let everybody have the table as it is now. It counts when `counted` has come to `version`."""
+        """Send the present table to all replicas. It counts when `counted` reaches `version`."""
         self.kept = Kept(self.kept.epoch, self.kept.epoch, version, reservations, removed)
         self._has = {self._me: version, **{k: v for k, v in self._has.items() if k != self._me}}
         self.repeat()
         self._count()
 
     def note_word(self, atv: str, request: PlaceRequested, *, struck: bool) -> None:
-        """A vehicle has said what it holds: those who copy what is written next, or have not copied what was written last, must see that.
+        """Keep a vehicle's request as proof for the replicas that have not copied the resulting table yet.
 
         Args:
             atv: the vehicle.
-            request: its word.
-            struck: lines were struck out of the table by it.
+            request: what it has said that it holds.
+            struck: whether it has struck lines out of the table.
         """
         version, before = self._given_back.get(atv, (0, None))
         if not request.mark or not (struck or self.is_behind):
@@ -166,7 +166,7 @@ class Copies:
             self._given_back[atv] = (max(version, self.kept.version + struck), request)
 
     def repeat(self) -> None:
-        """Say it again to those who have not answered."""
+        """Send the table to the replicas that have not acknowledged it."""
         kept = self.kept
         for other in self._others:
             has = self._has.get(other, -1)
@@ -188,12 +188,12 @@ class Copies:
 
     @property
     def is_behind(self) -> bool:
-        """Whether somebody has not answered for the newest version."""
+        """Whether `me` leads and a replica has not acknowledged the newest version."""
         return self.leads and any(self._has.get(other, -1) < self.kept.version for other in self._others)
 
     @property
     def is_outvoted(self) -> bool:
-        """Whether what `me` writes does not count, and somebody goes by a later epoch, which nobody else has told."""
+        """Whether the newest version of `me` does not count, and a replica follows a later epoch."""
         return (
             self.leads
             and self.counted < self.kept.version
@@ -201,7 +201,7 @@ class Copies:
         )
 
     def on_acknowledged(self, sender: str, kept: TableAcknowledged) -> bool:
-        """A copy was written; True when more counts now."""
+        """A replica has acknowledged a copy; True when a later version counts now."""
         self._note(sender, kept.epoch)
         if kept.epoch > self.kept.epoch:
             if self._follows(sender, kept.epoch, silent=False):
@@ -215,7 +215,7 @@ class Copies:
         return self._count()
 
     def _count(self) -> bool:
-        """How much a majority has."""
+        """Set `counted` to the version that a majority has; True when it has grown."""
         versions = sorted((self._has.get(replica, -1) for replica in self._replicas), reverse=True)
         counted = versions[self.majority - 1]
         if counted <= self.counted:
@@ -226,10 +226,10 @@ class Copies:
     # --- copies ----------------------------------------------------------------------------------
 
     def on_replicated(self, sender: str, replicated: TableReplicated, *, silent: bool) -> bool:
-        """The leader of the table has written.
+        """Copy a table that its leader has written, if it is believed.
 
         Args:
-            sender: who says so.
+            sender: the replica that sent it.
             replicated: the table.
             silent: the leader of the present epoch does not answer `me`.
 
@@ -270,10 +270,10 @@ class Copies:
         return follows
 
     def _objects(self, replicated: TableReplicated) -> bool:
-        """Whether a reservation table cannot be copied, for what was struck out of it; then the other copy is asked, and the vehicles."""
+        """Whether a table must be refused for lines that were struck out; if so, ask the other replica and the vehicles."""
         kept, other = self.kept, self._elsewhere
         if not self._copied or self._turn_of(kept.kept_epoch) != self._turn_of(replicated.epoch):
-            # Another one has kept the table before, and perhaps what was written last did not count.
+            # Another leader wrote the copy, and its last write may never have counted.
             return False
         if other is not None and kept.kept_epoch < other.began <= replicated.epoch:
             # A recovery poll was started since.
@@ -292,32 +292,32 @@ class Copies:
         return True
 
     def on_carried(self, atv: str) -> None:
-        """A person has said that a vehicle was carried away."""
+        """A person has carried a vehicle away."""
         self._witness.on_carried(atv, self.kept.version)
 
     @property
     def is_witness(self) -> bool:
-        """Whether no grant is believed without the word of `me`."""
+        """Whether vehicles need a confirmation by `me` to believe a grant."""
         return not self.lost and not self.leads and self._turn_of(self.kept.epoch + 1) == self._me
 
     def confirm(self, atv: str) -> None:
-        """Tell a vehicle its lines of the copy."""
+        """Confirm to a vehicle its lines of the copy."""
         if not self.is_witness:
             return
         lines = tuple(line for line in self.kept.reservations if line.atv == atv)
         self._life.send(atv, PlaceConfirmed(district=self.district, epoch=self.kept.epoch, grants=lines))
 
     def _confirm_new(self, before: Iterable[PlaceReservation]) -> None:
-        """Tell the vehicles of their new lines."""
+        """Confirm to the vehicles their new lines."""
         if self.is_witness:
             known = set(before)
             for atv in dict.fromkeys(line.atv for line in self.kept.reservations if line not in known):
                 self.confirm(atv)
 
     def _may_join(self, sender: str, replicated: TableReplicated) -> bool:
-        """Whether a lost memory is made good by a reservation table: its writer was lost, too, and all have told of no later epoch since.
+        """Whether a table restores a lost memory: its writer was lost, too, and all others have reported no later epoch since.
 
-        Nor does its writer alone bring the epoch near the end of numbers.
+        Its writer alone cannot raise the epoch near the end of numbers.
         """
         known = max((self._heard.get(other, 0) for other in self._others if other != sender), default=0)
         return (
@@ -335,7 +335,7 @@ class Copies:
         self._words[sender] = max(self._words.get(sender, 0), epoch)
 
     def _follows(self, sender: str, epoch: int, *, silent: bool) -> bool:
-        """Whether a later epoch that one replica tells is believed. It needs two, but where the leader of the present one says so or is silent."""
+        """Whether a later epoch is believed: two replicas report it, or one does, and the present leader is that one or silent."""
         if epoch <= self.kept.epoch:
             return True
         if any(self._words.get(other) == epoch for other in self._others if other != sender):
@@ -344,10 +344,10 @@ class Copies:
         return not leaps and self.leader != self._me and (sender == self.leader or silent)
 
     def seek(self, absent: Collection[str] = ()) -> None:
-        """Ask to keep the table from now on, under the next epoch that is this replica's turn.
+        """Seek the leadership, under the next epoch that is this replica's turn.
 
         Args:
-            absent: who does not answer, and is not waited for.
+            absent: replicas that do not answer, and are not waited for.
         """
         if self.lost:
             return
@@ -357,12 +357,12 @@ class Copies:
         self.ask()
 
     def ask(self) -> None:
-        """Ask those who have not told; harmless when there is nothing to ask."""
+        """Ask the replicas that have not answered; harmless when there is nothing to ask."""
         if not self._sought and not self.lost:
             return
         self._rounds += 1
         if self._sought and self._rounds > 2 * PATIENT_ROUNDS and self._highest > self._sought:
-            # It will have to be a later one.
+            # This epoch is too low: a later one is needed.
             self._sought = 0
             return
         for other in self._others:
@@ -372,19 +372,19 @@ class Copies:
 
     @property
     def asks(self) -> bool:
-        """Whether it waits for what others tell."""
+        """Whether it waits for answers of other replicas."""
         return bool(self._sought) or (self.lost and not self.needs_recovery_poll)
 
     def on_asked(self, sender: str, asked: TableAsked, *, silent: bool) -> bool:
-        """Somebody wants to keep the table, or to know it.
+        """A replica seeks the leadership, or asks for the table: answer with the present state.
 
         Args:
-            sender: who.
-            asked: under which epoch.
+            sender: the replica.
+            asked: the epoch that it seeks.
             silent: the leader of the present one does not answer `me`.
 
         Returns:
-            Whether it is promised what it wants.
+            Whether the epoch is promised to it.
         """
         promises = self._replicas[asked.epoch % len(self._replicas)] == sender and self._follows(
             sender, asked.epoch, silent=silent
@@ -395,12 +395,12 @@ class Copies:
         return promises
 
     def note_highest(self, epoch: int) -> None:
-        """Somebody has told of an epoch: the next turn of `me` is later, but never so much later that others do not follow."""
+        """Note a reported epoch for the next turn of `me`, unless others would not follow because it is too high (`OUTBID_MAX`)."""
         if epoch <= self.kept.epoch + OUTBID_MAX:
             self._highest = max(self._highest, epoch)
 
     def on_reported(self, sender: str, told: TableReported) -> None:
-        """Somebody has answered."""
+        """A replica has answered a question for its table."""
         self.note_highest(told.epoch)
         self._note(sender, told.epoch)
         self._versions[sender] = max(self._versions.get(sender, 0), told.version)
@@ -417,28 +417,28 @@ class Copies:
             if told.lost:
                 self._lost_too.add(sender)
         if self._sought and told.epoch > self._sought:
-            # One that goes by a later epoch promises nothing; the others may.
+            # A replica with a later epoch promises nothing; the others may.
             self._absent |= {sender}
             self._decide()
             return
         if self._sought and (told.lost or told.epoch < self._sought):
-            # Whoever knows nothing gives no promise; an older answer was none to this question.
+            # A lost replica gives no promise, and an older epoch does not answer this question.
             if sender == self.leader and not told.lost:
-                # It lives.
+                # The leader lives.
                 self._sought = 0
             return
         self._told[sender] = told
         self._decide()
 
     def _decide(self) -> None:
-        """Whether enough have told."""
+        """Finish what is sought when enough replicas have answered: lead, recover the memory, or need a recovery poll."""
         if self._sought:
             if len(self._told) + 1 >= self.majority and self._has_heard_enough:
                 self._take_newest((self._telling(), *self._told.values()))
                 self.kept = msgspec.structs.replace(self.kept, epoch=self._sought)
                 self._sought = 0
                 self.leads = True
-                # Words stay true in every epoch, and perhaps somebody has not copied what was written by them.
+                # `_given_back` stays: requests hold in every epoch, and a replica may not have copied their effect yet.
                 self._has = {}
                 self.counted = 0
         elif self.lost and len(self._told) == len(self._others):
@@ -457,12 +457,12 @@ class Copies:
 
     @property
     def _has_heard_enough(self) -> bool:
-        """Whether everybody has told who is waited for."""
+        """Whether every awaited replica has answered, or was asked often enough."""
         silent = set(self._others) - self._told.keys() - self._absent
         return not silent or self._rounds > PATIENT_ROUNDS
 
     def _take_newest(self, told: Iterable[TableReported]) -> None:
-        """Of what all replicas have, take what two of three have at least, and of less the newest: `me` comes first, and believes itself."""
+        """Take the newest copy. If all have answered, a copy newer than that of `me` must be on two replicas."""
         ranked = sorted(told, key=lambda one: (one.kept_epoch, one.version), reverse=True)
         has_all = len(ranked) == len(self._replicas) > self.majority
         own = (self.kept.kept_epoch, self.kept.version)
@@ -474,8 +474,8 @@ class Copies:
         )
 
     def next_turn(self, epoch: int) -> int:
-        """The next epoch after one, and after all that anybody has told of, that is this replica's turn."""
-        # A recovery poll runs under an epoch above that of whoever remembers one: else it would never follow.
+        """The next epoch of this replica's turns, after `epoch` and all reported ones."""
+        # A recovery poll needs an epoch above all remembered ones: a replica that remembers a higher one would never follow.
         remembered = highest_believed(self._heard.values(), leap=LEAP_MAX) if self.needs_recovery_poll else 0
         epoch = max(epoch, self._highest, remembered) + 1
         while self._replicas[epoch % len(self._replicas)] != self._me:
@@ -483,10 +483,10 @@ class Copies:
         return epoch
 
     def end_recovery_poll(self, epoch: int) -> int:
-        """Lead under an epoch above all that anybody has told of; the table is made of what the vehicles have told.
+        """Lead under an epoch above all reported ones; the table is made from the vehicles' answers.
 
         Returns:
-            The highest version that anybody has told of: numbers of this table are higher.
+            The highest version that any replica has reported: numbers of this table are higher.
         """
         self.lost, self.needs_recovery_poll, self.leads = False, False, True
         self.kept = Kept(epoch, epoch, 0, ())

@@ -1,7 +1,7 @@
-"""One replica's side of right of way in one district: it answers requests from the table, and asks holders to make room.
+"""One replica's part in the right of way of one district: it answers requests from the table and asks holders to make room.
 
-It decides nothing about traffic: who makes room, and where to, is decided by the vehicles (`yielding`). Whether what it grants
-counts is decided with those who keep copies (`copies`).
+It does not plan traffic: the vehicles decide which of them makes room, and where to (`yielding`). Its grants count when the
+other replicas have copied them (`copies`).
 """
 
 from __future__ import annotations
@@ -47,27 +47,28 @@ NOT_HEARD_THERE = "it says to hold what no reservation table has granted, and is
 NOT_ON_THE_FLOOR = "a request of a vehicle that is being put back, from before it was carried away"
 
 OUTBID_S = 30.0
-"""The replica that is told by one alone of a later epoch than its own begins a still later one, once in so long."""
+"""Shortest time between two epochs that the leader begins because a single agent reports a later one than its own."""
 
 TICK_S = 1.0
-"""A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
+"""Interval between two requests to one holder to make room, and between two sendings of an unacknowledged copy."""
 
 
 NOT_COPIED = "a reservation table that takes a place from a vehicle without its word, or with a version to which no reservation table has come"
 
 REFUSED_OFTEN = 5
-"""In a row, a second apart: a replica that has started again may have lost the word of a vehicle, which is asked for it."""
+"""Refusals in a row, one second apart, before people are told. After a restart a replica may have lost a vehicle's release, and
+first asks the vehicle again."""
 
 
 class Refusals:
-    """Of one agent's copies."""
+    """Counts and reports the tables that one agent refuses to copy."""
 
     def __init__(self, life: Life) -> None:
         self._life = life
         self._throttle = Throttle()
 
     def tell(self, replica: str, in_a_row: int, now_s: float) -> None:
-        """A replica's table was not copied, so often in a row."""
+        """Note that a replica's table was refused, `in_a_row` times by now; from `REFUSED_OFTEN` on, people are told."""
         self._life.ignore(NOT_COPIED)
         if in_a_row >= REFUSED_OFTEN and self._throttle.passes(replica, now_s):
             self._life.record(BookRefused(replica))
@@ -81,12 +82,12 @@ class District:
         inside: its places.
         me: this replica.
         replicas: all of them, in the order of their turns.
-        atvs: the vehicles of the plant: a recovery poll is over when all of them have told.
-        kept: what an earlier life has left; None for nothing.
+        atvs: the vehicles of the plant; a recovery poll ends when all of them have answered.
+        kept: the copy that an earlier run has stored; None without one.
         neighbours: what is known of the vehicles.
         reach: how much of the floor one vehicle may have.
-        report: what is told of them to other vehicles.
-        impostors: tells people of those that speak in a vehicle's name.
+        report: publishes the vehicles of the district to other vehicles.
+        impostors: reports agents that speak in a vehicle's name.
         is_signed: whether a vehicle's request is signed by the key that it names.
     """
 
@@ -119,32 +120,32 @@ class District:
         self._life = life
         self._table = ReservationTable()
         self._requests: dict[str, PlaceRequested] = {}
-        """The newest one of every vehicle that holds or wants something here, or waits for an answer."""
+        """Newest request of every vehicle that holds or wants something here, or waits for an answer."""
         self._hindrances: dict[str, Hindrance] = {}
         self._owed: set[str] = set()
-        """Vehicles that are to be told what the table says of them, once that counts."""
+        """Vehicles that get an answer once their lines of the table count."""
         self._spoke_s: dict[str, float] = {}
         self._newest: dict[str, dict[bytes, tuple[int, int]]] = {}
-        """Vehicle -> key -> life and number of its newest request. More than one key only while several hold something in its name."""
+        """Vehicle -> key -> life and number of the newest request. Several keys only while each of them holds a place."""
         self._look_s = NEVER_S
-        """When the alarm sounds."""
+        """When the alarm is due."""
         self._asked_s: dict[str, float] = {}
         """Holder -> when it was asked to make room."""
         self._poll: RecoveryPoll | None = None
-        """While vehicles are asked what they hold."""
+        """The running recovery poll, if any."""
         self._late = LateAnswers(reach)
         self._seen_before: dict[tuple[str, bytes], int] = {}
-        """Vehicle and key -> what it has told in the recovery poll to have seen, where that is beyond what was believed."""
+        """Vehicle and key -> grant number that it reported as seen in the recovery poll, where that is above the table's version."""
         self._outbid_s = -OUTBID_S
-        """When it has begun a later epoch than one that a vehicle was told."""
+        """When it last began a new epoch because a vehicle reported a later one."""
         self._led_epoch = -1
-        """Under which this replica has taken the table over last."""
+        """Epoch under which this replica last took the table over."""
         self._carried = Carried(life)
 
     # --- its life --------------------------------------------------------------------------------
 
     def start(self, now_s: float) -> None:
-        """Begin: the first replica seeks to keep the table, the others listen; who has lost its memory asks."""
+        """Start: the leader seeks its epoch, the others listen. A replica without its memory asks the others."""
         if self.copies.lost:
             self.copies.ask()
             self._after_copies(now_s)
@@ -154,12 +155,12 @@ class District:
 
     @property
     def is_polling(self) -> bool:
-        """Whether it must hear everybody."""
+        """Whether a recovery poll is running, so that all vehicles must be heard."""
         return self._poll is not None
 
     @property
     def listens_to(self) -> set[str]:
-        """The vehicles whose heartbeats it must hear: those in its table, or that want to be, or are to be told something."""
+        """The vehicles whose heartbeats it needs: those that hold or want a place, or must be informed of something."""
         if not self.leads:
             return set()
         return {*self._table.atvs, *self._requests, *self._carried.unaware, *self._late.unknown}
@@ -170,19 +171,19 @@ class District:
         return self.copies.leads and self._poll is None
 
     def awaited(self, now_s: float) -> Iterator[str]:
-        """Vehicles without whose word nothing is granted here."""
+        """Vehicles whose missing answers keep this district from granting anything."""
         if self._poll is not None:
             yield from self._poll.awaited(self._polled(), now_s)
 
     @property
     def table(self) -> ReservationTable:
-        """As it is, whether it counts yet or not."""
+        """The present table, including lines that do not count yet."""
         return self._table
 
     # --- messages --------------------------------------------------------------------------------
 
     def on_message(self, sender: str, message: Message, now_s: float) -> None:
-        """One of the messages that name this district."""
+        """Handle a message about this district."""
         if reason := self._turns.objection(sender, message):
             self._life.ignore(reason)
             return
@@ -234,7 +235,7 @@ class District:
                 self._doubt(now_s)
             return
         if request.epoch > self.copies.kept.epoch and now_s - self._outbid_s >= OUTBID_S:
-            # Somebody has told the vehicle of a later replica, of which this one has not heard.
+            # The vehicle knows of a later epoch than this replica does.
             self._outbid_s = now_s
             self.copies.note_highest(request.epoch)
             self._seek(now_s)
@@ -246,23 +247,23 @@ class District:
     def _note_request(self, sender: str, request: PlaceRequested, now_s: float) -> None:
         known, said = self._table.removal_of(sender, request.mark), request
         if request.seen > self._table.version:
-            # Of the table before the recovery poll, as it was told there: it has seen nothing of this one yet.
+            # The number belongs to the table before the recovery poll: the vehicle has seen no grant of this table yet.
             request = replace(request, seen=0)
         self._table.remove(sender, request.removal, request.mark)
         self._table.begin_life(sender, request)
         if request.removal < known:
             if self._carried.is_being_put_back(sender):
-                # It is not on the floor yet: whoever says this has stolen its name, or it was said before.
+                # The vehicle is not on the floor yet: this request is an impostor's, or an old one.
                 self._life.ignore(NOT_ON_THE_FLOOR)
                 return
-            # It does not know that it was carried away: what it held is void, and that is all that it is told.
+            # The vehicle does not know that it was carried away: what it held is void. The answer says only that.
             request = replace(request, holds=(), groups=())
         else:
             self._carried.unaware.discard(sender)
         if self._is_newest(sender, request):
             if any(line.mark == request.mark for line in self._table.of(sender)):
                 self._spoke_s[sender] = now_s
-            # One that was overtaken gives nothing back: what it did not hold then it may hold now.
+            # An overtaken request gives nothing back: the vehicle may hold now what it did not hold then.
             if request.removal >= known:
                 struck = self._table.strike(request, sender)
                 self.copies.note_word(sender, said, struck=struck)
@@ -284,7 +285,7 @@ class District:
         return False
 
     def _is_newest(self, atv: str, request: PlaceRequested) -> bool:
-        """Whether a request is later than all that the vehicle has said under its key; then it is noted. Who holds nothing in its name is forgotten."""
+        """Whether a request is newer than all earlier ones under its key; if so, note it. Keys that hold nothing are forgotten."""
         by_key = self._newest.get(atv, {})
         if (request.life, request.seq) <= by_key.get(request.mark, (0, 0)):
             return False
@@ -294,11 +295,11 @@ class District:
         return True
 
     def spoke_s(self, atv: str) -> float:
-        """When the vehicle has said last what it holds here: words of before, and of who has not its key, do not count."""
+        """When the vehicle last said what it holds here. Overtaken requests, and those under another key, do not count."""
         return self._spoke_s.get(atv, float("-inf"))
 
     def remove(self, removal: Removal, place: str, now_s: float) -> None:
-        """A person has carried a vehicle away: whatever it held is free. One that is being put back has `place` kept for it."""
+        """A person has carried a vehicle away: free what it held. If it is being put back, reserve `place` for it."""
         atv, known = removal.atv, self._table.removal_of(removal.atv)
         if self._poll is not None:
             if self._poll.note(atv, self._absent(removal, place), now_s, by_person=True):
@@ -319,13 +320,13 @@ class District:
         self._look_within(NEWS_S, now_s)
 
     def on_vehicle(self, atv: str, life: int, removal: int | None, now_s: float, *, is_news: bool) -> None:
-        """A vehicle was heard: if it does not know that it was carried away, it is told, and asks anew for where it stands."""
+        """A heartbeat has come. If the vehicle does not know that it was carried away, tell it: it then requests where it stands."""
         if not self.leads:
             return
         if is_news and self._table.of(atv):
             self._look_within(NEWS_S, now_s)
         if self._hindrances.get(atv, FREE).by == atv:
-            # It waits for nothing but this: where it is.
+            # Its grant waits only for its position.
             self._settle(now_s)
         known = self._table.removal_of(atv)
         if removal is None:
@@ -340,7 +341,7 @@ class District:
             self._life.send(atv, told)
 
     def tick(self, now_s: float) -> None:
-        """A second has passed, or there is something to see to."""
+        """The alarm has come."""
         if self._poll is not None:
             self._poll.call(self._polled(), now_s)
             self._close_poll(now_s)
@@ -362,12 +363,12 @@ class District:
         self._look_later(now_s)
 
     def _doubt(self, now_s: float) -> None:
-        """Somebody wants something of this replica that is another one's to do: does that one live?"""
+        """Find out whether the leader lives: a request, question or removal has come here although another replica leads."""
         if not (self.copies.leads or self.copies.asks or self.is_polling) and self._turns.doubt(now_s):
             self._ask_whether_they_live(now_s)
 
     def _find_out(self, now_s: float) -> None:
-        """A replica wants what is another one's, and nobody else has said so: what do the others say, and does that one live?"""
+        """A single replica claims a later epoch: ask whether the leader lives; as leader, ask the other replicas."""
         if self._turns.watch(now_s):
             leads = self.copies.leader == self._me
             self._ask_whether_they_live(now_s, self._turns.others if leads else ())
@@ -382,7 +383,7 @@ class District:
         self._after_copies(now_s)
 
     def _look_later(self, now_s: float) -> None:
-        """Set the alarm for when there is something to see to, as far as one knows now."""
+        """Set the alarm for the next known task."""
         if self._poll is not None or self.copies.asks:
             at_s = now_s + TICK_S
         elif not self.copies.leads:
@@ -396,7 +397,7 @@ class District:
         self._life.alarm((TABLE_TICK, self._district), at_s)
 
     def _look_within(self, span_s: float, now_s: float) -> None:
-        """Something has happened: set the alarm for sooner, if it is later."""
+        """Set the alarm to at most `span_s` from now."""
         if self._look_s > now_s + span_s:
             self._look_s = now_s + span_s
             self._life.alarm((TABLE_TICK, self._district), self._look_s)
@@ -404,7 +405,7 @@ class District:
     # --- whose reservation table it is ------------------------------------------------------------------------
 
     def _after_copies(self, now_s: float) -> None:
-        """Something was told: perhaps this replica leads now, or must start a recovery poll."""
+        """An answer about copies has come: this replica may lead now, or must start a recovery poll."""
         if self.copies.needs_recovery_poll and self._poll is None:
             self._poll = RecoveryPoll(self._district, self.copies.next_turn, now_s, self._life)
             self._poll.call(self._polled(), now_s)
@@ -414,7 +415,7 @@ class District:
     def _take_over(self) -> None:
         kept = self.copies.kept
         self._led_epoch = kept.epoch
-        # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
+        # A new version, so that a majority has the table under this epoch before any of it is told.
         self._table = ReservationTable(kept.reservations, kept.version + 1, kept.removed)
         self._requests, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
         self._late.start(None)
@@ -425,7 +426,7 @@ class District:
             self._life.send(atv, HoldsAsked(district=self._district, epoch=kept.epoch))
 
     def _polled(self) -> tuple[str, ...]:
-        """Whom a recovery poll is for: the vehicles of the plant, and those that were heard."""
+        """The vehicles that a recovery poll asks: those of the plant file, and all others that were heard."""
         return tuple(dict.fromkeys((*self._atvs, *self._neighbours.all)))
 
     def _close_poll(self, now_s: float) -> None:
@@ -444,7 +445,7 @@ class District:
             if request.seen > self._table.version
         }
         self._led_epoch = poll.epoch
-        # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
+        # A vehicle that holds and wants nothing here waits for no answer, and its heartbeats are not needed.
         self._requests = {
             atv: request for atv, request in poll.told.items() if request.holds or request.groups
         }
@@ -459,7 +460,7 @@ class District:
     # --- answers ---------------------------------------------------------------------------------
 
     def _settle(self, now_s: float) -> None:
-        """Grant what can be granted, let it be kept, answer, and ask for room."""
+        """Grant what can be granted, have it copied, answer, and ask holders to make room."""
         self._hindrances, granted = allot(
             self._table,
             self._requests,
@@ -476,7 +477,7 @@ class District:
         self.copies.write(self._table.version, self._table.reservations, self._table.removed)
 
     def _answer(self) -> None:
-        """Tell whoever was granted something that counts, and whoever waits for an answer."""
+        """Answer the owed vehicles whose lines all count."""
         if not self.leads:
             return
         counted = self.copies.counted
@@ -505,7 +506,7 @@ class District:
                 del self._requests[atv]
 
     def _ask_for_room(self, now_s: float) -> None:
-        """Ask whoever is in the way of one that waits, or will have to. Who is asked for several hears of the most urgent one."""
+        """Ask standing holders to make room for waiting vehicles; each is asked only for the most urgent one."""
         asked: set[str] = set()
         for atv in sorted(self._hindrances, key=lambda one: self._requests[one].rank):
             hindrance, request = self._hindrances[atv], self._requests[atv]
@@ -528,14 +529,14 @@ class District:
             self._life.send(holder, room)
 
     def _is_within_reach(self, atv: str, missing: Sequence[str], now_s: float) -> bool:
-        """Whether a vehicle may have these places too; people may put one back wherever they like."""
+        """Whether a vehicle may have these places too. A vehicle that people put back may have any."""
         if self._carried.is_being_put_back(atv):
             return True
         held = [line.place for line in self._table.of(atv)]
         return self._reach.covers(atv, held, missing, now_s)
 
     def _moves(self, atv: str) -> bool:
-        """Whether a vehicle is under way, as far as one knows: it need not be asked."""
+        """Whether a vehicle is known to be moving: then it need not be asked."""
         seen, request = self._neighbours.of(atv), self._requests.get(atv)
         return seen is not None and not seen.stands and not (request is not None and request.stands)
 

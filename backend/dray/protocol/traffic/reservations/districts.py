@@ -1,4 +1,4 @@
-"""The reservation tables that one machine, or station, keeps or has a copy of."""
+"""The reservation tables that one machine or station leads or copies."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ class Districts:
 
     Args:
         me: the agent.
-        places: which districts there are, and who keeps their reservation tables.
+        places: the districts and their replicas.
         atvs: the vehicles of the plant.
-        kept: district -> what an earlier life has left; without an entry it is lost, or there was none.
+        kept: district -> the copy that an earlier run has stored; no entry when it is lost, or there was none.
         neighbours: what is known of the vehicles.
-        impostors: tells people of those that speak in a vehicle's name.
-        key_of: the bus key on which a district is told.
+        impostors: reports agents that speak in a vehicle's name.
+        key_of: the bus key on which a district's vehicles are published.
         is_signed: whether a vehicle's request is signed by the key that it names.
 
     Attributes:
-        districts: those that it keeps, or has copies of, by name.
+        districts: those of which this agent is a replica, by name.
     """
 
     def __init__(
@@ -66,12 +66,12 @@ class Districts:
         }
 
     def start(self, now_s: float) -> None:
-        """Begin with every district."""
+        """Start every district."""
         for district in self.districts.values():
             district.start(now_s)
 
     def on_message(self, sender: str, name: str, message: Message, now_s: float) -> bool:
-        """A message about a district; False when it is none of this replica's."""
+        """Handle a message about a district; False when this agent is no replica of it."""
         district = self.districts.get(name)
         if district is None:
             return False
@@ -79,33 +79,33 @@ class Districts:
         return True
 
     def tick(self, name: str, now_s: float) -> None:
-        """The alarm of a district has come."""
+        """Handle a district's alarm."""
         self.districts[name].tick(now_s)
 
     def on_vehicle(self, atv: str, life: int, removal: int | None, now_s: float, *, is_news: bool) -> None:
-        """A vehicle was heard.
+        """A vehicle's heartbeat has come.
 
         Args:
             atv: the vehicle.
             life: its incarnation.
-            removal: the newest one that it knows of; None where it tells nothing of traffic.
-            now_s: when.
-            is_news: it tells more than that it is there.
+            removal: its newest known removal; None when the heartbeat has no traffic fields.
+            now_s: the present time.
+            is_news: whether its state has changed.
         """
         for district in self.districts.values():
             district.on_vehicle(atv, life, removal, now_s, is_news=is_news)
 
     def awaited(self, now_s: float) -> set[str]:
-        """Vehicles without whose word some district grants nothing."""
+        """Vehicles whose missing answers keep some district from granting anything."""
         return {atv for district in self.districts.values() for atv in district.awaited(now_s)}
 
     def on_carried(self, atv: str) -> None:
-        """A person has said that a vehicle was carried away."""
+        """A person has carried a vehicle away."""
         for district in self.districts.values():
             district.copies.on_carried(atv)
 
     def kept(self) -> list[tuple[str, Kept]]:
-        """What must be written down before anything is said, by district."""
+        """What must be stored before any message is sent, by district."""
         return [
             (name, district.copies.kept)
             for name, district in self.districts.items()

@@ -1,4 +1,4 @@
-"""What the leader of a reservation table tells of the vehicles in its district: at once while they move, and now and then while they stand."""
+"""The leader's reports of the vehicles in its district: soon after changes, and now and then while they stand."""
 
 from __future__ import annotations
 
@@ -9,22 +9,23 @@ from dray.protocol.traffic.neighbours import Neighbours, Seen
 from dray.protocol.traffic.reservations.reservation_table import ReservationTable
 
 NEWS_S = 0.5
-"""News is told within this. After a second, a tenth of the transports takes 18 s longer on single track (`dray bench traffic --plant single-track-12`)."""
+"""Longest delay of news. With 1 s, a tenth of the transports takes 18 s longer on single track
+(`dray bench traffic --plant single-track-12`)."""
 
 AGAIN_S = 3.0
-"""While vehicles stand there it is said again after this: somebody may have come close, or have missed it."""
+"""Interval of repeated reports while vehicles are there: another vehicle may have come close, or missed one."""
 
 
 class FloorReport:
-    """Of one district.
+    """The reports of one district.
 
     Args:
         district: its name.
-        key: where it is told.
+        key: the bus key on which they are published.
         neighbours: what is known of the vehicles.
 
     Attributes:
-        due_s: when it must be said again.
+        due_s: when the report must be repeated.
     """
 
     def __init__(self, district: str, key: str, neighbours: Neighbours, life: Life) -> None:
@@ -36,7 +37,7 @@ class FloorReport:
         self.due_s = NEVER_S
 
     def tell(self, table: ReservationTable, epoch: int, now_s: float) -> None:
-        """Say how things stand, if that is news or has not been said for a while."""
+        """Publish a report, if it is news or its repetition is due."""
         if now_s - self._said_s < NEWS_S - 0.01:
             return
         vehicles = tuple(self._on_floor(table, atv, now_s) for atv in sorted(table.atvs))

@@ -1,4 +1,4 @@
-"""Impostors: who speaks in the name of a vehicle that holds places, and has not its key. Its requests change nothing; people are told."""
+"""Impostors: agents that speak in a vehicle's name without its key. Their requests change nothing, and people are told."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ ANOTHERS_KEY = "a request that is not signed by the vehicle that holds places in
 
 
 class Impostors:
-    """Of one agent's tables."""
+    """Reports impostors to people, for all tables of one agent."""
 
     def __init__(self, life: Life) -> None:
         self._life = life
         self._throttle = Throttle()
 
     def tell(self, atv: str, now_s: float) -> None:
-        """A request in this vehicle's name is not its own."""
+        """Report a request in this vehicle's name that is not its own."""
         self._life.ignore(ANOTHERS_KEY)
         if self._throttle.passes(atv, now_s):
             self._life.record(NameMisused(atv))

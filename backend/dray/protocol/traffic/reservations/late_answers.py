@@ -1,4 +1,4 @@
-"""Late answers: vehicles of which nobody knew when the recovery poll ran. They tell afterwards what they hold."""
+"""Late answers to a recovery poll, by vehicles that were unknown while it ran."""
 
 from __future__ import annotations
 
@@ -12,44 +12,44 @@ from dray.protocol.traffic.reservations.reservation_table import ReservationTabl
 
 
 class LateAnswers:
-    """Of one reservation table.
+    """The late answers about one reservation table.
 
     Args:
         reach: how much of the floor one vehicle may have.
 
     Attributes:
-        unknown: those that say to hold something; it is not known whether they are there.
+        unknown: vehicles that claim places, while their position is not known well enough to believe it.
     """
 
     def __init__(self, reach: Reach) -> None:
         self._reach = reach
         self._told: set[tuple[str, bytes]] | None = None
-        """Who has told, with its key; None where the table was not made from a recovery poll."""
+        """Vehicle and key of all answers; None when the table was not made from a recovery poll."""
         self.unknown: set[str] = set()
 
     def start(self, told: Iterable[tuple[str, bytes]] | None) -> None:
-        """A reservation table begins.
+        """Start with a new table.
 
         Args:
-            told: who has told in the recovery poll from which it was made, with its key; None where it was made otherwise.
+            told: vehicle and key of all answers in its recovery poll; None when it was not made from one.
         """
         self._told = None if told is None else set(told)
         self.unknown = set()
 
     def on_request(self, atv: str, request: PlaceRequested, table: ReservationTable, now_s: float) -> bool:
-        """A vehicle says what it holds: one that has not told before tells now, and the table is changed.
+        """Handle a request; if it is a first answer, enter what the vehicle holds into the table.
 
         Returns:
-            Whether its word counts; else it is not known yet whether it is there, and it will say it again.
+            Whether the request counts; otherwise the vehicle's position is not known yet, and it will repeat the request.
         """
         if self._told is None or (atv, request.mark) in self._told:
             return True
         if request.removal < table.removal_of(atv):
-            # Whatever it holds is void by a person's word.
+            # A person has carried it away since: what it holds is void.
             return True
         others = sum(one == atv for one, _ in self._told)
         if others and (not request.holds or others > BESIDE_MAX):
-            # It has nothing to tell that would not come as well after the recovery poll.
+            # Nothing to enter; or too many keys have answered under this name.
             return True
         if request.seen > FAR or not self._reach.may_hold(atv, request.holds, now_s):
             self.unknown.add(atv)

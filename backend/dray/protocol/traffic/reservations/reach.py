@@ -1,7 +1,7 @@
-"""What one vehicle may have of a district: a run of places round where it is heard to be, and nobody needs more.
+"""What one vehicle may hold in a district: a run of places round its last reported position; no vehicle needs more.
 
-A grant is cheap to ask for and dear to take back, since only its holder gives it back. So whoever has a certificate and says whatever it
-likes takes as much floor as one vehicle does, and not the plant.
+A grant is cheap to get and hard to take back, since only its holder releases it. With this limit a liar with a certificate blocks
+as much floor as one vehicle does, and not the plant.
 """
 
 from __future__ import annotations
@@ -14,16 +14,17 @@ from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
 
 RUN_MAX = 16
-"""Places of one vehicle in a district: twice what was seen in the search and on the floors of `dray bench traffic`, which is 7, and a little."""
+"""Maximum places of one vehicle in a district: a little more than twice the 7 that were seen in the search (`dray_sim.explore`) and
+in `dray bench traffic`."""
 
 
 class Reach:
-    """Of all vehicles, as the leader of a reservation table knows them.
+    """The reach of all vehicles, as the leader of a reservation table knows them.
 
     Args:
-        places: where they are.
-        neighbours: where vehicles were heard to be.
-        planned: the vehicles that the plant file knows.
+        places: their positions.
+        neighbours: the vehicles' reported positions.
+        planned: the vehicles of the plant file.
     """
 
     def __init__(self, places: Places, neighbours: Neighbours, planned: Iterable[str]) -> None:
@@ -33,12 +34,12 @@ class Reach:
     def covers(self, atv: str, held: Collection[str], group: Iterable[str], now_s: float) -> bool:
         """Whether a vehicle may have a group of places beside those that it holds in the district.
 
-        One of the plant file that has just come, and was not heard yet, may have the first group: it need not brake for its next heartbeat.
+        A vehicle of the plant file that was not heard yet may have its first group, so that it need not brake until its heartbeat.
 
         Args:
             atv: the vehicle.
             held: what it holds in the district.
-            group: what it would be granted.
+            group: the further places.
             now_s: the present time.
         """
         wanted = {*held, *group}
@@ -50,7 +51,7 @@ class Reach:
         return self._is_within(beat.node, wanted, self._places.reach_m(now_s - beat.at_s))
 
     def may_hold(self, atv: str, holds: Collection[str], now_s: float) -> bool:
-        """Whether a vehicle is believed that it holds these, where there is no reservation table to ask: a stranger only where it is heard to be."""
+        """Whether a vehicle's claim to places is believed when no table knows; a vehicle outside the plant file must be near them."""
         if not holds or atv not in self._planned:
             return not holds or self.covers(atv, (), holds, now_s)
         return len(holds) <= RUN_MAX and self._is_within(

@@ -10,58 +10,58 @@ from dray.protocol.traffic.numbers import ALONE_MAX, FAR, OUTBID_MAX, highest_be
 from dray.protocol.traffic.reservations.reservation_table import ReservationTable
 
 POLL_S = 6.0
-"""A recovery poll lasts so long at least: every vehicle beats in that time, also one that the plant file does not know."""
+"""Shortest recovery poll: every vehicle sends a heartbeat in that time, also one that is not in the plant file."""
 
 WAVE = 200
-"""Vehicles asked at one time, at most: a plant of a thousand is asked within `POLL_S`, and no link or inbox is flooded."""
+"""Maximum vehicles asked at once: a plant of a thousand is asked within `POLL_S`, and no link or inbox is flooded."""
 
 AGAIN_S, AGAIN_AT_MOST_S = 1.0, 5.0
-"""Who has not told is asked again after this, doubled each time, up to as long as an idle vehicle is quiet anyway."""
+"""First and longest interval until a vehicle is asked again, doubled each time; the longest is the idle heartbeat interval."""
 
 BESIDE_MAX = 3
-"""Keys that tell under the name of one vehicle, beside the first: with so many the recovery poll is not over before people have seen to it."""
+"""Further keys that may answer under one vehicle's name. With so many, the recovery poll waits until people have solved it."""
 
 RAISE_AGAIN_S = 30.0
-"""Once in so long one vehicle lets a recovery poll start anew, since it knows of a later epoch: whoever says ever later ones holds nobody up for ever."""
+"""Shortest time between two restarts of a poll by one vehicle that reports a later epoch, so that no liar delays it for ever."""
 
 QUIET_S = 6.0
-"""When nobody new has told for so long the recovery poll stands still, and those that are missing are awaited by name: as long as
-others tell, it is merely under way, however slow the machines are."""
+"""Time without a first answer after which the poll stands still, and the missing vehicles are named. As long as new answers
+come, it makes progress, however slow the machines are."""
 
 
 class RecoveryPoll:
-    """Of one district, by the replica who will lead.
+    """The recovery poll of one district, held by the replica that will lead.
 
     Args:
-        district: whose reservation table is lost.
+        district: the district whose table is lost.
         next_turn: the next epoch after a given one under which this replica may lead.
-        now_s: when it begins.
+        now_s: when the poll begins.
 
     Attributes:
-        told: vehicle -> what it has told.
-        epoch: grants of earlier ones count for nothing.
+        told: vehicle -> its answer.
+        epoch: the poll's epoch; grants of earlier ones are void.
     """
 
     def __init__(self, district: str, next_turn: Callable[[int], int], now_s: float, life: Life) -> None:
         self.told: dict[str, PlaceRequested] = {}
         self._by_people: set[str] = set()
-        """Vehicles of which a person has told that they are off the floor, or on their way back to it."""
+        """Vehicles that a person has reported as off the floor, or as being put back."""
         self._beside: dict[str, dict[bytes, PlaceRequested]] = {}
-        """Vehicle -> key -> what others have told in its name: nobody knows whose word it is, so the places of all of them are held."""
+        """Vehicle -> key -> answers in its name under other keys. It is unknown which is its own, so the places of all are held."""
         self.epoch = next_turn(0)
         self._district, self._next_turn, self._life = district, next_turn, life
         self._until_s = now_s + POLL_S
         self._news_s = now_s
-        """When somebody has told for the first time, last."""
+        """When a vehicle last gave its first answer."""
         self._raised_s: dict[str, float] = {}
-        """Vehicle -> when it has let it start anew last."""
+        """Vehicle -> when it last made the poll start anew."""
         self._later: dict[str, int] = {}
-        """Vehicle -> the latest epoch that it has told, of those that were later than this one."""
+        """Vehicle -> the newest epoch that it reported above the poll's."""
         self._asks: dict[str, tuple[float, float]] = {}
-        """Vehicle -> when it is asked again, and how long after that once more."""
+        """Vehicle -> when it is asked again, and the interval after that."""
 
     def call(self, atvs: Iterable[str], now_s: float) -> None:
-        """Ask those that have not told, and were not asked a moment ago."""
+        """Ask those that have not answered and whose interval is over."""
         asked = HoldsAsked(district=self._district, epoch=self.epoch, recovery_poll=True)
         room = WAVE
         for atv in atvs:
@@ -75,16 +75,16 @@ class RecoveryPoll:
             self._life.send(atv, asked)
 
     def note(self, atv: str, request: PlaceRequested, now_s: float, *, by_person: bool = False) -> bool:
-        """A vehicle has told, or a person in its place; True when that counts."""
+        """Note the answer of a vehicle, or of a person in its place; True when it counts."""
         if request.epoch > FAR or request.seen > FAR:
-            # It lies: no reservation table has come farther.
+            # A lie: no reservation table reaches such numbers.
             return False
         if request.epoch > self.epoch:
             if now_s - self._raised_s.get(atv, -RAISE_AGAIN_S) < RAISE_AGAIN_S:
                 return False
             self._raised_s[atv] = now_s
-            # The vehicle has known a later replica: what was told under this epoch may have changed since. Alone it is not believed how much
-            # later: the poll would run under an epoch that no other one follows, or at the end of numbers.
+            # The vehicle knows a later epoch: answers under this one may be outdated. A single vehicle cannot raise the epoch far: else
+            # the poll would run under an epoch that no replica follows, or at the end of numbers.
             self._later[atv] = request.epoch
             others = (epoch for other, epoch in self._later.items() if other != atv)
             known = max(self.epoch, min(max(others, default=0), ALONE_MAX))
@@ -126,7 +126,7 @@ class RecoveryPoll:
         return True
 
     def _note_beside(self, atv: str, request: PlaceRequested) -> bool:
-        """Another one has told under this name, with another key. Of too many the vehicle itself may be one: all wait for people."""
+        """Note an answer under this name with another key; those beyond `BESIDE_MAX` keys wait for people."""
         others = self._beside.setdefault(atv, {})
         before = others.get(request.mark)
         if before is not None and _age(request) <= _age(before):
@@ -138,16 +138,16 @@ class RecoveryPoll:
 
     @property
     def keys(self) -> Iterator[tuple[str, bytes]]:
-        """Who has told, with its key."""
+        """Vehicle and key of all answers."""
         yield from ((atv, request.mark) for atv, request in self.told.items())
         yield from ((atv, mark) for atv, others in self._beside.items() for mark in others)
 
     def is_over(self, atvs: Callable[[], Iterable[str]], now_s: float) -> bool:
-        """Whether all have told who may hold something."""
+        """Whether the shortest time is over and all these vehicles have answered."""
         return now_s >= self._until_s and all(self._has_told(atv) for atv in atvs())
 
     def awaited(self, atvs: Iterable[str], now_s: float) -> Iterator[str]:
-        """Those that have not told, though whoever is awake has had the time."""
+        """Vehicles that have not answered, once the poll stands still."""
         if now_s >= max(self._until_s, self._news_s + QUIET_S):
             yield from (atv for atv in atvs if not self._has_told(atv))
 
@@ -155,11 +155,11 @@ class RecoveryPoll:
         return atv in self.told and len(self._beside.get(atv, ())) < BESIDE_MAX
 
     def table(self, may_hold: Callable[[str, Collection[str]], bool], version: int = 0) -> ReservationTable:
-        """The table as they have told it; of two that hold one place the first counts.
+        """The table from all answers; when two claim one place, the first gets it.
 
         Args:
-            may_hold: whether a vehicle is believed that it holds these places; else it has none.
-            version: the highest of a copy that is known.
+            may_hold: whether a vehicle's claim to these places is believed; otherwise it gets none of them.
+            version: the highest known version of a copy.
         """
         table = ReservationTable(
             version=highest_believed((request.seen for request in self.told.values()), version)

@@ -1,7 +1,7 @@
-"""What a machine, or the station of a storage, does for right of way: messages, alarms and notes of the tables that it keeps.
+"""Right of way at a machine or a storage's station: messages, alarms and stored notes of the tables that it keeps.
 
-Whoever keeps none, and has a dock that makes itself safe, hears all the same whom people have carried away: one that has died there
-would keep the dock for ever.
+An agent without tables whose dock makes itself safe also listens to removals: a vehicle that died there would keep the dock
+for ever.
 """
 
 from __future__ import annotations
@@ -53,13 +53,13 @@ ABOUT_TABLES: tuple[type[Message], ...] = (
 )
 
 REQUESTED_S = gone_s(WORKING_INTERVAL_S)
-"""Whoever has said within this what it holds is heard, whatever becomes of its heartbeats."""
+"""A vehicle whose newest request is younger than this counts as heard, even without heartbeats."""
 
 NAMED_S = 300.0
-"""A vehicle that people carry is listened to for so long after they have said so last: it may be put back anywhere."""
+"""Time for which a carried vehicle is listened to after people's last report: it may be put back anywhere."""
 
 NOTE = "book "
-"""Names the note of a reservation table, before the district; as in the journals of earlier versions."""
+"""Prefix, before the district, of a table's note in the journal; unchanged since earlier versions."""
 
 
 class ReservationHandling:
@@ -67,11 +67,11 @@ class ReservationHandling:
 
     Args:
         me: the agent.
-        plant: for keys, and to know machines from stations.
-        traffic: of the plant; None where vehicles drive without right of way.
-        trusts: whose word counts when people carry vehicles away.
-        subscriptions: to whose heartbeats the agent listens.
-        carried_away: called with a vehicle of which it is believed that people have carried it away.
+        plant: for keys, and for the agent's node.
+        traffic: of the plant; None when vehicles drive without right of way.
+        trusts: the people whose removals are accepted.
+        subscriptions: the agent's subscriptions to heartbeats.
+        carried_away: called with each vehicle whose removal is accepted.
     """
 
     def __init__(
@@ -95,36 +95,36 @@ class ReservationHandling:
         self._impostors = Impostors(life)
         self._authorisation = RemovalAuthorisation(plant, trusts, self._neighbours)
         self._followed: set[str] = set()
-        """The vehicles that it listens to."""
+        """The vehicles whose heartbeats it subscribes to."""
         self._hears_all_since_s: float | None = None
         """Since when it listens to all vehicles; None when it does not."""
         self._named_s: dict[str, float] = {}
-        """Vehicle -> when a person's word that it was carried away was heard last."""
+        """Vehicle -> when people last reported its removal."""
         self._written: dict[str, Kept] = {}
         self._outdated: list[str] = []
-        """Districts of a plant file that was changed: their tables are to be forgotten."""
+        """Districts that the agent no longer keeps since the plant file changed: their notes are to be deleted."""
         self._tables: Districts | None = None
 
     @property
     def keeps_tables(self) -> bool:
-        """Whether it has any."""
+        """Whether this agent is a replica of any district."""
         return self._traffic is not None and any(
             self._me in replicas for replicas in self._traffic.places.replicas_of.values()
         )
 
     @property
     def tables(self) -> Districts | None:
-        """Those that it keeps; None before it was started, and where there are none."""
+        """The tables that it keeps; None before the start, or without tables."""
         return self._tables
 
     def awaited(self, now_s: float) -> tuple[str, ...] | UnsetType:
-        """What a heartbeat tells of vehicles that are awaited; unset where none is."""
+        """The awaited vehicles for the agent's heartbeat; unset when there are none."""
         if self._tables is None:
             return UNSET
         return tuple(sorted(self._tables.awaited(now_s))[:AWAITED_MAX]) or UNSET
 
     def start(self, memory: Memory, now_s: float, *, dock_answers: bool = False) -> None:
-        """Go on with what an earlier life has kept.
+        """Start with the notes of an earlier run.
 
         Args:
             memory: its notes.
@@ -141,7 +141,7 @@ class ReservationHandling:
                 note.epoch, note.kept_epoch, note.version, note.reservations, note.removed
             )
             for name, note in memory.items()
-            # One that an earlier software has copied from a liar is as good as lost.
+            # A table with lines beyond its version, which earlier versions accepted from liars, counts as lost.
             if isinstance(note, TableMemory) and not line_beyond(note.reservations, note.version)
         }
         self._written = dict(kept)
@@ -162,11 +162,11 @@ class ReservationHandling:
 
     @property
     def committers(self) -> tuple[Callable[[], list[Commit]], ...]:
-        """What asks, after each step, for what is to be written down; nothing where no tables are kept."""
+        """Functions that return, after each step, what must be stored; none without tables."""
         return (self.commits,) if self.keeps_tables else ()
 
     def commits(self) -> list[Commit]:
-        """What of the tables has changed: it is written down before anything is said."""
+        """The changed tables: they are stored before any message is sent."""
         if self._tables is None:
             return []
         commits = [Commit(None, NOTE + district) for district in self._outdated]
@@ -184,7 +184,7 @@ class ReservationHandling:
     def handlers(
         self, before: Mapping[type[Message], Callable[[str, Any, float], None]]
     ) -> dict[type[Message], Callable[[str, Any, float], None]]:
-        """The agent's table of messages with those about tables in it; heartbeats are heard by both."""
+        """The agent's message handlers together with those for tables; both get heartbeats of vehicles."""
         table: dict[type[Message], Callable[[str, Any, float], None]] = dict(before)
         watches = before.get(AtvHeartbeat)
         table[AtvHeartbeat] = self._on_vehicle if watches is None else _both(self._on_vehicle, watches)
@@ -197,7 +197,7 @@ class ReservationHandling:
 
     @property
     def alarms(self) -> dict[str, Callable[[Any, float], None]]:
-        """Its alarms."""
+        """The handlers of its alarms."""
         return {TABLE_TICK: self._tick}
 
     def _on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
@@ -207,11 +207,11 @@ class ReservationHandling:
         self._follow(now_s)
 
     def _remove(self, removal: Removal, now_s: float) -> str:
-        """A person has carried a vehicle away, or puts it back. Returns why that is not believed; empty when it is."""
+        """A person has carried a vehicle away, or puts it back. Returns why that is refused; empty when it is accepted."""
         atv = removal.atv
         objection = self._authorisation.objection(removal, self._since_s(atv, now_s), now_s)
         if self._tables is not None and objection in ("", TOO_EARLY):
-            # The one that leads has listened for longer; that a person has said it is known here too.
+            # The leader has listened for longer and may accept it; its table must not be refused here.
             self._tables.on_carried(atv)
         if objection:
             if objection in (TOO_EARLY, IS_HEARD):
@@ -224,7 +224,7 @@ class ReservationHandling:
             return IS_HEARD
         last = self._neighbours.last(atv)
         was_at = last.route[:1] if last is not None else ()
-        # Without a reservation table, all that is known of a silent vehicle is that it may be at this dock.
+        # Without a table, a silent vehicle may be at this dock.
         nodes = was_at or (self._nodes_of(atv) if districts else (self._plant.node_of(self._me),))
         if not self._authorisation.covers(removal, nodes):
             return NOT_THERE
@@ -237,7 +237,7 @@ class ReservationHandling:
         return ""
 
     def _nodes_of(self, atv: str) -> tuple[str, ...]:
-        """Where the tables say that a vehicle is."""
+        """The nodes among the places that a vehicle holds."""
         districts = self._tables.districts.values() if self._tables is not None else ()
         places = (line.place for district in districts for line in district.table.of(atv))
         return tuple(place for place in places if place in self._plant.nodes)
@@ -272,12 +272,12 @@ class ReservationHandling:
     # --- whom it listens to ----------------------------------------------------------------------
 
     def _since_s(self, atv: str, now_s: float) -> float:
-        """Since when it would have heard a vehicle that lives."""
+        """Since when this agent would have heard the vehicle if it lived."""
         since_s = (self._neighbours.expected_since_s(atv), self._hears_all_since_s)
         return min((one_s for one_s in since_s if one_s is not None), default=now_s)
 
     def _follow(self, now_s: float) -> None:
-        """Listen to those vehicles that the tables are about, and to all of them while a recovery poll runs."""
+        """Subscribe to the vehicles that the tables need, and to all vehicles while a recovery poll runs."""
         tables = self._tables.districts.values() if self._tables is not None else ()
         hears_all = any(district.is_polling for district in tables)
         if hears_all is not (self._hears_all_since_s is not None):

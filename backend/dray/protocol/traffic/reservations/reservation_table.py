@@ -1,12 +1,12 @@
-"""The reservation table of a district: by whom each place is held. Nothing in it depends on time.
+"""The reservation table of a district: which vehicle holds each place. Nothing in it depends on time.
 
-Safety in two sentences. A place is granted to one vehicle only while no line of the table names another one for it, and the grant is said
-only when a majority of the copies has the line. A line is struck out only on the vehicle's own word, said after it has seen that very
-grant: so whatever is late, lost, doubled or out of order, a place that a vehicle may believe to hold is in the table.
-Only a person who has carried a vehicle away speaks in its place; what it says itself counts again when it knows of that.
+Three rules make it safe. A place is granted only while no line names another vehicle for it. A grant is sent only when a majority of
+the copies has its line. A line is struck out only by a request of its vehicle that was sent after it saw that very grant.
+So the table contains every place that a vehicle may believe to hold, even if messages are late, lost, doubled or reordered.
+Only a person who has carried a vehicle away speaks in its place. Its own requests count again when it knows of that.
 
-A vehicle is its name and its key (`PlaceRequested.key`). Whoever has stolen its certificate, and not its key, is another vehicle of that name:
-it gives nothing back but its own.
+A vehicle is identified by its name and its key (`PlaceRequested.key`). A thief of its certificate without its key counts as another
+vehicle of that name, and gives back only its own places.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from dray.messages.floor.traffic import UNSIGNED, AllRemoved, PlaceRequested, Pl
 from dray.protocol.traffic.numbers import highest_believed
 
 PEOPLE = b""
-"""In place of a key's mark, where a person has said that a vehicle was carried away."""
+"""Stands for a key's mark where a person has reported the removal of a vehicle."""
 
 
 class ReservationTable:
-    """Lines by place. Numbers of grants only grow, whoever keeps the table.
+    """Lines by place. Grant numbers only grow, also when the leader changes.
 
     Args:
-        reservations: what it begins with.
-        version: the highest number that was given.
+        reservations: the first lines.
+        version: the highest number given so far.
         removed: vehicles that were carried away.
 
     Attributes:
-        lives: vehicle -> the mark of its key, and its newest life that is known.
+        lives: vehicle -> the mark of its key, and its newest known life.
     """
 
     def __init__(
@@ -44,12 +44,12 @@ class ReservationTable:
         self.version = version
         self.lives: dict[str, tuple[bytes, int]] = {}
         self._removed = {(one.atv, one.mark): one.number for one in removed}
-        """Vehicle and mark of its key, or `PEOPLE` -> the newest removal that was said."""
+        """Vehicle and mark of its key, or `PEOPLE` -> the newest removal reported."""
         for reservation in reservations:
             self._write(reservation)
 
     def holder(self, place: str) -> str:
-        """Who holds a place; empty for nobody."""
+        """The vehicle that holds a place; empty for none."""
         line = self._lines.get(place)
         return line.atv if line is not None else ""
 
@@ -59,7 +59,7 @@ class ReservationTable:
 
     @property
     def atvs(self) -> tuple[str, ...]:
-        """All that hold something."""
+        """All vehicles that hold a place."""
         return tuple(atv for atv, lines in self._by_atv.items() if lines)
 
     @property
@@ -68,22 +68,22 @@ class ReservationTable:
         return tuple(self._lines.values())
 
     def of_key(self, atv: str, mark: bytes) -> tuple[PlaceReservation, ...]:
-        """The lines that requests of a vehicle under a key are about."""
+        """The lines of a vehicle that its requests under a key may change."""
         return tuple(line for line in self.of(atv) if line.mark in (mark, b""))
 
     def hears(self, atv: str, mark: bytes) -> bool:
-        """Whether requests of a vehicle under a key count: none other holds something in its name, or this one does too."""
+        """Whether a vehicle's requests under a key count: its name holds nothing, or this key holds something."""
         lines = self._by_atv.get(atv)
         return not lines or any(line.mark in (mark, b"") for line in lines.values())
 
     def grant(self, atv: str, places: Iterable[str], mark: bytes = b"") -> None:
-        """Write some places down for a vehicle, under a number of their own; all of them must be free, or its own."""
+        """Enter places for a vehicle under a new number; all of them must be free, or its own."""
         self.version += 1
         for place in places:
             self._write(PlaceReservation(place=place, number=self.version, atv=atv, mark=mark))
 
     def strike(self, request: PlaceRequested, atv: str) -> bool:
-        """Strike out what a vehicle has given back; True when there was something."""
+        """Strike out the lines that a vehicle has given back; True when there were any."""
         gone = [
             line.place
             for line in self.of_key(atv, request.mark)
@@ -93,22 +93,22 @@ class ReservationTable:
         return bool(gone)
 
     def claim(self, atv: str, request: PlaceRequested) -> bool:
-        """Write down what a vehicle tells in a recovery poll that it holds, as far as nobody does; True when there was something."""
+        """Enter the free ones of the places that a vehicle reports to hold in a recovery poll; True when there were any."""
         unknown = [place for place in request.holds if not self.holder(place)]
         if unknown:
             self.grant(atv, unknown, request.mark)
         return bool(unknown)
 
     def tell_late(self, atv: str, request: PlaceRequested) -> None:
-        """A vehicle of which nobody knew was not asked in the recovery poll from which this table was made, and tells now."""
+        """Enter the late answer of a vehicle that was unknown during the recovery poll."""
         self.version = highest_believed((request.seen,), self.version)
         self.claim(atv, request)
 
     def begin_life(self, atv: str, request: PlaceRequested) -> bool:
-        """Note a vehicle's life. What a new one has not seen is granted anew, under a number that only a majority can make count.
+        """Note a vehicle's life. Lines that a new life has not seen get a new number, which only a majority can make count.
 
-        So whoever keeps an outdated reservation table cannot tell a vehicle that has forgotten everything of grants that are void. What was kept for
-        it without its key, as by people who put it back, is its own from then on.
+        So a leader with an outdated table cannot send void grants to a vehicle that has forgotten everything. Lines without a key,
+        as those for a vehicle that people put back, get its key.
         """
         mark, life = self.lives.get(atv, (b"", 0))
         lines = self.of_key(atv, request.mark)
@@ -122,18 +122,18 @@ class ReservationTable:
         return True
 
     def removal_of(self, atv: str, mark: bytes | None = None) -> int:
-        """The number of the newest removal of a vehicle that the table knows of; 0 for none.
+        """The number of a vehicle's newest known removal; 0 for none.
 
         Args:
             atv: the vehicle.
-            mark: of a key, where its own word under that key counts, too; None for people's word alone.
+            mark: of the key whose reports count, too; None to count people's reports only.
         """
         by_people = self._removed.get((atv, PEOPLE), 0)
         return by_people if mark is None else max(by_people, self._removed.get((atv, mark or UNSIGNED), 0))
 
     @property
     def removed(self) -> AllRemoved:
-        """All of them."""
+        """All known removals."""
         return tuple(
             Removed(atv=atv, number=number, mark=mark) for (atv, mark), number in self._removed.items()
         )
@@ -144,10 +144,10 @@ class ReservationTable:
         Args:
             atv: the vehicle.
             number: of the removal.
-            mark: of its key, where it has said so itself: that is about what it holds under this key alone. None for a person's word.
+            mark: of its key, when it reports this itself: then only lines of that key are struck out. None for a person's report.
 
         Returns:
-            The places that are free now; none when that was known.
+            The freed places; none when the removal was known.
         """
         if number <= self.removal_of(atv, mark):
             return ()
@@ -161,17 +161,17 @@ class ReservationTable:
         return places
 
     def _forget_words(self, atv: str) -> None:
-        """Forget which removals were known under keys that hold nothing: who has such a key says so again, and there is no end of keys."""
+        """Forget removals under keys that hold nothing: their number is unbounded, and the owner of such a key reports again."""
         holding = {PEOPLE, *(line.mark or UNSIGNED for line in self.of(atv))}
         for one in tuple(self._removed):
             if one[0] == atv and one[1] not in holding:
                 del self._removed[one]
 
     def _write(self, line: PlaceReservation) -> None:
-        """Write a line down.
+        """Enter a line.
 
         Raises:
-            ProtocolViolation: another vehicle holds the place; our own bug.
+            ProtocolViolation: another vehicle holds the place, which is our own bug.
         """
         before = self._lines.get(line.place)
         if before is not None and before.atv != line.atv:

@@ -1,7 +1,7 @@
-"""Whose turn it is to keep a reservation table: the next replica's, when those before it do not answer.
+"""Turns decide which replica leads a reservation table: the next one, when those before it do not answer.
 
-Nobody watches a replica of whom nobody wants anything. Whoever is asked in its place, by a vehicle that had no answer, asks it
-whether it lives. So does another replica that is asked for its promise: it takes nobody's word for it.
+Replicas watch each other only when needed. A replica that gets the request of an unanswered vehicle asks the leader whether it
+lives. A replica that is asked for its promise does the same: it does not rely on the report of another one.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ NOT_ITS_TURN = "a reservation table written by one whose turn it is not"
 BEYOND_NUMBERS = "an epoch to which no reservation table has come"
 
 ASK_S = 0.5
-"""Between two questions to a replica whether it lives."""
+"""Interval between two questions to a replica whether it lives."""
 
 DOUBT_S = 2.5
-"""Who has not answered after this, and five questions, is taken for dead: at 20 % loss each way one of 160 that live."""
+"""Time, and five questions, without an answer until a replica counts as dead: at 20 % loss each way, 1 of 160 living ones."""
 
 SILENT_AFTER = 4
-"""Questions without an answer, `ASK_S` apart: at 20 % loss each way one of 60 that live; then somebody else keeps the table."""
+"""Unanswered questions, `ASK_S` apart, until a replica counts as silent: at 20 % loss each way, 1 of 60 living ones."""
 
 WATCH_S = 1.5
-"""Whoever asks for a promise, or says that somebody does not answer, says so again within this."""
+"""Time to watch the leader: a replica that seeks a promise, or reports the leader silent, repeats it within this."""
 
 NO_WORD_S = float("-inf")
 
 
 class Turns:
-    """What one replica knows of the others.
+    """What one replica knows about the others.
 
     Args:
         me: the replica.
@@ -50,63 +50,63 @@ class Turns:
         self._me, self._replicas = me, tuple(replicas)
         self._heard_s: dict[str, float] = {}
         self._doubted_s: float | None = None
-        """Since when it is not known whether those before it live; None while nobody doubts it."""
+        """Since when the replicas before this one are in doubt; None when they are not."""
         self._watched_s = NO_WORD_S
-        """When another replica has said last that it doubts the present one."""
+        """When another replica last cast doubt on the leader."""
         self._questions: dict[str, tuple[int, float]] = {}
-        """Replica -> questions that it has not answered, and when it was asked the last of them that counts."""
+        """Replica -> number of unanswered questions, and the time of the last one counted."""
 
     def doubt(self, now_s: float) -> bool:
-        """Somebody has had no answer from the one whose turn it is; False when that is known."""
+        """Note that the leader may not answer; False when it is in doubt already."""
         if self._doubted_s is not None:
             return False
         self._doubted_s = now_s
         return True
 
     def on_replica(self, replica: str, now_s: float) -> None:
-        """Another replica lives."""
+        """A message of another replica has come: it lives."""
         if replica in self._replicas:
             self._heard_s[replica] = now_s
             self._questions.pop(replica, None)
 
     def watch(self, now_s: float) -> bool:
-        """Another replica wants what the present one has, or says that it does not answer: find that out. Whether that is news."""
+        """Another replica seeks the leadership, or reports the leader silent: watch the leader. True when that is news."""
         is_news = now_s - self._watched_s >= ASK_S
         if is_news:
             self._watched_s = now_s
         return is_news
 
     def is_watching(self, epoch: int, now_s: float) -> bool:
-        """Whether that is not long ago, and the present leader has not been heard since."""
+        """Whether the leader of an epoch is being watched, and was not heard since."""
         heard_s = self._heard_s.get(self.of(epoch), NO_WORD_S)
         return now_s - self._watched_s <= WATCH_S and heard_s < self._watched_s
 
     def on_question(self, replica: str, now_s: float) -> None:
-        """A replica was asked whether it lives."""
+        """Count a question to a replica whether it lives."""
         count, last_s = self._questions.get(replica, (0, now_s - ASK_S))
         if now_s - last_s >= ASK_S - 0.01:
             self._questions[replica] = (count + 1, now_s)
 
     def is_silent(self, replica: str, now_s: float) -> bool:
-        """Whether a replica has not answered this one."""
+        """Whether a replica left too many of this one's questions unanswered."""
         count, last_s = self._questions.get(replica, (0, now_s))
         return count > SILENT_AFTER or (count == SILENT_AFTER and now_s - last_s >= ASK_S - 0.01)
 
     @property
     def others(self) -> tuple[str, ...]:
-        """All but this one."""
+        """All replicas but this one."""
         return tuple(replica for replica in self._replicas if replica != self._me)
 
     def silent(self, now_s: float) -> tuple[str, ...]:
-        """Those that have not answered this one."""
+        """The other replicas that are silent."""
         return tuple(replica for replica in self.others if self.is_silent(replica, now_s))
 
     def of(self, epoch: int) -> str:
-        """Whose turn an epoch is."""
+        """The replica whose turn an epoch is."""
         return self._replicas[epoch % len(self._replicas)]
 
     def objection(self, sender: str, message: Message) -> str:
-        """Why a message is not believed, whatever it says: among replicas only replicas count, and only one of them writes."""
+        """Why a message is rejected, empty for no reason: only replicas may send it, and only the leader writes."""
         if isinstance(message, PlaceRequested):
             return ""
         if sender not in self._replicas:
@@ -123,13 +123,13 @@ class Turns:
         return ""
 
     def asked(self, epoch: int, now_s: float) -> tuple[str, ...]:
-        """Who is to be asked whether he lives: while it is doubted all others, for they are to find out, too."""
+        """The replicas to ask whether they live. In doubt these are all others, so that they watch the leader, too."""
         if self._doubted_s is not None:
             return self.others
         return self._before(epoch)[:1] if self.is_watching(epoch, now_s) else ()
 
     def mine_at_s(self, epoch: int, now_s: float) -> float:
-        """When it is this replica's turn, if none of those before it is heard until then; never while nobody doubts that they live."""
+        """When this replica's turn comes, if none of those before it is heard until then; never without doubt."""
         before = self._before(epoch)
         if not before:
             return now_s
@@ -141,7 +141,7 @@ class Turns:
         return NEVER_S if doubted_s is None else doubted_s + DOUBT_S
 
     def lead(self) -> None:
-        """It is this replica's turn: there is nothing to doubt."""
+        """Take this replica's turn: the doubt is over."""
         self._doubted_s = None
 
     def _before(self, epoch: int) -> tuple[str, ...]:

@@ -1,8 +1,8 @@
-"""What one replica knows of places that vehicles have given back: it copies no reservation table that takes one from a vehicle without its word.
+"""A replica's check of the tables it copies: it refuses one that takes a place from a vehicle without its release.
 
-A line is struck out rightly in one of two ways: its vehicle has signed that it gives the place back, after it has seen that very grant; or a
-person has said that the vehicle was carried away, and this replica has heard that itself. So the replica that leads a reservation table cannot alone take a
-place from a vehicle and give it to another one.
+A line may be struck out in two cases. The vehicle has signed the release after it saw that very grant; or a person has reported
+the vehicle's removal, and this replica has received that report itself. So a leader alone cannot take a place from a vehicle and
+give it to another one.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from dray.protocol.traffic.traffic_map import IsSigned
 
 
 class Witness:
-    """Of one district, at one of its replicas.
+    """The check for one district, at one of its replicas.
 
     Args:
-        district: whose reservation table.
+        district: the district of the table.
         is_signed: whether a vehicle's request is signed by the key that it names.
     """
 
@@ -25,25 +25,25 @@ class Witness:
         self._district = district
         self._is_signed = is_signed
         self._carried: dict[str, int] = {}
-        """Vehicle -> the version of the copy when a person has said last that it was carried away: what it held until then is free."""
+        """Vehicle -> the copy's version when people last reported its removal: what it held until then is free."""
 
     def on_carried(self, atv: str, version: int) -> None:
-        """A person has said that a vehicle was carried away."""
+        """A person has carried a vehicle away."""
         self._carried[atv] = version
 
     def objections(
         self, own: PlaceReservations, version: int, replicated: TableReplicated
     ) -> Sequence[PlaceReservation]:
-        """The lines for which a reservation table cannot be copied; none where it can.
+        """The lines for which a table must be refused; none when it can be copied.
 
         Args:
             own: the lines of the copy.
             version: of the copy.
-            replicated: what the leader of the table has written.
+            replicated: the table that the leader has written.
 
         Returns:
-            Lines of the copy that are struck out without their vehicle's word, and new ones under a number that was given before: a
-            word of before would seem to give them back.
+            Lines of the copy that are struck out without their vehicle's release, and new lines with an old number: an old request
+            would seem to release these.
         """
         words = {(one.atv, one.request.mark): one.request for one in replicated.given_back}
         new = {line.place: line for line in replicated.reservations}
@@ -74,5 +74,5 @@ class Witness:
 
 
 def _is_its_own(new: PlaceReservation | None, line: PlaceReservation) -> bool:
-    """Whether a line's place is still held by the same vehicle, perhaps under another number."""
+    """Whether the same vehicle still holds a line's place, perhaps under another number."""
     return new is not None and (new.atv, new.mark) == (line.atv, line.mark)
