@@ -98,7 +98,6 @@ def refuse_full(
 
 
 def _counted(limits: CallLimits, ends: Iterable[str]) -> set[str]:
-    """The places at which a transport counts: the key's places, or its destination if the key has all
-    places."""
+    """A transport's places that count: the key's, or the destination if the key has all."""
     source, destination = ends
     return {source, destination} & limits.places if limits.places else {destination}

@@ -87,9 +87,7 @@ class Completions:
         self._outbox.answered(answer)
 
     async def _settle(self, work: Work, answer: OrderTaken, now_s: float) -> list[Goal]:
-        """Store the outcome of a change and the order's progress under it; returns the goals if it was a
-        change.
-        """
+        """Store the outcome of a change and the order's progress; returns its goals, if it was one."""
         about = (answer.order, answer.release, answer.change, answer.quantities)
         if not await work.order_changes.settle(*about, now_s):
             return []

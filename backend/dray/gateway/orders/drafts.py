@@ -76,8 +76,10 @@ class ItemDraft(BaseModel):
 
 
 class WorkDraft(BaseModel):
-    """The products to make. One product may stand in several lines; they are delivered in the order
-    written."""
+    """The products to make.
+
+    One product may stand in several lines; they are delivered in the order written.
+    """
 
     model_config = ConfigDict(extra="forbid")
 

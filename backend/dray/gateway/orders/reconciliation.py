@@ -81,9 +81,7 @@ class Reconciliation:
         self._news.set()
 
     async def ask_doubted(self) -> None:
-        """Ask for doubted orders that are open in SQL; without a database they wait for the next
-        reconciliation.
-        """
+        """Ask for doubted orders that are open in SQL; without a database, at the next reconciliation."""
         if self._doubts_all:
             self._doubts_all = False
             await self.reconcile()

@@ -39,8 +39,7 @@ def shortage_of(
 
     Returns:
         None if it is carried, held, or waits for something else; if its source is a machine (which does not
-        report its promises),
-        was never heard, or has enough; or if the caller may not see stocks there.
+        report its promises), was never heard, or has enough; or if the caller may not see stocks there.
     """
     if not caller.may(Scope.FACTORY_READ) or (places is not None and row.source not in places):
         return None
