@@ -3,9 +3,9 @@
 A session ends on logout or revocation, after `IDLE_S` without use, and at the latest at the end of the
 person's working day. An open stream counts as use: a panel being watched is not idle.
 
-Stop is never behind a login prompt. An operator's session that has only expired, or was replaced by a login
-elsewhere, may stop vehicles in its areas for another `MAY_STILL_STOP_S`, and nothing else. While the database
-is away, so may every caller known before.
+Stop is never behind a login prompt. An operator's session that has expired, or was replaced by a login
+elsewhere, remains valid for stops. It may stop vehicles in its areas for another `MAY_STILL_STOP_S`, and
+nothing else. While the database is away, so may every caller known before.
 """
 
 from __future__ import annotations

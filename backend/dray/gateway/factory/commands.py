@@ -261,7 +261,7 @@ class Commands:
         else:
             near = frozenset[str]()
         if by.areas is not None and by.areas.isdisjoint(near):
-            near |= by.areas  # whoever stops a vehicle shown elsewhere must see the result
+            near |= by.areas  # a person who stops a vehicle shown elsewhere must see the result
         self._projection.commands.put(view, near)
 
     def _granted(self, sent: Sent, by: Principal) -> VehicleCommand | MachineCommand:

@@ -1,8 +1,8 @@
 """How an order's estimate moves, and why. Pure: decides what to store; `estimate_keeper` reads and writes.
 
-An estimate has moved when one of its ends shifts by more than a step in which it is shown (`tracking/eta.py`:
-one, five or fifteen minutes). Smaller shifts are rounding. Of several causes, the one that people can act on
-most is given.
+An estimate has moved when one of its ends shifts by more than its rounding step (`tracking/eta.py`: one, five
+or fifteen minutes). Smaller shifts are rounding. With several causes, the one that people can act on most is
+given.
 """
 
 from __future__ import annotations

@@ -200,7 +200,7 @@ def _separator(text: str, told: str, columns: Sequence[str]) -> str:
         return sum(cell in columns for cell in cells), head.count(separator)
 
     candidates = dict.fromkeys((told, *SEPARATORS) if told and told not in '"\r\n' else SEPARATORS)
-    # Of equals, the first is taken.
+    # The first maximum wins.
     return max(candidates, key=known)
 
 

@@ -60,7 +60,7 @@ class _TooLarge(Exception):
 
 
 class BodyLimit:
-    """Stops reading a body that is too large, whatever its Content-Length.
+    """Stops reading a body that is too large, even if its Content-Length claims less.
 
     Args:
         app: the next application.

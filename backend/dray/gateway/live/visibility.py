@@ -1,7 +1,7 @@
 """Visibility: what a caller limited to areas sees of the plant.
 
 Such a caller sees vehicles inside the areas now, machines with docks there, their transports, and what is
-wrong with them. Of a transport it sees the way through the plant; of its auction only the refusals and their
+wrong with them. It sees a transport's way through the plant, but of its auction only the refusals with
 reasons: no bids, prices or orders. A vehicle elsewhere is never named, but shown as `ELSEWHERE`. Commands
 stay visible only if given to a vehicle inside the areas.
 """

@@ -73,7 +73,7 @@ class OrderChanging:
         self._store, self._projection, self._outbox, self._wall_s = store, projection, outbox, wall_s
 
     async def change(self, order_id: str, draft: OrderChangeDraft, if_match: str | None) -> Order | None:
-        """Change an order; an order that already matches stays as it is, whatever version was read.
+        """Change an order; an order that already matches stays as it is, even if an older version was read.
 
         Returns:
             The order now; None if it does not exist.

@@ -325,7 +325,7 @@ class OrderPlacement:
 
 
 def _fingerprint(drafts: Sequence[OrderDraft]) -> str:
-    """Identifies a request's content, whatever its notation."""
+    """Identifies a request's content, independent of its notation."""
     return hashlib.sha256("\n".join(draft.model_dump_json() for draft in drafts).encode()).hexdigest()
 
 

@@ -41,6 +41,7 @@ class StationView(View, kw_only=True):
     """Where its body is people: loads that vehicles report as brought or taken and nobody has confirmed yet.
     Else None."""
     to_come: tuple[ToComeView, ...] = ()
-    """For a gate whose body is people: the arrivals that they should confirm, longest silent first."""
+    """For a gate whose body is people: the arrivals that they should confirm, least recently active goal
+    first."""
     seen_at_s: float
     silence: SilenceView

@@ -195,8 +195,8 @@ _OF_PEOPLE = (
 def weight_of(alert: AlertView) -> float:
     """The severity of an alert, to compare with its earlier severity.
 
-    It rises when the alert becomes an alarm, when help was called in vain, with more affected agents, and
-    with each doubling of the measured value.
+    It rises when the alert becomes an alarm, or when help was called in vain. It also rises with more
+    affected agents, and with each doubling of the measured value.
     """
     weight = 1000.0 * (alert.level == "alarm") + 100.0 * (alert.call is not None)
     if alert.kind in OF_MANY:
