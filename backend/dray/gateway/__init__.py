@@ -1,5 +1,5 @@
-"""The gateway: what people and other systems reach over HTTP. A peer that listens, and never decides.
+"""The gateway: access for people and other systems over HTTP. A peer that listens, and never decides.
 
-`app` puts it together out of `services`, each of which is given what it uses; `inbox` hands on what is heard on the
-bus. Everything else is in rooms: README.md says what is in each, and for which panel.
+`app` puts it together from `services`, each of which gets what it uses; `inbox` dispatches messages from the
+bus. Everything else is in rooms: README.md lists them, and their panels.
 """

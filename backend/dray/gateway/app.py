@@ -57,25 +57,25 @@ def create_app(
     operators: OperatorHost | None = None,
     scenario: ScenarioPlayer | None = None,
 ) -> FastAPI:
-    """Put a gateway together. It joins the bus when the server starts, and leaves it when it ends.
+    """Put a gateway together. It joins the bus when the server starts, and leaves it at the end.
 
     Args:
         settings: limits and rates.
         plant: a plant file without faults.
-        bus: where the agents meet; it must call us on the server's event loop.
-        store: open and up to date; whoever opened it closes it.
-        time: the two clocks.
-        authority: grants people's commands to vehicles that trust it.
-        incarnation: how often this plant's agents have been started (`Store.next_incarnation`).
-        historian: runs as long as the application does, when given.
-        panels: templates and built files, when not the ones that came with this package.
-        faults: lets things go wrong, where the factory is simulated.
-        collectors: of metrics that others in this process have.
+        bus: the agents' bus; it must call us on the server's event loop.
+        store: open and up to date; its opener closes it.
+        time: plant clock and wall clock.
+        authority: signs grants for people's commands; vehicles trust it.
+        incarnation: number of starts of this plant's agents (`Store.next_incarnation`).
+        historian: runs with the application, if given.
+        panels: templates and built files, instead of the package's own.
+        faults: injects faults, where the factory is simulated.
+        collectors: metrics of other parts of this process.
         wall_s: the wall clock.
-        hasher: of secrets, when not the usual one.
-        beside: runs as long as the application does: the stop path.
-        operators: runs the agents of people on duty; None where nobody can be.
-        scenario: what the factory plays, where it is simulated; None where nobody wrote its day.
+        hasher: replaces the usual hasher of secrets.
+        beside: runs with the application: the stop path.
+        operators: runs the agents of people on duty; None where nobody can be on duty.
+        scenario: the scenario's player, where the factory is simulated; None without a scenario.
     """
     prepare_shapes()
 
@@ -110,7 +110,7 @@ def create_app(
         version=__version__,
         lifespan=lifespan,
         openapi_url="/api/openapi.json",
-        # FastAPI's pages load their scripts from elsewhere; ours is in `routes.pages.docs`.
+        # FastAPI's pages load scripts from other sites; ours is in `routes.pages.docs`.
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
@@ -125,7 +125,7 @@ def create_app(
 
 
 def _add_middleware(app: FastAPI, settings: Settings) -> None:
-    """What every request passes before it reaches a router; the last one added is the outermost."""
+    """Add the middleware that every request passes; the last one added is the outermost."""
     app.add_middleware(WholeCharacters, takes_files=takes_files)
     app.add_middleware(BodyLimit, bulk_bytes=settings.body_limit_bytes, takes_files=takes_files)
     app.add_middleware(Conditional)
@@ -135,7 +135,7 @@ def _add_middleware(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(SameOrigin)
     app.add_middleware(KnownHost, hosts=Hosts.of(settings))
     app.add_middleware(Readable)
-    # FastAPI's own handler of bugs stands outside of all middleware: its answers would lack the headers.
+    # FastAPI's own bug handler is outside of all middleware: its answers would lack the headers.
     app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Stopwatch)

@@ -1,4 +1,4 @@
-"""The inbox: what the gateway hears on the bus goes to whoever waits for it; all that agents tell, to the projection."""
+"""The inbox: dispatches messages from the bus to the gateway's parts and the projection."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ from dray.store.orders.progress import OPEN
 
 @dataclass(frozen=True, slots=True)
 class Inbox:
-    """Who in the gateway hears what.
+    """The receivers of messages in the gateway.
 
     Attributes:
-        meter: counts everything.
-        strategist_probe: learns which strategists are there.
-        completions: how orders have ended.
-        outbox: the strategists' other answers about orders.
-        reconciliation: orders that have ended, and look open; those that a strategist may have forgotten.
-        transports: places' answers about plain transports.
-        commands: vehicles' answers to people.
-        projection: heartbeats and events; who is on duty, and who calls.
+        meter: counts all messages.
+        strategist_probe: hears strategists.
+        completions: hears the ends of orders.
+        outbox: hears the strategists' other answers about orders.
+        reconciliation: hears of ended orders that look open, and of lost memory.
+        transports: hears places' answers about plain transports.
+        commands: hears vehicles' answers to people.
+        projection: hears heartbeats, events, operators and calls.
         plant_s: the plant's clock.
     """
 
@@ -56,7 +56,7 @@ class Inbox:
     plant_s: Callable[[], float]
 
     def receive(self, sender: str, message: Message) -> bool:
-        """Hand a message on; returns whether anybody waited for it."""
+        """Hand a message on; returns whether a part awaited it."""
         self.meter.count(message)
         is_strategist = sender in STRATEGISTS
         if is_strategist:
@@ -83,7 +83,7 @@ class Inbox:
         return True
 
     def _doubt(self, fact: Fact) -> None:
-        """Ask for orders that a strategist says otherwise of than they look, or may have forgotten."""
+        """Ask for orders whose end a strategist reports, or which it may have forgotten."""
         match fact:
             case OrderFulfilled(order=order):
                 known = self.projection.orders.get(order)

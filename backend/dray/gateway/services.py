@@ -1,6 +1,6 @@
-"""The services of one running gateway: made, brought up to date from SQL, and run.
+"""The services of one running gateway: making, restoring from SQL, and running them.
 
-Who needs what is said here and nowhere else: every service is given what it uses.
+Only this module wires them: every service gets what it uses.
 """
 
 from __future__ import annotations
@@ -72,19 +72,19 @@ from dray.store.orders.placing import Placing
 from dray.supervision import Supervisor
 
 Beside = Callable[[Commands, Access], AbstractAsyncContextManager[None]]
-"""Runs as long as a gateway does: the stop path."""
+"""A context that runs with the gateway: the stop path."""
 
 PLAYER = "shift player"
-"""Who asks for the side work that no caller waits for."""
+"""Caller of side work that no client waits for."""
 
 
 @dataclass(frozen=True)
 class Services:
-    """All of them. Nobody but `app` and this file knows this type: see `http.provided`."""
+    """All services. Only `app` and this file know this type: see `http.provided`."""
 
     settings: Settings
     plant: PlantFile
-    """As the file was when the gateway began; `projection.site` knows what has come since."""
+    """The file at the gateway's start; `projection.site` knows later additions."""
     time: TimeScale
     wall_s: Callable[[], float]
     store: Store
@@ -95,7 +95,7 @@ class Services:
     projection: Projection
     hub: Hub
     recorder: Recorder | None
-    """None where nothing is to be kept."""
+    """None where nothing is recorded."""
     replay: ReplayReader
     catalogue: Catalogue
     database_sync: DatabaseSync
@@ -130,7 +130,7 @@ class Services:
     supervisor: Supervisor
 
     def by_type(self) -> dict[type[Any], object]:
-        """What routers and middleware may ask for."""
+        """The services for routers and middleware."""
         return {
             Settings: self.settings,
             Store: self.store,
@@ -190,7 +190,7 @@ def open_services(
     hasher: Hasher | None,
     operators: OperatorHost | None,
 ) -> Services:
-    """Make the services; `dray.gateway.app.create_app` says of what."""
+    """Make the services; `dray.gateway.app.create_app` describes the arguments."""
     peer = Peer(bus, Keys(plant.plant), settings.gateway_name, incarnation)
     projection = Projection(plant, time, fault_injection=faults is not None, wall_s=wall_s)
     recorder = None
@@ -286,7 +286,7 @@ def open_services(
 
 
 async def restore(services: Services) -> None:
-    """Read from SQL what must be known before anybody is heard or answered.
+    """Read from SQL what is needed before messages and requests arrive.
 
     Raises:
         UnavailableError: the database cannot be read or written.
@@ -304,7 +304,7 @@ async def restore(services: Services) -> None:
 
 
 def measure(services: Services) -> None:
-    """Let Prometheus be told what the services know anyway."""
+    """Register the services' own values with Prometheus."""
     state = State(
         projection=services.projection,
         hub=services.hub,
@@ -322,9 +322,9 @@ def measure(services: Services) -> None:
 
 @asynccontextmanager
 async def running(services: Services, beside: Beside | None) -> AsyncIterator[None]:
-    """Join the bus, and run the services as long as the context lasts."""
+    """Join the bus, and run the services within the context."""
     access, projection = services.access, services.projection
-    # It writes what is added from now on: what was recalled is in SQL.
+    # It samples additions from now on: restored values are in SQL already.
     sampler = Sampler(projection, services.store, services.wall_s)
     inbox = Inbox(
         meter=services.metrics.meter,
@@ -384,6 +384,6 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
 
 
 async def _last_lines(audit_log: AuditLog) -> None:
-    """Write what waits for the audit log, if the database is there."""
+    """Write waiting audit log lines, if the database answers."""
     with suppress(UnavailableError):
         await audit_log.catch_up()

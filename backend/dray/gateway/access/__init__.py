@@ -1,7 +1,7 @@
-"""Who is who, and who may do what.
+"""Who callers are, and what they may do.
 
-`principal` is somebody who has been recognised, `rules` the table of what each route asks of its caller.
-`gate` stands before all routes and lets nobody pass whom the table does not; `caller` gives a router the
-one who asks. `sessions`, `keys` and `login` recognise people and systems; `audit_log` keeps what they did.
-Operators see and command their own areas only (paper, 3.2).
+`principal` is a recognised caller, `rules` the table of what each route requires. `gate` stands before all
+routes and refuses callers that the table does not admit; `caller` gives a router its caller. `sessions`,
+`keys` and `login` recognise people and systems; `audit_log` records their actions. Operators see and command
+only their own areas (paper, 3.2).
 """

@@ -1,4 +1,4 @@
-"""Access: all that tells who somebody is and keeps what they did, for one running gateway."""
+"""Access: the parts of a running gateway that recognise callers and record their actions."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from dray.settings import Settings
 from dray.store import Store
 
 STRANGERS_TRIES = 50
-"""Tokens that one address may show and that nobody knows: a script with an old key, started anew some times."""
+"""Burst of unknown tokens per address: a script with an old key, restarted several times."""
 
 STRANGERS_HZ = 1.0
 """Tries that come back per second."""
 
 LEARN_S = 2.0
-"""Wall seconds until a login, or the end of one, at another process is known where the database is not asked."""
+"""Maximum wall seconds until a login or logout at another process is known without asking the database."""
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Access:
-    """Who is who."""
+    """The parts."""
 
     sessions: Sessions
     keys: Keys
@@ -49,12 +49,12 @@ class Access:
     """The wall clock of the gateway's own loop."""
 
     def remembered(self, credentials: str, cookie: str, now_s: float) -> Principal | None:
-        """Who this was when the database was last asked, for a stop and nothing else. On any thread.
+        """The caller at the last look at the database; for stops only. Thread-safe.
 
         Args:
             credentials: the header Authorization; empty for none.
-            cookie: the session's; counts where there are no credentials.
-            now_s: the wall clock, as the caller's thread reads it.
+            cookie: the session's cookie; used without credentials.
+            now_s: the wall clock, read in the calling thread.
         """
         if not credentials:
             return self.sessions.remembered(cookie, now_s) if cookie else None
@@ -65,16 +65,16 @@ class Access:
         return ADMIN if self._is_admins(token) else self.keys.remembered(token, now_s)
 
     async def learn(self) -> None:
-        """Ask the database who may stop vehicles.
+        """Read from the database who may stop vehicles.
 
         Raises:
-            UnavailableError: it is away; what was known stays known.
+            UnavailableError: the database is away; the earlier state remains.
         """
         await self.sessions.learn()
         await self.keys.learn()
 
     async def run(self) -> None:
-        """Go on learning until cancelled."""
+        """Learn every `LEARN_S` until cancelled."""
         away = False
         while True:
             try:
@@ -90,10 +90,10 @@ class Access:
         return bool(self.admin_token) and hmac.compare_digest(token.encode(), self.admin_token.encode())
 
     async def by_bearer(self, token: str, address: str) -> Principal | None:
-        """Whose bearer token this is; None when it is nobody's.
+        """The owner of a bearer token; None if unknown.
 
         Raises:
-            Problem: 429, too many from this address were nobody's, or a key is used too often.
+            Problem: 429, too many unknown tokens from this address, or a key is used too often.
         """
         if self._is_admins(token):
             return ADMIN
@@ -106,13 +106,13 @@ class Access:
 def open_access(
     settings: Settings, store: Store, wall_s: Callable[[], float], hasher: Hasher | None = None
 ) -> Access:
-    """Put it together.
+    """Put the parts together.
 
     Args:
         settings: limits, and the administrator's token.
-        store: where people, sessions and keys are kept.
+        store: the database with people, sessions and keys.
         wall_s: the wall clock.
-        hasher: of secrets, when not the usual one.
+        hasher: replaces the usual hasher of secrets.
     """
     token = settings.admin_token
     hasher = hasher or Hasher()

@@ -1,4 +1,4 @@
-"""The audit log: what somebody has done, or tried to do, on disk before the answer leaves."""
+"""The audit log: actions and attempts, on disk before the answer is sent."""
 
 from __future__ import annotations
 
@@ -18,30 +18,29 @@ from dray.store import Store
 from dray.store.access.audit import AuditRow
 
 NOTE = "dray.note"
-"""Under this name the gate leaves the note of a request."""
+"""Scope key of a request's note, set by the gate."""
 
 TARGET_CHARS = 128
-"""As long as the longest id."""
+"""Maximum characters of a target: the longest id."""
 
 LATER = 10_000
-"""Lines of stops that wait for the database, some 10 MB: whoever stops all vehicles of a large plant again and again
-has hours until it is full."""
+"""Maximum waiting lines of stops, some 10 MB: hours of repeated stops of all vehicles of a large plant."""
 
 AGAIN_S = 1.0
-"""Wall seconds until what could not be written is tried again."""
+"""Wall seconds before a failed write is retried."""
 
 Result = Literal["done", "refused", "failed"]
 
 
 @dataclass(slots=True)
 class Note:
-    """What a router may add to the line that the audit log will have of its request.
+    """A router's additions to the audit log line of its request.
 
     Attributes:
-        target: what it was about; else the one id in the path.
-        detail: what else is worth knowing; no secret.
-        result: when the answer's status does not tell it.
-        who: whom it was, where nobody was recognised before.
+        target: the subject; else the one id in the path.
+        detail: further facts; no secrets.
+        result: the result, if the answer's status does not tell it.
+        who: the caller, if nobody was recognised before.
     """
 
     target: str = ""
@@ -49,28 +48,28 @@ class Note:
     result: Result | None = None
     who: Principal | None = None
     waits: bool = True
-    """Whether the answer waits until the line is on disk; that of a stop does not."""
+    """Whether the answer waits until the line is on disk; False for a stop."""
     elsewhere: bool = False
-    """Whether somebody else writes the line."""
+    """Whether the line is written elsewhere."""
     line: Callable[[str], AuditRow] | None = None
-    """Makes the line of what is done, given its target, for who writes it in the transaction of what it tells of;
-    left by the audit recorder."""
+    """Makes the line for a given target, for code that writes it in the action's own transaction; set by the
+    audit recorder."""
     written: bool = False
-    """Whether that has been done: then only something else than `done` is still to be told."""
+    """Whether that was done: then only results other than `done` are still written."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Line:
-    """What the audit log is to keep.
+    """An entry for the audit log.
 
     Attributes:
-        who: did it, or tried to; None for nobody whom we know.
-        address: from where.
-        action: what it was, as `vehicle.command`.
-        target: what it was about.
-        result: what came of it.
-        detail: what else is worth knowing; no secret.
-        at_s: when it happened (wall clock); None for now.
+        who: the caller; None if unknown.
+        address: the caller's address.
+        action: the action, as `vehicle.command`.
+        target: its subject.
+        result: its result.
+        detail: further facts; no secrets.
+        at_s: its time (wall clock); None for now.
     """
 
     who: Principal | None
@@ -88,11 +87,11 @@ _log = logging.getLogger(__name__)
 class AuditLog:
     """Writes the audit log.
 
-    A line is on disk before its answer leaves, except for stops: their lines wait in memory for as long as the
-    database is away, are told to the log at once, and are lost only with the process.
+    A line is on disk before its answer is sent, except for stops. Their lines wait in memory while the
+    database is away, go to the program's log at once, and are lost only with the process.
 
     Args:
-        store: where it is kept.
+        store: the database.
         wall_s: the wall clock.
     """
 
@@ -103,11 +102,11 @@ class AuditLog:
         self._writing = asyncio.Lock()
 
     async def write(self, line: Line) -> None:
-        """Add a line; it is on disk when this returns."""
+        """Write a line; it is on disk when this returns."""
         await self._write([self.row(line)])
 
     def write_later(self, line: Line) -> None:
-        """Add a line as soon as the database takes it."""
+        """Queue a line until the database takes it."""
         row = self.row(line)
         _log.info("%s %s: %s, by %s, %s", row.action, row.target, row.result, row.who, row.detail)
         if len(self._later) >= LATER:
@@ -118,11 +117,11 @@ class AuditLog:
 
     @property
     def waiting(self) -> int:
-        """Lines that wait for the database."""
+        """Number of lines waiting for the database."""
         return len(self._later)
 
     async def run(self) -> None:
-        """Write what waits, until cancelled."""
+        """Write waiting lines until cancelled."""
         while True:
             await self._more.wait()
             try:
@@ -131,10 +130,10 @@ class AuditLog:
                 await asyncio.sleep(AGAIN_S)
 
     async def catch_up(self) -> None:
-        """Write what waits.
+        """Write all waiting lines.
 
         Raises:
-            UnavailableError: the database does not take it; it goes on waiting.
+            UnavailableError: the database is away; the lines go on waiting.
         """
         async with self._writing:
             while self._later:
@@ -145,7 +144,7 @@ class AuditLog:
             self._more.clear()
 
     def row(self, line: Line) -> AuditRow:
-        """A line as it is kept, for who writes it together with what it tells of."""
+        """A line as a row, for code that writes it in the action's own transaction."""
         return AuditRow(
             at_s=self._wall_s() if line.at_s is None else line.at_s,
             who="" if line.who is None else line.who.id,
@@ -153,7 +152,7 @@ class AuditLog:
             from_ip=line.address,
             session="" if line.who is None else line.who.session,
             action=line.action,
-            # A path may hold a NUL, which PostgreSQL has in no text.
+            # A path may hold a NUL, which PostgreSQL text cannot.
             target=line.target.replace("\0", "")[:TARGET_CHARS],
             result=line.result,
             detail=line.detail,
@@ -166,7 +165,7 @@ class AuditLog:
 
 
 def result_of(status: int) -> Result:
-    """What an HTTP status tells of what was asked."""
+    """The result that an HTTP status stands for."""
     if status < 400:
         return "done"
     return "refused" if status < 500 else "failed"

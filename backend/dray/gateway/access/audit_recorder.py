@@ -1,7 +1,7 @@
-"""The audit recorder: a line of the audit log for every request that changes something, before its answer leaves.
+"""The audit recorder: writes a line for every request that changes something, before its answer is sent.
 
-When the line cannot be written the answer says so, although what was asked may have been done. The answer to a
-stop waits for no disk: its line is written as soon as that is possible (`AuditLog.write_later`).
+If the line cannot be written, the answer says so, although the action may have been done. The answer to a
+stop does not wait for a disk: its line is written as soon as possible (`AuditLog.write_later`).
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ _log = logging.getLogger(__name__)
 
 
 class AuditRecorder:
-    """Stands between one request and its answer.
+    """Stands between a request and its answer.
 
     Args:
-        scope: the request's.
-        receive: the request's.
-        send: where its answer goes.
-        action: what the audit log calls it.
-        note: what the router tells of it; nothing is kept while it names neither anybody nor a result.
+        scope: the request's scope.
+        receive: the request's receiver.
+        send: takes the answer.
+        action: its name in the audit log.
+        note: the router's note; nothing is written while it has neither a caller nor a result.
     """
 
     def __init__(self, scope: Scope, receive: Receive, send: Send, action: str, note: Note) -> None:
@@ -38,17 +38,17 @@ class AuditRecorder:
         self._action, self._note = action, note
         note.line = self._done
         self._lost = False
-        """The line could not be written, and the one who asked was told so."""
+        """Whether the line could not be written, so that the caller got that answer instead."""
 
     async def send(self, message: Message) -> None:
-        """Pass an answer on, once its line is on disk."""
+        """Pass an answer on once its line is on disk."""
         if message["type"] == "http.response.start":
             await self._record(message["status"])
         if not self._lost:
             await self._send(message)
 
     async def failed(self) -> None:
-        """There is no answer: a bug of ours."""
+        """Record a request without an answer: a bug of ours."""
         try:
             await self._write("failed", HTTPStatus.INTERNAL_SERVER_ERROR)
         except UnavailableError as error:
@@ -59,7 +59,7 @@ class AuditRecorder:
             await self._write(self._note.result or result_of(status), status)
         except UnavailableError as error:
             if status >= HTTPStatus.INTERNAL_SERVER_ERROR:
-                return  # Nothing was done; the answer says that and why, and the log has told of the outage.
+                return  # Nothing was done; the answer says so, and the outage is logged already.
             self._tell_the_log(error)
             self._lost = True
             problem = Problem(
@@ -115,6 +115,6 @@ class AuditRecorder:
 
 
 def address_of(scope: Scope) -> str:
-    """Where a request comes from; empty where the server does not know."""
+    """The client's address; empty if unknown."""
     client = scope.get("client")
     return str(client[0]) if client else ""

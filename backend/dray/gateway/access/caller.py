@@ -1,4 +1,4 @@
-"""The caller: who asks, as the gate has recognised it, for routers."""
+"""The caller, as recognised by the gate, for routers."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from dray.gateway.access.rules import Found
 from dray.gateway.http.problems import Problem
 
 ADMITTED = "dray.admitted"
-"""Under this name the gate leaves the row by which it let a request pass..."""
+"""Scope key of the rule's row that admitted a request, set by the gate."""
 
 CALLER = "dray.caller"
-"""...and under this one the principal, where there is one."""
+"""Scope key of the principal, if any."""
 
 _log = logging.getLogger(__name__)
 
 
 def admit(scope: Scope, found: Found, principal: Principal | None) -> None:
-    """Note on a request that it may pass."""
+    """Mark a request as admitted."""
     scope[ADMITTED], scope[CALLER] = found, principal
 
 
 def takes_files(scope: Scope) -> bool:
-    """Whether a request came to a route whose body may be a whole file."""
+    """Whether the request's route takes a whole file as its body."""
     found: Found | None = scope.get(ADMITTED)
     return found is not None and found.rule.bulk
 
 
 async def admitted(connection: HTTPConnection) -> None:
-    """Of every route: refuse what the gate has not let pass by the row of this very route.
+    """Dependency of every route: refuse requests that the gate has not admitted by this route's own row.
 
     Raises:
-        Problem: there is no such row, which is a mistake of ours; the log names the route.
+        Problem: the row is missing, a mistake of ours; the log names the route.
     """
     found = connection.scope.get(ADMITTED)
     if found is None or set(found.parameters) != set(connection.path_params):
@@ -52,7 +52,7 @@ async def admitted(connection: HTTPConnection) -> None:
 
 
 def caller_of(connection: HTTPConnection) -> Principal:
-    """Who asks. Only for routes that are not public."""
+    """The caller; only for routes that are not public."""
     principal = connection.scope[CALLER]
     assert isinstance(principal, Principal)  # noqa: S101 - nobody else passes the gate
     return principal

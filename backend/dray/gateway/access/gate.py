@@ -1,6 +1,6 @@
-"""The gate: every request passes it before a router, or its body, is looked at.
+"""The gate: every request passes it before its router runs or its body is read.
 
-It looks up what the rules ask, recognises who asks, and refuses what is not allowed.
+It looks up the rule, recognises the caller, and refuses what is not allowed.
 """
 
 from __future__ import annotations
@@ -33,17 +33,17 @@ CLOSE_CODES = {
     HTTPStatus.FORBIDDEN: 4403,
     HTTPStatus.UNPROCESSABLE_ENTITY: 4422,
 }
-"""How a stream is refused: browsers hide the status of a handshake, and tell the code of a close."""
+"""Close codes of a refused stream: browsers hide a handshake's status, but show a close code."""
 
 LOGIN_TELLS = {HTTPStatus.UNAUTHORIZED, HTTPStatus.SERVICE_UNAVAILABLE}
-"""Refusals that the login page tells a person, and then leads on to what was wanted."""
+"""Refusals that the login page shows a person, before it leads on to the wanted page."""
 
 TRY_LATER = 1013
-"""RFC 6455's registry: the server cannot, at the moment."""
+"""RFC 6455's registry: the server is unable at the moment."""
 
 
 class Gate:
-    """Recognises who asks, and refuses what the rules do not allow."""
+    """Recognises callers, and refuses what the rules do not allow."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -51,7 +51,7 @@ class Gate:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         found = None if scope["type"] == "lifespan" else _row(scope)
         if found is None:
-            # There is no such route, or `caller.admitted` refuses it.
+            # The route does not exist, or `caller.admitted` refuses it.
             await self._app(scope, receive, send)
             return
         note = scope[NOTE] = Note(target=next(iter(found.parameters.values()), ""))
@@ -82,12 +82,12 @@ class Gate:
 
 
 async def recognise(connection: HTTPConnection, found: Found) -> Principal:
-    """Who asks. A token in the address is none: addresses are written into logs and histories.
+    """The caller. A token in the address does not count: addresses end up in logs and histories.
 
-    Stop does not wait for a database: while it is away, whoever was known before may still stop vehicles.
+    A stop does not wait for a database: while it is away, a caller known before may still stop vehicles.
 
     Raises:
-        Problem: 401, it cannot be said; 429, too many tokens that nobody knows; 503, the database is away.
+        Problem: 401, unknown caller; 429, too many unknown tokens; 503, the database is away.
     """
     access = provided(connection.app, Access)
     credentials = connection.headers.get("authorization", "")
@@ -119,10 +119,10 @@ async def recognise(connection: HTTPConnection, found: Found) -> Principal:
 
 
 def allow(principal: Principal, found: Found) -> None:
-    """Let pass whom the rule allows.
+    """Admit a caller whom the rule allows.
 
     Raises:
-        Problem: as `missing` tells; 403 when it is about more than the caller's areas.
+        Problem: as in `missing`; 403 when the route concerns more than the caller's areas.
     """
     rule = found.rule
     if rule.scope is None:
@@ -135,14 +135,14 @@ def allow(principal: Principal, found: Found) -> None:
 
 
 def missing(principal: Principal, scope: Right) -> Problem:
-    """The caller lacks a scope: 403, or 401 when it has it again after a login."""
+    """The problem of a missing scope: 403, or 401 if a login would restore it."""
     if principal.over:
         return session_over(principal.over)
     return forbidden(f"{principal.name} lacks the scope {scope.value}")
 
 
 def unknown(detail: str) -> Problem:
-    """Nobody can say who asks."""
+    """The problem of an unknown caller."""
     return Problem(
         HTTPStatus.UNAUTHORIZED,
         "not-logged-in",
@@ -156,18 +156,18 @@ OVER = {
     Over.RUN_OUT: ("session-run-out", "Your session has run out of time"),
     Over.REPLACED: ("session-replaced", "You have logged in elsewhere"),
 }
-"""The kind and title of the answer, by why a session is over."""
+"""Kind and title of the problem, by why a session is over."""
 
 
 def session_over(why: Over) -> Problem:
-    """The session is over, and nobody has taken it back: a panel goes on to offer a stop."""
+    """The problem of a session that is over but not revoked: a panel still offers a stop."""
     kind, title = OVER[why]
     detail = "a stop still passes; for everything else log in at /login"
     return Problem(HTTPStatus.UNAUTHORIZED, kind, title, detail, headers=CHALLENGE)
 
 
 def forbidden(detail: str) -> Problem:
-    """Whoever asks may not do this."""
+    """The problem of a caller who may not do this."""
     return Problem(HTTPStatus.FORBIDDEN, "not-allowed", "You may not do this", detail)
 
 
@@ -176,7 +176,7 @@ def _row(scope: Scope) -> Found | None:
 
 
 def _kept_private(send: Send) -> Send:
-    """Answers to somebody are for nobody else: no cache keeps them."""
+    """Keep caches from storing answers to recognised callers."""
 
     async def private(message: Message) -> None:
         if message["type"] == "http.response.start":
@@ -187,7 +187,7 @@ def _kept_private(send: Send) -> Send:
 
 
 async def refuse(problem: Problem, scope: Scope, receive: Receive, send: Send) -> None:
-    """Answer with a problem: a program, a person at a browser, or a stream that begins."""
+    """Answer with a problem, to a program, a browser, or a starting stream."""
     if scope["type"] == "websocket":
         await receive()
         await send({"type": "websocket.accept"})
@@ -196,19 +196,19 @@ async def refuse(problem: Problem, scope: Scope, receive: Receive, send: Send) -
     elif problem.status in LOGIN_TELLS and wants_page(scope):
         await RedirectResponse(_login_for(scope), HTTPStatus.SEE_OTHER)(scope, receive, send)
     elif problem.status == HTTPStatus.FORBIDDEN and scope["method"] == "GET" and wants_page(scope):
-        # A link that somebody with more rights has sent: the panel that its reader may use says more than an error.
+        # Probably a link from somebody with more rights: the reader's own panel helps more than an error.
         await RedirectResponse("/", HTTPStatus.SEE_OTHER)(scope, receive, send)
     else:
         await problem.response(scope["path"])(scope, receive, send)
 
 
 def wants_page(scope: Scope) -> bool:
-    """Whether a person asks with a browser, and not a program."""
+    """Whether the client is a person's browser."""
     return not scope["path"].startswith("/api/") and "text/html" in Headers(scope=scope).get("accept", "")
 
 
 def _login_for(scope: Scope) -> str:
-    """Where to log in, and go on from there."""
+    """The login page's address, which leads back to this request."""
     if scope["method"] != "GET":
         return LOGIN
     query = scope["query_string"].decode("latin-1")

@@ -1,4 +1,4 @@
-"""Keys: how other systems are recognised."""
+"""Keys: the recognition of other systems."""
 
 from __future__ import annotations
 
@@ -18,39 +18,40 @@ from dray.store.access.api_keys import ApiKey
 from dray.store.access.digest import digest
 
 USED_AGAIN_S = 60.0
-"""The use of a key is noted this often."""
+"""Minimum wall seconds between two records of a key's use."""
 
 KNOWN_S = 1.0
-"""Wall seconds for which a key is taken as the database has told of it: one that is taken back is refused within them,
-and who places one order after the other has no look-up to wait for."""
+"""Wall seconds for which a key's data is cached: the longest life of a revoked key, while a series of orders
+needs no look-ups."""
 
 REMEMBERED = 1_000
-"""Keys that are known without the database: some per machine of a large plant."""
+"""Maximum keys known without the database: some per machine of a large plant."""
 
 
 class Keys:
     """Recognises other systems by their keys.
 
     Args:
-        store: where the keys are kept.
+        store: the database with the keys.
         wall_s: the wall clock.
-        rate_hz: requests per second that one key may make for long.
-        tries: requests that one key may make at once.
+        rate_hz: sustained requests per second of one key.
+        tries: burst of requests of one key.
     """
 
     def __init__(self, store: Store, wall_s: Callable[[], float], *, rate_hz: float, tries: int) -> None:
         self._store, self._wall_s = store, wall_s
         self._limit = Limit(wall_s, tries=tries, rate_hz=rate_hz)
         self._remembered: dict[str, ApiKey] = {}
-        """By the token's digest, as the database last told. Replaced on the loop, and looked at by any thread."""
+        """By digest of the token, at the last look at the database. Replaced on the loop, read by any
+        thread."""
         self._known: OrderedDict[str, tuple[float, ApiKey]] = OrderedDict()
-        """By the token's digest, keys that were used lately, and when the database was asked."""
+        """Recently used keys by digest of the token, with the time of their look-up."""
 
     async def recognise(self, token: str) -> Principal | None:
-        """Whose key this is; None when it is nobody's, or not any more.
+        """The owner of a key; None if unknown or no longer valid.
 
         Raises:
-            Problem: 429, it is used too often.
+            Problem: 429, the key is used too often.
         """
         now_s = self._wall_s()
         key = await self._find(token, now_s)
@@ -58,7 +59,7 @@ class Keys:
             return None
         self._limit.take(key.id)
         if key.used_at_s is None or now_s - key.used_at_s >= USED_AGAIN_S:
-            # A database that can only be read still tells whose key it is.
+            # A read-only database still recognises keys.
             with suppress(UnavailableError):
                 async with self._store.write() as work:
                     await work.api_keys.use(key.id, now_s)
@@ -66,7 +67,7 @@ class Keys:
         return principal_of(key)
 
     async def _find(self, token: str, now_s: float) -> ApiKey | None:
-        """The key with this token, as it was within the last `KNOWN_S`."""
+        """The key of this token, at most `KNOWN_S` old."""
         asked_at_s, key = self._known.get(digest(token), (0.0, None))
         if key is not None and 0 <= now_s - asked_at_s < KNOWN_S:
             return key
@@ -83,10 +84,10 @@ class Keys:
             self._known.popitem(last=False)
 
     async def learn(self) -> None:
-        """Ask the database for all keys that may stop vehicles.
+        """Read all keys that may stop vehicles.
 
         Raises:
-            UnavailableError: the database is away; what was known stays known.
+            UnavailableError: the database is away; the earlier state remains.
         """
         async with self._store.read() as work:
             standing = await work.api_keys.standing(REMEMBERED)
@@ -95,7 +96,7 @@ class Keys:
         }
 
     def remembered(self, token: str, now_s: float) -> Principal | None:
-        """Whose key this was when the database was last asked: may only stop. On any thread."""
+        """The owner of a key at the last look at the database, for stops only. Thread-safe."""
         key = self._remembered.get(digest(token))
         if key is None or not usable(key, now_s):
             return None
@@ -103,12 +104,12 @@ class Keys:
 
 
 def usable(key: ApiKey, now_s: float) -> bool:
-    """Whether a key has neither been taken back nor run out of time."""
+    """Whether a key is neither revoked nor expired."""
     return key.revoked_at_s is None and (key.expires_at_s is None or now_s < key.expires_at_s)
 
 
 def principal_of(key: ApiKey) -> Principal:
-    """Who has this key; scopes of another Dray mean nothing."""
+    """The principal of a key; unknown scopes of another version are ignored."""
     known = {scope.value: scope for scope in Scope}
     places = frozenset(key.places.split())
     return Principal(

@@ -1,7 +1,7 @@
-"""Limits: how often somebody may try, as buckets that fill up again with time.
+"""Limits: how often a caller may try, as buckets that refill with time.
 
-Our own, and not the package `limits`: a try that has succeeded is given back, time comes from the caller, and names are bounded
-(docs/decisions/11-libraries.md).
+Our own instead of the package `limits`: a successful try is given back, time comes from the caller, and names
+are bounded (docs/decisions/11-libraries.md).
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from ipaddress import IPv6Address, ip_address
 from dray.gateway.http.problems import Problem
 
 BUCKETS = 10_000
-"""Kept at once, some 2 MB; the one that was used longest ago makes room."""
+"""Maximum buckets, some 2 MB; the least recently used one is dropped."""
 
 NETWORK_BITS = 64
-"""Of an IPv6 address: whoever has one has all those that begin with it."""
+"""Network part of an IPv6 address in bits: its owner has all addresses behind it."""
 
 
 class Limit:
@@ -26,17 +26,17 @@ class Limit:
 
     Args:
         wall_s: the wall clock.
-        tries: in a full bucket.
-        rate_hz: tries that come back per second.
+        tries: size of a full bucket.
+        rate_hz: tries refilled per second.
     """
 
     def __init__(self, wall_s: Callable[[], float], *, tries: float, rate_hz: float) -> None:
         self._wall_s, self._tries, self._rate_hz = wall_s, tries, rate_hz
         self._buckets: OrderedDict[str, tuple[float, float]] = OrderedDict()
-        """Per name: what was left, and when."""
+        """Per name, the tries left and when."""
 
     def take(self, name: str) -> None:
-        """Use a try up.
+        """Use up a try.
 
         Raises:
             Problem: 429, there is none left.
@@ -47,7 +47,7 @@ class Limit:
         self._keep(name, left - 1)
 
     def give_back(self, name: str) -> None:
-        """It was no try: it has succeeded."""
+        """Return a try that has succeeded."""
         self._keep(name, min(self._tries, self._left(name) + 1))
 
     def _left(self, name: str) -> float:
@@ -63,10 +63,10 @@ class Limit:
 
 
 def too_many(wait_s: float) -> Problem:
-    """Somebody tries too often.
+    """The problem of too many tries.
 
     Args:
-        wait_s: until it is worth while to try again.
+        wait_s: seconds until a new try makes sense.
     """
     whole_s = max(1, math.ceil(wait_s))
     return Problem(
@@ -79,7 +79,7 @@ def too_many(wait_s: float) -> Problem:
 
 
 def neighbourhood(address: str) -> str:
-    """The address, or the network where one of it is as good as all of it."""
+    """The address, or its network for IPv6, where one owner has all of it."""
     try:
         parsed = ip_address(address)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Principals: whoever has been recognised, be it a person, another system's key or the administrator."""
+"""Principals: recognised callers, such as a person, another system's key or the administrator."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from dray.priorities import Priority
 
 
 class Role(StrEnum):
-    """What a person is here for."""
+    """A person's role."""
 
     MANAGER = "manager"
     OPERATOR = "operator"
 
 
 class Scope(StrEnum):
-    """One thing that somebody may be allowed."""
+    """A right that a caller may have."""
 
     FACTORY_READ = "factory:read"
     ORDERS_READ = "orders:read"
     ORDERS_WRITE = "orders:write"
     VEHICLES_COMMAND = "vehicles:command"
     VEHICLES_STOP = "vehicles:stop"
-    """Stop, and nothing else; whoever may command vehicles may stop them."""
+    """Stop, and nothing else; included in the right to command vehicles."""
     TRANSPORTS_CALL = "transports:call"
-    """Have something brought or taken away, see how far that is, and call it off. Whoever may do nothing else sees what it has asked for
-    itself: a call button."""
+    """Call for transports, see their progress, and cancel them. A caller with no other right sees only its
+    own: a call button."""
     ALERTS_ACKNOWLEDGE = "alerts:acknowledge"
     AGENTS_WRITE = "agents:write"
     """Shut agents out, and readmit them."""
@@ -54,19 +54,19 @@ SCOPES: dict[Role, frozenset[Scope]] = {
         }
     ),
 }
-"""What each role may; an operator in the areas of its own only."""
+"""Scopes of each role; an operator has them in its own areas only."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CallLimits:
-    """Which transports a key may call for.
+    """Limits of the transports that a key may call for.
 
     Attributes:
-        places: machines and storages, one of which must be one end of each; empty for all of the plant.
+        places: machines and storages, one of which must be an end of each transport; empty for all.
         items: materials; empty for all.
-        open_max: how many may be open at once.
-        open_each_max: how many of them at one place.
-        priority: the highest. Unless it is urgent, no transport is due sooner than such a one.
+        open_max: maximum open transports.
+        open_each_max: maximum open transports per place.
+        priority: highest priority. Unless it is urgent, no transport is due sooner than one of this priority.
     """
 
     places: frozenset[str]
@@ -77,31 +77,31 @@ class CallLimits:
 
 
 class Over(StrEnum):
-    """Why a session is good for a stop and for nothing else any more."""
+    """Why a session is valid for stops only."""
 
     RUN_OUT = "run_out"
-    """Its time is over."""
+    """It has expired."""
     REPLACED = "replaced"
     """Its person has logged in elsewhere."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Principal:
-    """Somebody who has been recognised.
+    """A recognised caller.
 
     Attributes:
-        kind: how it was recognised: by a session, a key or the administrator's token; or that it is a schedule, which nobody recognises.
-        id: of the person or key, unique in its kind; what the audit log names.
-        name: what people call it.
-        role: of a person; None for others.
-        scopes: what it may do.
-        areas: where it may do so; None for the whole plant.
-        station: the machine at which an operator works; of a key, the place for which alone it calls for transports, where that is one.
-            Empty where that matters nothing.
-        calls: of a key, which transports it may call for; None for whatever there is.
-        session: the session's id, which is no secret; empty where there is none.
-        expires_at_s: when it will have to be recognised anew, in wall clock seconds; None for never.
-        over: why its session is over, where it is; what it may still do is left in `scopes`.
+        kind: how it was recognised: by session, key or administrator's token; or a schedule, which needs no
+            recognition.
+        id: id of the person or key, unique in its kind; named in the audit log.
+        name: name for people.
+        role: role of a person; None for others.
+        scopes: its rights.
+        areas: areas to which it is limited; None for the whole plant.
+        station: an operator's machine; or a key's only place for transports, if it has one. Else empty.
+        calls: a key's limits for transports; None for no limits.
+        session: the session's id, which is no secret; empty without one.
+        expires_at_s: when it must be recognised anew, in wall clock seconds; None for never.
+        over: why its session is over, if so; `scopes` then has what remains.
     """
 
     kind: Literal["person", "key", "admin", "schedule"]
@@ -118,15 +118,15 @@ class Principal:
 
     @property
     def key(self) -> str:
-        """Its kind and id: whose a transport, a share or a stream is."""
+        """Kind and id: the owner of a transport, a share or a stream."""
         return f"{self.kind} {self.id}"
 
     def may(self, scope: Scope) -> bool:
-        """Whether it is allowed this, if only in some areas."""
+        """Whether it has this right, at least in some areas."""
         return scope in self.scopes or (
             scope is Scope.VEHICLES_STOP and Scope.VEHICLES_COMMAND in self.scopes
         )
 
 
 ADMIN = Principal(kind="admin", id="admin", name="Administrator", scopes=EVERYTHING)
-"""Whoever has the administrator's token (`DRAY_ADMIN_TOKEN`)."""
+"""The holder of the administrator's token (`DRAY_ADMIN_TOKEN`)."""

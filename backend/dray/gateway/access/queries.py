@@ -1,7 +1,7 @@
-"""Queries: a parameter that a call does not know is refused, and never passed over.
+"""Queries: an unknown query parameter is refused, never ignored.
 
-Whoever asks for `?refrence=PO-17` and is answered with every order takes it for the answer to what was meant. One
-middleware stands before all calls under `/api`; what a call knows are the query parameters of its route.
+A client that asks for `?refrence=PO-17` and gets every order would take that for its answer. One middleware
+stands before all calls under `/api`; the known parameters are the query parameters of the route.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from dray.gateway.access.gate import refuse
 from dray.gateway.http.problems import MAX_FIELD_ERRORS, FieldError, Problem
 
 NAME_CHARS = 64
-"""Of an unknown name that is told again: longer than any that we know."""
+"""Maximum characters quoted of an unknown name: longer than any known one."""
 
 
 class KnownQueries:
-    """Refuses query parameters that a call does not know; stands behind the gate.
+    """Refuses unknown query parameters; stands behind the gate.
 
     Args:
-        app: what it stands before.
-        routes: of the application; those that are added later count.
+        app: the next application.
+        routes: the application's routes; later additions count.
     """
 
     def __init__(self, app: ASGIApp, routes: Sequence[BaseRoute]) -> None:
         self._app, self._routes = app, routes
         self._known: dict[tuple[str, str], frozenset[str]] = {}
-        """By method and path template; filled at the first question that has a parameter."""
+        """By method and path template; filled at the first request with a query."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         problem = _unknown(scope, self._known_to(scope)) if _asks(scope) else None
@@ -52,7 +52,7 @@ class KnownQueries:
 
 
 def _asks(scope: Scope) -> bool:
-    """Whether it has a query, and one row of the rules has let it pass under `/api`."""
+    """Whether a request under `/api` has a query and was admitted by a rule."""
     return bool(scope.get("query_string")) and ADMITTED in scope and scope["path"].startswith("/api/")
 
 
@@ -80,7 +80,7 @@ def _parameters(routes: Sequence[BaseRoute]) -> Iterator[tuple[tuple[str, str], 
     for route in iter_route_contexts(routes):
         dependant = getattr(route, "dependant", None)
         if route.path is None or not isinstance(dependant, Dependant):
-            continue  # A file, or the OpenAPI document: knows no parameter.
+            continue  # A file or the OpenAPI document: no parameters.
         names = frozenset(
             field.alias for field in get_flat_params(dependant) if isinstance(field.field_info, Query)
         )

@@ -1,8 +1,8 @@
-"""Rules: what every route asks of its caller. One table; a route without a row is refused.
+"""Rules: what every route requires of its caller. One table; a route without a row is refused.
 
-Whoever adds a route adds its row. A row of a method that changes something names the `action` under which
-the audit log keeps it. `by_area` opens a route to callers who are limited to areas: its router then shows
-and does only what lies in these. All other rows are for callers of the whole plant.
+A new route needs a row. The row of a method that changes something names its `action` in the audit log.
+`by_area` opens a route to callers limited to areas: its router then shows and does only what lies inside. All
+other rows are for callers of the whole plant.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from dray.gateway.access.principal import Scope
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What one route asks of its caller.
+    """The requirements of one route.
 
     Attributes:
-        scope: what the caller must be allowed; None where being recognised is enough.
-        by_area: whether callers who are limited to areas may come in.
-        public: whether anybody may come in, recognised or not.
-        action: what the audit log calls it; empty for what changes nothing.
+        scope: the required right; None if being recognised is enough.
+        by_area: whether callers limited to areas are admitted.
+        public: whether everybody is admitted, recognised or not.
+        action: its name in the audit log; empty if it changes nothing.
         bulk: whether its body may be a whole file.
     """
 
@@ -37,7 +37,7 @@ class Rule:
 PUBLIC = Rule(public=True)
 
 KNOWN = Rule(by_area=True)
-"""Whoever has been recognised."""
+"""Any recognised caller."""
 
 RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/openapi.json"): PUBLIC,
@@ -194,12 +194,12 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/scenario/skip"): Rule(Scope.FAULTS_WRITE, action="scenario.skip"),
     ("DELETE", "/api/scenario/skip"): Rule(Scope.FAULTS_WRITE, action="scenario.skip_end"),
 }
-"""By method and path template, as the routers name them. A websocket begins as a GET."""
+"""By method and path template, as in the routers. A websocket begins as a GET."""
 
 QUESTIONS = frozenset(
     {("POST", "/api/orders/preview"), ("POST", "/api/closures/preview"), ("POST", "/api/schedules/preview")}
 )
-"""Rows that change nothing for all their method: the question is too long for an address."""
+"""POST routes that change nothing: their question is too long for an address."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,9 +207,9 @@ class Found:
     """The row for a request.
 
     Attributes:
-        rule: what it asks.
+        rule: the rule.
         template: the path template of the row.
-        parameters: what the template's names stand for in the request.
+        parameters: values of the template's names in the request.
     """
 
     rule: Rule
@@ -218,7 +218,7 @@ class Found:
 
 
 def find(method: str, path: str) -> Found | None:
-    """The row for a request; None where there is none, and so most likely no route either."""
+    """The row for a request; None if there is none, and so most likely no route either."""
     method = "GET" if method == "HEAD" else method
     plain = RULES.get((method, path))
     if plain is not None:

@@ -1,11 +1,11 @@
-"""Sessions: from a login to its end, and what a browser's cookie is worth meanwhile.
+"""Sessions: from a login to its end, and the rights of a browser's cookie meanwhile.
 
-A session ends when it is logged out or taken back, when nothing has used it for `IDLE_S`, and at the latest
-when its person's working day is over. An open stream uses it: a panel that is watched is not idle.
+A session ends on logout or revocation, after `IDLE_S` without use, and at the latest at the end of the
+person's working day. An open stream counts as use: a panel being watched is not idle.
 
-Stop is never behind a login prompt. An operator's session that has only run out of time, or was replaced by
-a login of the same person elsewhere, may for `MAY_STILL_STOP_S` more stop vehicles in its areas, and nothing else; and
-so may everybody whom we knew before, while the database is away.
+Stop is never behind a login prompt. An operator's session that has expired, or was replaced by a login
+elsewhere, remains valid for stops. It may stop vehicles in its areas for another `MAY_STILL_STOP_S`, and
+nothing else. While the database is away, so may every caller known before.
 """
 
 from __future__ import annotations
@@ -29,47 +29,47 @@ from dray.store.access.sessions import Session
 HOUR_S = 3600.0
 
 LIFE_S = {Role.MANAGER: 12 * HOUR_S, Role.OPERATOR: 10 * HOUR_S}
-"""A long working day, and a shift with the hour in which it is handed over."""
+"""Longest session in seconds: a long working day, or a shift with its hour of hand-over."""
 
 IDLE_S = 2 * HOUR_S
-"""A break with a meeting behind it; a browser that was closed and forgotten for longer is logged out."""
+"""Maximum idle time: a break with a meeting; a browser closed and forgotten for longer is logged out."""
 
 MAY_STILL_STOP_S = 12 * HOUR_S
-"""Until the operator of the next shift has long logged in."""
+"""Seconds after the end in which stops are allowed: the next shift's operator has long logged in."""
 
 USED_AGAIN_S = 60.0
-"""The use of a session is noted this often: a write to disk for each request would cost more than it tells."""
+"""Minimum wall seconds between two records of use: a write per request would cost too much."""
 
 KEPT_S = 30 * 24 * HOUR_S
-"""Sessions stay readable this long after their end, for whoever looks into the audit log."""
+"""Seconds for which ended sessions are kept, for readers of the audit log."""
 
 REMEMBERED = 1_000
-"""Sessions that are known without the database, some 1 MB: all people of a large plant."""
+"""Maximum sessions known without the database, some 1 MB: all people of a large plant."""
 
 
 class Standing(Enum):
-    """What a session is worth."""
+    """The validity of a session."""
 
     LIVE = "live"
     OVER = "over"
-    """It has only run out of time."""
+    """It has expired."""
     REPLACED = "replaced"
-    """Its person has logged in elsewhere: nobody has taken it back."""
+    """Its person has logged in elsewhere; nobody has revoked it."""
     ENDED = "ended"
 
 
 OVER = {Standing.OVER: Over.RUN_OUT, Standing.REPLACED: Over.REPLACED}
-"""What is good for a stop still, and what its person is told."""
+"""Sessions still valid for a stop, and the reason given to the person."""
 
 
 def standing(session: Session, person: Person, now_s: float, *, replaced: bool = False) -> Standing:
-    """What a session is worth now.
+    """The present validity of a session.
 
     Args:
         session: the session.
-        person: whose it is.
+        person: its person.
         now_s: the wall clock.
-        replaced: whether it ended because its person has logged in elsewhere.
+        replaced: whether its person has logged in elsewhere.
     """
     if person.disabled_at_s is not None:
         return Standing.ENDED
@@ -79,19 +79,19 @@ def standing(session: Session, person: Person, now_s: float, *, replaced: bool =
 
 
 def ends_at_s(session: Session) -> float:
-    """When a session has ended, or will have run out of time if nobody uses it again."""
+    """When a session ended, or will expire without further use."""
     runs_out_at_s = min(session.expires_at_s, session.used_at_s + IDLE_S)
     return runs_out_at_s if session.ended_at_s is None else min(session.ended_at_s, runs_out_at_s)
 
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """A session as the database last told.
+    """A session at the last look at the database.
 
     Attributes:
-        person: whose it is.
+        person: its person.
         session: the session.
-        replaced: whether it ended because its person has logged in elsewhere.
+        replaced: whether its person has logged in elsewhere.
     """
 
     person: Person
@@ -99,7 +99,7 @@ class Known:
     replaced: bool
 
     def principal(self, now_s: float) -> Principal | None:
-        """Who has it, as far as it is still worth something."""
+        """Its principal, as far as it is still valid."""
         worth = standing(self.session, self.person, now_s, replaced=self.replaced)
         if worth is Standing.LIVE:
             return principal_of(self.person, self.session)
@@ -113,26 +113,27 @@ class Sessions:
     """Begins sessions, recognises people by them, and ends them.
 
     Args:
-        store: where they are kept.
+        store: the database with the sessions.
         wall_s: the wall clock.
     """
 
     def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
         self._store, self._wall_s = store, wall_s
         self._remembered: OrderedDict[str, Known] = OrderedDict()
-        """By the token's digest, as the database last told. Changed on the loop, and looked at by any thread."""
+        """By digest of the token, at the last look at the database. Changed on the loop, read by any
+        thread."""
         self._changes = 0
-        """How many sessions were begun or ended here."""
+        """Number of sessions begun or ended here."""
 
     async def begin(self, person: Person, *, before: str = "", station: str = "") -> tuple[str, Session]:
-        """Log somebody in; returns the cookie's token, which is always a new one.
+        """Log a person in; returns the cookie's token, always a new one.
 
-        An operator works at one station at a time: all other sessions of an operator are replaced by this one.
+        An operator works at one station at a time: this session replaces all others of the operator.
 
         Args:
-            person: who.
-            before: the cookie that the browser has brought; its session ends.
-            station: the machine at which an operator works.
+            person: the person.
+            before: the browser's previous cookie; its session ends.
+            station: an operator's machine.
         """
         now_s, token = self._wall_s(), new_token()
         session = Session(
@@ -158,7 +159,7 @@ class Sessions:
         return token, session
 
     async def recognise(self, token: str) -> Principal | None:
-        """Whose cookie this is; None when it is nobody's any more."""
+        """The owner of a cookie; None if it is not valid any more."""
         now_s = self._wall_s()
         async with self._store.read() as work:
             session = await work.sessions.find(token)
@@ -170,24 +171,24 @@ class Sessions:
         self._remember(token, known)
         principal = known.principal(now_s)
         if principal is not None and not principal.over and now_s - session.used_at_s >= USED_AGAIN_S:
-            # A database that can only be read still tells who somebody is.
+            # A read-only database still recognises people.
             with suppress(UnavailableError):
                 async with self._store.write() as work:
                     await work.sessions.use([session.id], now_s)
         return principal
 
     async def learn(self) -> None:
-        """Ask the database for all sessions that are worth something, also those that were never shown here.
+        """Read all sessions of any validity, including those never used here.
 
         Raises:
-            UnavailableError: the database is away; what was known stays known.
+            UnavailableError: the database is away; the earlier state remains.
         """
         changes = self._changes
         async with self._store.read() as work:
             people = {person.id: person for person in await work.people.all()}
             latest = await work.sessions.latest(self._wall_s() - MAY_STILL_STOP_S, REMEMBERED)
         if changes != self._changes:
-            return  # Somebody has come or gone since: the next look tells it all.
+            return  # A session began or ended since: the next look reads it.
         logins = {(each.person_id, each.created_at_s) for _, each in latest}
         self._remembered = OrderedDict(
             (key, Known(people[each.person_id], each, (each.person_id, each.ended_at_s) in logins))
@@ -196,7 +197,7 @@ class Sessions:
         )
 
     def remembered(self, token: str, now_s: float) -> Principal | None:
-        """Whose cookie this was when the database was last asked: may only stop. On any thread."""
+        """The owner of a cookie at the last look at the database, for stops only. Thread-safe."""
         known = self._remembered.get(digest(token))
         principal = None if known is None else known.principal(now_s)
         return None if principal is None else replace(principal, scopes=STOP_ONLY)
@@ -208,26 +209,26 @@ class Sessions:
             self._remembered.popitem(last=False)
 
     def _note_replaced(self, person: Person, now_s: float) -> None:
-        """Somebody has logged in elsewhere: while the database is away, nobody could tell."""
+        """Mark a person's other sessions as replaced, since the database may be away later."""
         for key, known in self._remembered.items():
             if known.person.id == person.id and known.session.ended_at_s is None:
                 ended = msgspec.structs.replace(known.session, ended_at_s=now_s)
                 self._remembered[key] = replace(known, session=ended, replaced=True)
 
     async def place(self, session_id: str, station: str) -> None:
-        """Note at which machine an operator works."""
+        """Note an operator's machine."""
         async with self._store.write() as work:
             await work.sessions.station(session_id, station)
 
     async def end(self, token: str) -> tuple[Person, Session] | None:
-        """Log out; returns whose session ended by this, None when none did."""
+        """Log out; returns the session ended by this, None if there was none."""
         self._forget(token)
         async with self._store.write() as work:
             session = await work.sessions.find(token)
             if session is None or not await work.sessions.end(session.id, self._wall_s()):
                 return None
             person = await work.people.get(session.person_id)
-        self._forget(token)  # Somebody may have been recognised by it while it ended.
+        self._forget(token)  # It may have been recognised again while it ended.
         return None if person is None else (person, session)
 
     def _forget(self, token: str) -> None:
@@ -236,17 +237,17 @@ class Sessions:
 
 
 def may_still_stop(person: Person, session: Session, now_s: float) -> bool:
-    """Whether somebody whose session is over may still stop vehicles."""
+    """Whether a person whose session is over may still stop vehicles."""
     return person.role == Role.OPERATOR and now_s < ends_at_s(session) + MAY_STILL_STOP_S
 
 
 def principal_of(person: Person, session: Session, *, over: Over | None = None) -> Principal:
-    """Who has this session.
+    """The principal of a session.
 
     Args:
-        person: whose it is.
+        person: its person.
         session: the session.
-        over: why it is over, where it is.
+        over: why it is over, if so.
     """
     role = Role(person.role)
     return Principal(

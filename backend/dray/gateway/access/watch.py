@@ -1,4 +1,4 @@
-"""The watch over open streams: whose session or key has ended sees no more, nor what was seen elsewhere."""
+"""The watch over open streams: a stream ends when its session or key ends, or its areas change."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dray.store import Store
 from dray.store.work import Work
 
 CHECK_S = 5.0
-"""Wall seconds until a stream ends whose session was ended by another process, or ran out of time."""
+"""Wall seconds until a stream ends whose session expired or was ended by another process."""
 
 _log = logging.getLogger(__name__)
 
@@ -27,14 +27,14 @@ class End(Enum):
 
     OVER = "the session has ended"
     MOVED = "you have another station or other areas now"
-    """The session goes on: another stream shows what may be seen now."""
+    """The session goes on: a new stream shows what may be seen now."""
 
 
 class Watch:
-    """Knows which streams are open, and ends those of callers who have lost their right.
+    """Knows the open streams, and ends those of callers who have lost their rights.
 
     Args:
-        store: where sessions and keys are kept.
+        store: the database with sessions and keys.
         wall_s: the wall clock.
     """
 
@@ -44,7 +44,7 @@ class Watch:
 
     @contextmanager
     def over(self, principal: Principal) -> Iterator[asyncio.Future[End]]:
-        """Watch over somebody's stream; the future tells when it must end, and why."""
+        """Watch a caller's stream; the future tells when it must end, and why."""
         ended: asyncio.Future[End] = asyncio.get_running_loop().create_future()
         self._open[ended] = principal
         try:
@@ -53,7 +53,7 @@ class Watch:
             del self._open[ended]
 
     async def check(self) -> None:
-        """Look whether everybody may still see what they see; whoever may has used the session by this."""
+        """Check all watched callers' rights; a stream that goes on counts as use of its session."""
         watched = dict(self._open)
         if not watched:
             return
@@ -71,12 +71,12 @@ class Watch:
                 ended.set_result(End.MOVED if principal.session in live.used else End.OVER)
 
     async def soon(self) -> None:
-        """Look at once, or at the next turn if the database does not answer now."""
+        """Check now, or in the next turn if the database is away."""
         with suppress(UnavailableError):
             await self.check()
 
     async def run(self) -> None:
-        """Check until cancelled."""
+        """Check every `CHECK_S` until cancelled."""
         while True:
             await asyncio.sleep(CHECK_S)
             try:
@@ -88,11 +88,11 @@ class Watch:
 
 @dataclass(frozen=True, slots=True)
 class _Live:
-    """Those whose right goes on.
+    """Callers whose rights last.
 
     Attributes:
-        principals: as they are now; whoever has been given other areas is somebody else.
-        used: per session, when it was last used.
+        principals: their present principals; a caller with changed areas is another one.
+        used: per session, the time of its last use.
     """
 
     principals: set[Principal]

@@ -1,4 +1,4 @@
-"""The QR code of a call key's page, which hangs at its place."""
+"""The QR code of a call key's page, shown at its place."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from io import BytesIO
 import segno
 
 QUIET_MODULES = 4
-"""Light modules around the code, as ISO/IEC 18004 asks."""
+"""Width of the light border in modules, by ISO/IEC 18004."""
 
 
 def drawn(address: str) -> bytes:
-    """An address as a QR code: an SVG image without a size of its own, black on white.
+    """An address as a QR code: an SVG image without fixed size, black on white.
 
-    A seventh of it may be dirty (error correction M).
+    Up to a seventh of it may be unreadable (error correction M).
 
     Args:
-        address: 2,331 bytes at most.
+        address: at most 2,331 bytes.
     """
     image = BytesIO()
     code = segno.make_qr(address, error="m", boost_error=False)

@@ -1,4 +1,4 @@
-"""The page of a call key in words: what can be called at its place, and what was called with it. The template only places them."""
+"""The page of a call key in words: possible calls and calls made. The template only places them."""
 
 from __future__ import annotations
 
@@ -14,48 +14,48 @@ from dray.messages import TransportState
 from dray.store.orders.transports import TransportRow
 
 SHOWN = 8
-"""Transports that the page tells of, newest first: more than wait at one place."""
+"""Maximum transports on the page, newest first: more than wait at one place."""
 
 
 class Tile(msgspec.Struct, frozen=True):
-    """Something that can be called."""
+    """A material that can be called for."""
 
     item: str
     name: str
     here: str
-    """How much of it is there; empty where that is not known."""
+    """Quantity there, in words; empty if unknown."""
     chosen: bool
     lot: int
 
 
 class Choices(msgspec.Struct, frozen=True):
-    """What can be chosen for a thing without master data, and what was sent last."""
+    """The choices for a thing without master data, and the last values sent."""
 
     places: tuple[tuple[str, str], ...]
-    """Where it can come from or go to: the id of each, and what people call it."""
+    """Possible other places: id and name of each."""
     abilities: tuple[str, ...]
-    """What it can be carried as."""
+    """Ways in which it can be carried."""
     thing: str = ""
     place: str = ""
     ability: str = ""
 
 
 class Called(msgspec.Struct, frozen=True):
-    """Something that was called."""
+    """A call that was made."""
 
     id: str
     what: str
     state: str
     why: str
-    """Why it waits, or when it is there."""
+    """Why it waits, or when it arrives."""
     open: bool
-    """Whether it can be called off."""
+    """Whether it can be cancelled."""
 
 
 def tiles(
     projection: Projection, caller: Principal, chosen: str, texts: Mapping[str, str]
 ) -> tuple[Tile, ...]:
-    """What the place keeps, of what the key calls for."""
+    """The materials of the place that the key may call for."""
     plant, place = projection.site.plant, caller.station
     items = frozenset() if caller.calls is None else caller.calls.items
     machine, station = projection.machines.view(place), projection.stations.view(place)
@@ -77,13 +77,13 @@ def tiles(
 def choices(
     projection: Projection, caller: Principal, abilities: tuple[str, ...], sent: Mapping[str, str]
 ) -> Choices | None:
-    """What can be chosen for a thing; None where the key calls for materials only.
+    """The choices for a thing; None if the key is limited to materials.
 
     Args:
-        projection: what stands where.
+        projection: knows the places.
         caller: the key.
-        abilities: what vehicles can carry.
-        sent: the fields of a form that was refused; empty where none was.
+        abilities: the vehicles' abilities.
+        sent: the fields of a refused form; empty without one.
     """
     if caller.calls is not None and caller.calls.items:
         return None
@@ -101,7 +101,7 @@ def choices(
 def called(
     rows: Iterable[TransportRow], projection: Projection, place: str, now_s: float, texts: Mapping[str, str]
 ) -> tuple[Called, ...]:
-    """What was called, with its state."""
+    """The calls made, with their state."""
     return tuple(_called(row, projection, place, now_s, texts) for row in rows)
 
 
@@ -134,7 +134,7 @@ def _called(
 
 
 def _left_aboard(left: StrandedView, texts: Mapping[str, str]) -> str:
-    """Where a thing is whose vehicle has failed."""
+    """Where a thing is on board of a failed vehicle."""
     if left.handed_at:
         return texts["handed"].format(node=left.handed_at)
     if not left.node:
@@ -143,7 +143,7 @@ def _left_aboard(left: StrandedView, texts: Mapping[str, str]) -> str:
 
 
 def until(caller: Principal, texts: Mapping[str, str]) -> str:
-    """How long the key works; empty where that has no end."""
+    """The key's end in words; empty if it has none."""
     if caller.expires_at_s is None:
         return ""
     return texts["until"].format(day=datetime.fromtimestamp(caller.expires_at_s, UTC).date().isoformat())

@@ -1,4 +1,4 @@
-"""What the page of a call key says, by language."""
+"""Texts of a call key's page, by language."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _WAITS = ("no_room", "short", "no_bid", "undecided", "not_before")
 
 
 def _catalogue(texts: str, states: str, waits: str) -> Mapping[str, str]:
-    """From lines in the order of the names above."""
+    """A catalogue from lines in the order of the names above."""
     names = (*_KEYS, *(f"state_{each}" for each in _STATES), *(f"wait_{each}" for each in _WAITS))
     lines = [line.strip() for part in (texts, states, waits) for line in part.strip().splitlines()]
     return dict(zip(names, lines, strict=True))

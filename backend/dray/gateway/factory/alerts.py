@@ -1,4 +1,4 @@
-"""The alert monitor: looks at the plant once a second, and writes down what is wrong from when to when, and who has taken it on."""
+"""The alert monitor: looks every second and stores alerts' begin, end and acknowledgement."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class AlertMonitor:
     """Keeps the alerts of a projection.
 
     Args:
-        projection: what is known of the plant.
-        store: keeps them, and what people say of them.
+        projection: the live projection.
+        store: the database for alerts and comments.
         wall_s: the wall clock.
     """
 
@@ -40,14 +40,14 @@ class AlertMonitor:
         self._projection, self._store, self._wall_s = projection, store, wall_s
         self._writing = asyncio.Lock()
         self._kept: dict[str, tuple[float, AlertView | None]] = {}
-        """By alert that lasts in SQL: since when, and all that was known of it at the last look. Bounded as alerts are."""
+        """Per open alert in SQL: its begin, and its view at the last look. Bounded like the alerts."""
         self._ended_s: dict[str, float] = {}
-        """Of those that have ended since: when that was seen."""
+        """Per ended alert: when the end was seen."""
         self._back: dict[str, tuple[Acknowledgement, ComeBack]] = {}
-        """Alerts that ask again, and SQL does not know it."""
+        """Alerts that ask again, not yet written to SQL."""
 
     async def restore(self) -> None:
-        """Restore what was wrong before the gateway was started, and who had taken it on."""
+        """Restore alerts and acknowledgements from before the gateway's start."""
         async with self._store.read() as work:
             known = await work.alerts.lasting()
         self._kept = {each.alert: (each.since_at_s, None) for each in known}
@@ -56,19 +56,19 @@ class AlertMonitor:
     async def acknowledge(
         self, alert: str, by: str, comment: str = "", until_at_s: float | None = None
     ) -> AlertView | None:
-        """Somebody takes an alert on, or says something of it; it is on disk when this returns.
+        """Take on an alert or comment on it; stored on disk before this returns.
 
         Args:
             alert: its id.
             by: the person's name.
-            comment: what is to be said of it; empty for nothing.
-            until_at_s: until when it is in good hands (wall clock); None for as long as it lasts.
+            comment: a comment; empty for none.
+            until_at_s: end of the acknowledgement (wall clock); None for as long as the alert lasts.
 
         Returns:
-            The alert with the name of who was first; None when there is no such alert, or no more.
+            The alert with the name of the first person; None when there is no such alert any more.
 
         Raises:
-            Problem: 409, somebody else has it, so that it cannot be taken on until another time.
+            Problem: 409, another person has taken it on, so it cannot be taken on until another time.
         """
         async with self._writing:
             known = self._projection.alerts.get(alert)
@@ -118,7 +118,7 @@ class AlertMonitor:
         return taken
 
     async def look(self) -> None:
-        """Look once, and write down what has begun, come back and ended."""
+        """Look once, and store alerts that began, came back or ended."""
         now_s, alerts = self._wall_s(), self._projection.alerts
         for alert in self._projection.look(now_s):
             self._ended_s.setdefault(alert, now_s)
@@ -128,7 +128,7 @@ class AlertMonitor:
             try:
                 await self._write(alerts.views(), now_s)
             except UnavailableError as error:
-                # Nothing is forgotten: the next look tries again.
+                # Nothing is lost: the next look tries again.
                 _log.warning("alerts are not written down yet: %s", error)
 
     async def _write(self, views: tuple[AlertView, ...], now_s: float) -> None:
@@ -154,7 +154,7 @@ class AlertMonitor:
         self._ended_s.clear()
 
     async def run(self) -> None:
-        """Look until cancelled."""
+        """Look every second until cancelled."""
         while True:
             await self.look()
             await asyncio.sleep(LOOK_S)

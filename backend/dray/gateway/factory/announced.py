@@ -1,8 +1,8 @@
-"""What people decide and all agents are to know: in SQL, on the panels and on the bus.
+"""People's decisions that all agents need: in SQL, on the panels and on the bus.
 
-A decision is on disk before it is told. From then on the gateway says all that holds again and again: agents remember it while no
-gateway is there, and whoever was out of reach hears it soon. What was decided at other gateways, or at a console, is seen in SQL
-and told in the same way.
+A decision is on disk before it is published. The gateway then repeats all valid decisions: agents remember
+them without a gateway, and an agent out of reach hears them later. Decisions made at other gateways or a
+console are read from SQL and published alike.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ class Announced(ABC):
     """Decisions of one kind.
 
     Args:
-        store: keeps them.
+        store: the database.
         wall_s: the wall clock.
 
     Attributes:
-        EVERY_S: wall seconds between two times that they are said.
-        WHAT: they are, in the log.
+        EVERY_S: wall seconds between two publications.
+        WHAT: a name for these decisions in the log.
     """
 
     EVERY_S: ClassVar[float]
@@ -38,10 +38,10 @@ class Announced(ABC):
     def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
         self._store, self._wall_s = store, wall_s
         self._looking = asyncio.Lock()
-        """An older look must not end after a newer one."""
+        """Keeps an older look from ending after a newer one."""
 
     async def restore(self) -> None:
-        """Restore what was decided before the gateway was started.
+        """Restore decisions from before the gateway's start.
 
         Raises:
             UnavailableError: the database cannot be read or written.
@@ -49,7 +49,7 @@ class Announced(ABC):
         await self._read()
 
     async def look(self) -> None:
-        """Read what is decided, end what is over, and tell the rest.
+        """Read the decisions, end expired ones, and publish the rest.
 
         Raises:
             UnavailableError: the database cannot be read or written.
@@ -59,16 +59,16 @@ class Announced(ABC):
             self.say()
 
     async def run(self) -> None:
-        """Look and say, until cancelled; while the database is away, what was read last."""
+        """Look and publish until cancelled; without a database, publish what was read last."""
         await keep_looking(self.look, self.EVERY_S, self._on_away, at_once=True)
 
     @abstractmethod
     def say(self) -> None:
-        """Say what was read last."""
+        """Publish what was read last."""
 
     @abstractmethod
     async def _read(self) -> None:
-        """Read what is decided, end what is over, and show the rest."""
+        """Read the decisions, end expired ones, and show the rest."""
 
     def _on_away(self, error: UnavailableError) -> None:
         _log.info("%s elsewhere is not seen this time: %s", self.WHAT, error)

@@ -1,8 +1,9 @@
-"""Pausing an area: nobody drives into it, and whoever is in it stands, until it is let go on.
+"""Pausing an area: no vehicle drives into it, and all inside stand, until it goes on.
 
-It is made of what there is: a closure of the area, and a stop for each vehicle in it, each by its own grant. Letting it go on opens the
-area, and acknowledges and resumes those vehicles that this pause has stopped. Whoever was stopped by somebody else, before or
-since, stays stopped, and so does one whose sensors report a problem: a person at the vehicle has to see to it.
+A pause is a closure of the area plus a stop for each vehicle in it, each with its own grant. To go on means
+to open the area, then to acknowledge and resume the vehicles that this pause stopped. A vehicle stopped by
+anybody else, before or since, stays stopped. So does one whose sensors report a problem: a person at the
+vehicle must deal with it.
 """
 
 from __future__ import annotations
@@ -24,51 +25,51 @@ from dray.store.factory.closures import ClosureRow
 
 
 class Word(msgspec.Struct, frozen=True):
-    """What became of one vehicle."""
+    """The result for one vehicle."""
 
     atv: str
     done: bool
     """False when it refused, did not answer, or was left as it is."""
     text: str = ""
-    """Why not, in English."""
+    """Reason if not done, in English."""
 
 
 class PauseAnswer(msgspec.Struct, frozen=True):
-    """What became of a pause, or of its end."""
+    """The result of a pause or of its end."""
 
     area: str
     closures: tuple[str, ...]
-    """Those that hold for the area, or that have ended."""
+    """Closures in force for the area, or just ended."""
     vehicles: tuple[Word, ...]
-    """Those that were in the area."""
+    """Vehicles that were in the area."""
 
 
 class AreaPause:
     """Pauses areas.
 
     Args:
-        commands: to vehicles.
-        closings: of the floor.
-        projection: where vehicles are.
+        commands: sends commands to vehicles.
+        closings: closes areas.
+        projection: knows the vehicles' positions.
     """
 
     def __init__(self, commands: Commands, closings: Closings, projection: Projection) -> None:
         self._commands, self._closings, self._projection = commands, closings, projection
         self._stops: dict[str, dict[str, str]] = {}
-        """By area and vehicle, the name of the stop that it was given. As many as vehicles; forgotten with the gateway, which then lets
-        nobody go on whom it does not know to have stopped."""
+        """Per area and vehicle, the name of the pause's stop. At most one per vehicle; lost with the gateway,
+        which then resumes no vehicle, because it cannot know that it stopped it."""
 
     async def pause(self, area: str, reason: str, by: Principal) -> PauseAnswer:
-        """Close an area, and stop whoever is in it.
+        """Close an area, and stop all vehicles in it.
 
         Args:
-            area: one of the plant's.
-            reason: for everybody who sees it.
-            by: who decides.
+            area: an area of the plant.
+            reason: shown to everybody.
+            by: the caller.
 
         Raises:
             Problem: 409, too much is closed.
-            UnavailableError: the closure could not be written down, and nothing was done.
+            UnavailableError: the closure could not be stored, and nothing was done.
         """
         closure, _ = await self._closings.close(_closed(area, reason, by, self._closings.now_s))
         stops = self._stops.setdefault(area, {})
@@ -83,11 +84,11 @@ class AreaPause:
         return PauseAnswer(area, (closure.id,), await _each(self._in(area), stop))
 
     async def go_on(self, area: str, by: Principal) -> PauseAnswer:
-        """Open an area, and let those go on that its pause has stopped.
+        """Open an area, and resume the vehicles that its pause stopped.
 
         Args:
-            area: one of the plant's.
-            by: who decides.
+            area: an area of the plant.
+            by: the caller.
 
         Raises:
             UnavailableError: the database cannot be written, and nothing was done.
@@ -122,7 +123,7 @@ class AreaPause:
         ]
 
     def _all(self, stops: Iterable[str], area: str) -> list[AtvView]:
-        """Those in the area, and those that have come to a stand beyond its edge."""
+        """The vehicles in the area, and those stopped by the pause that came to rest beyond its edge."""
         found = {atv.id: atv for atv in self._in(area)}
         for name in stops:
             view = self._projection.atvs.view(name)
@@ -132,7 +133,7 @@ class AreaPause:
 
 
 async def _each(atvs: Iterable[AtvView], act: Callable[[AtvView], Awaitable[str]]) -> tuple[Word, ...]:
-    """All at once: one that does not answer keeps nobody waiting for his stop."""
+    """Command all vehicles at once: one that does not answer delays no other's stop."""
 
     async def one(atv: AtvView) -> Word:
         try:

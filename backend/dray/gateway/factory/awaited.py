@@ -1,4 +1,4 @@
-"""Commands that were sent: each known by its name, and how many wait for their answers."""
+"""Commands that were sent, by name, and how many wait for answers."""
 
 from __future__ import annotations
 
@@ -11,55 +11,55 @@ from typing import Generic, TypeVar
 from dray.gateway.http.problems import Problem
 
 PENDING = 1_000
-"""Commands that wait for an answer at once: some per vehicle of the largest plant."""
+"""Maximum commands waiting for an answer: some per vehicle of the largest plant."""
 
 PENDING_EACH = 400
-"""Of one caller: all vehicles of a large plant. One caller cannot use up PENDING."""
+"""Maximum of one caller: all vehicles of a large plant, but less than PENDING."""
 
 NAMES_KEPT = 2_000
-"""Commands that are known by their names when they are sent again: more than may wait at once."""
+"""Commands remembered by name, to recognise repetitions: more than may wait at once."""
 
 S = TypeVar("S")
 
 
 class Awaited(Generic[S]):
-    """Commands of one way.
+    """Commands sent one way.
 
     Args:
-        life: begins the names of commands that their callers have not named; differs in every life of the gateway.
+        life: prefix of names that the gateway makes; differs in every run of the gateway.
     """
 
     def __init__(self, life: str) -> None:
         self._life = life
         self._sent: OrderedDict[str, S] = OrderedDict()
-        """By their names, the oldest first."""
+        """Sent commands by name, oldest first."""
         self._waiting: Counter[str] = Counter()
-        """How many wait, by who asked."""
+        """Number of waiting commands per caller."""
         self._count = 0
 
     def __contains__(self, name: str) -> bool:
         return name in self._sent
 
     def get(self, name: str) -> S | None:
-        """The command of this name; None for one that was not sent, or long ago."""
+        """The command of this name; None if never sent, or forgotten."""
         return self._sent.get(name)
 
     def newest_first(self) -> Iterator[tuple[str, S]]:
-        """Those that are known, with their names."""
+        """The remembered commands with their names."""
         return reversed(self._sent.items())
 
     def keep(self, name: str, sent: S) -> S:
-        """Know it by its name from now on."""
+        """Remember a command by its name."""
         self._sent[name] = sent
         if len(self._sent) > NAMES_KEPT:
             self._sent.popitem(last=False)
         return sent
 
     def refuse_too_many(self, who: str) -> None:
-        """Let nobody ask for more while so many wait.
+        """Refuse a new command while too many wait.
 
         Raises:
-            Problem: 503, too many wait, in all or of this caller.
+            Problem: 503, too many wait, in total or of this caller.
         """
         for waiting, most in ((self._waiting.total(), PENDING), (self._waiting[who], PENDING_EACH)):
             if waiting >= most:
@@ -73,7 +73,7 @@ class Awaited(Generic[S]):
 
     @contextmanager
     def waiting(self, who: str) -> Iterator[None]:
-        """While this lasts, a caller waits for an answer."""
+        """Count a waiting command of this caller within the context."""
         self._waiting[who] += 1
         try:
             yield
@@ -83,7 +83,7 @@ class Awaited(Generic[S]):
                 del self._waiting[who]
 
     def new_name(self) -> str:
-        """A name that no command has: callers may have chosen one that looks like ours."""
+        """A new name: a caller may have chosen one that looks like ours."""
         while True:
             self._count += 1
             name = f"{self._life}-{self._count}"

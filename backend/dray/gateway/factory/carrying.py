@@ -1,7 +1,8 @@
-"""Carrying: which vehicles people have carried away and are putting back, in SQL, on the panels and on the bus.
+"""Carrying: vehicles that people have carried away and put back, in SQL, on the panels and on the bus.
 
-A word is said (`announced.py` says how) with a grant that is good for a while, until the vehicle is heard. Whether it is believed is decided by those who keep the reservation tables (`dray.messages.floor.removal`); what they
-have freed and kept they tell as facts.
+A removal is published (`announced.py`) with a grant for a limited time, until the vehicle is heard. The
+keepers of reservation tables decide whether to believe it (`dray.messages.floor.removal`). They report places
+freed and kept as facts.
 """
 
 from __future__ import annotations
@@ -25,18 +26,18 @@ from dray.store import Store
 from dray.store.factory.removals import RemovalRow
 
 GRANT_S = 60.0
-"""Wall seconds for which a word that was said once is good."""
+"""Validity of one publication in wall seconds."""
 
 
 class Carrying(Announced):
-    """Takes people's words, and tells them.
+    """Stores and publishes removals.
 
     Args:
-        store: keeps them.
-        projection: shows them, and knows when vehicles were heard.
-        authority: signs them.
-        say: says something to everybody.
-        time: the two clocks.
+        store: the database.
+        projection: shows removals, and knows when vehicles were heard.
+        authority: signs removals.
+        say: publishes to all agents.
+        time: plant clock and wall clock.
         wall_s: the wall clock.
     """
 
@@ -60,21 +61,22 @@ class Carrying(Announced):
         self._rows: list[RemovalRow] = []
 
     async def carry_away(self, atv: str, by: Principal) -> None:
-        """A vehicle is off the floor.
+        """Note that a vehicle is off the floor.
 
         Raises:
-            Problem: 409, it is heard.
-            UnavailableError: it could not be written down, and nothing was done.
+            Problem: 409, the vehicle is heard.
+            UnavailableError: it could not be stored, and nothing was done.
         """
         self._refuse_if_heard(atv)
         await self._put(atv, "", by)
 
     async def put_back(self, atv: str, node: str, by: Principal) -> None:
-        """A vehicle that is off the floor is being put back at a node.
+        """Note that a removed vehicle is being put back at a node.
 
         Raises:
-            Problem: 409, nobody has said that it is off the floor, or another vehicle holds that place.
-            UnavailableError: it could not be written down, and nothing was done.
+            Problem: 409, the vehicle is heard, nobody has reported it as removed, or another vehicle holds
+                that place.
+            UnavailableError: it could not be stored, and nothing was done.
         """
         self._refuse_if_heard(atv)
         if self._projection.removals.view(atv) is None:
@@ -105,7 +107,10 @@ class Carrying(Announced):
             )
 
     def _heard_s(self, atv: str) -> float | None:
-        """How long ago a vehicle was heard that is heard (factory seconds); None for one that is silent, or was never heard."""
+        """Factory seconds since a live vehicle was heard.
+
+        None if it is silent or was never heard.
+        """
         view = self._projection.atvs.view(atv)
         if view is None:
             return None
@@ -143,7 +148,7 @@ class Carrying(Announced):
         self._projection.show_removals((row.atv, self._view(row)) for row in self._rows)
 
     async def _completed(self, row: RemovalRow) -> RemovalRow:
-        """A word that was said at a console names the last heartbeat from now on; of a vehicle that is heard it stays void."""
+        """Add the last heartbeat to a removal entered at a console; for a live vehicle it stays void."""
         last = self._projection.atvs.last(row.atv)
         if not row.is_bare or last is None or self._heard_s(row.atv) is not None:
             return row
@@ -164,7 +169,7 @@ class Carrying(Announced):
         )
 
     def say(self) -> None:
-        """Say what people have said of vehicles that are not back."""
+        """Publish the removals of vehicles that are not back."""
         until_s = self._time.to_plant_s(self._wall_s()) + GRANT_S * self._time.speed
         removals = [
             self._authority.remove(

@@ -1,7 +1,8 @@
-"""The catalogue: products as people have defined them, over those of the plant file.
+"""The catalogue: products that people have defined, over those of the plant file.
 
-A definition is in SQL before it is answered. It needs no announcement to agents: an order brings it to the strategist, by the outbox, which says
-it until it is answered, and a goal brings it to the machine. Other gateways find it in SQL within seconds.
+A definition is in SQL before it is answered. It is not published to agents: an order carries it to the
+strategist through the outbox, which repeats it until answered, and a goal carries it to the machine. Other
+gateways read it from SQL within seconds.
 """
 
 from __future__ import annotations
@@ -30,41 +31,41 @@ from dray.store.work import Work
 _log = logging.getLogger(__name__)
 
 PLANT_FILE = 1
-"""The revision of what stands in the plant file."""
+"""Revision of products in the plant file."""
 
 PRODUCTS_MAX = 2_000
-"""Definitions that are kept: with so many a plant is still taken in within one short step of the event loop."""
+"""Maximum definitions: with so many, adding a plant's products still is one short step of the event loop."""
 
 PARTS = 2
-"""In which the bound is cut: one system defines nearly all products of many plants, and one file has as many as one caller may define."""
+"""Divisor for one caller's share: in many plants one system defines nearly all products, in one file."""
 
 
 class Catalogue:
-    """What can be ordered, and of what it is made.
+    """Products that can be ordered, and their bills of materials.
 
     Args:
-        store: where definitions are kept.
-        projection: its plant follows what is defined.
+        store: the database with the definitions.
+        projection: its plant follows the definitions.
     """
 
     def __init__(self, store: Store, projection: Projection) -> None:
         self._store, self._projection = store, projection
         self._file = projection.site.plant
-        """As the plant file has it: the machines' own word on their cycles."""
+        """The plant as in its file, with the machines' own cycle times."""
         self._defined: dict[str, ProductDefinition] = {}
         self._mark = 0
 
     def revision(self, product: str) -> int:
-        """Of a product that can be ordered."""
+        """The revision of a product that can be ordered."""
         known = self._defined.get(product)
         return PLANT_FILE if known is None else known.revision
 
     def definition_of(self, product: str) -> ProductDefinition | None:
-        """What an order for a product brings along; None for one that is made as the plant file says."""
+        """The definition that an order for a product carries; None for one of the plant file."""
         return self._defined.get(product)
 
     def parts_of(self, product: str) -> tuple[PartDefinition, ...]:
-        """The parts on all levels below a product, as far as people have defined them."""
+        """The parts on all levels below a product that people have defined."""
         plant, found, ahead = self._projection.site.plant, dict[str, None](), [product]
         while ahead:
             known = plant.products.get(ahead.pop())
@@ -75,45 +76,46 @@ class Catalogue:
         return tuple(PartDefinition(part, self._defined[part]) for part in found if part in self._defined)
 
     def cycles_s(self, product: str) -> Mapping[str, float]:
-        """By machine that can make it: seconds for one piece."""
+        """Seconds per piece, by machine that can make the product."""
         plant = self._projection.site.plant
         return {machine: plant.cycle_s(machine, product) for machine in plant.machines_for(product)}
 
     def documents(self, product: str) -> tuple[Document, ...]:
-        """Those of a product; one of the plant file has none."""
+        """The documents of a product; one of the plant file has none."""
         known = self._defined.get(product)
         return () if known is None else known.documents
 
     def own_s(self, machine: str, product: str) -> float | None:
-        """What a machine says itself of its time for a product; None where it says nothing."""
+        """A machine's own cycle time for a product; None if it gives none."""
         return own_s(self._file, machine, product)
 
     def known(self) -> Known:
-        """What products are judged by at this moment."""
+        """The data by which new products are judged now."""
         plant = self._projection.site.plant
         revisions = {product: self.revision(product) for product in self._projection.site.products}
         return Known(msgspec.json.encode(plant.file), msgspec.json.encode(self._file.file), revisions)
 
     async def define(self, products: Sequence[Wanted], by: str, now_s: float, judged: Plant) -> str:
-        """Keep products that have no `faults`, all of them or none.
+        """Store products that have no `faults`, all or none.
 
         Args:
-            products: as they are from now on.
-            judged: the plant in which they have none.
-            by: who does it.
+            products: the new definitions.
+            judged: the plant in which they were found without faults.
+            by: the caller.
             now_s: wall clock.
 
         Returns:
-            The first of which the revision before is not the newest any more, and nothing was kept; empty when all were.
+            The first product that somebody else changed since, so that nothing was stored; empty on success.
 
         Raises:
-            Problem: 422, one does not fit any more with what others have defined meanwhile; 429 or 409, there are too many new ones.
+            Problem: 422, a product conflicts with another's new definition; 429 or 409, there are too many
+                new ones.
             UnavailableError: the database cannot be written.
         """
         news = [_news(each, by, now_s) for each in products]
         try:
             async with self._store.write() as work:
-                # From here on nobody else defines anything: what was found good may not be so any more.
+                # From here nobody else defines anything; the earlier judgement may be out of date.
                 await self.look(work)
                 if self._projection.site.plant is not judged:
                     await self._judge_again(products)
@@ -129,12 +131,12 @@ class Catalogue:
         return ""
 
     def is_news(self, wanted: Wanted) -> bool:
-        """Whether a product is to be otherwise than it is, where people have defined it; that is so of all others."""
+        """Whether a product differs from its stored definition, or has none."""
         known = self._defined.get(wanted.product.id)
         return known is None or replace(definition(wanted), revision=known.revision) != known
 
     async def look(self, work: Work) -> None:
-        """Learn what was defined since the last look; at the first one, all of it."""
+        """Read definitions made since the last look; at first, all."""
         mark = await work.products.mark()
         if mark == self._mark:
             return
@@ -147,7 +149,7 @@ class Catalogue:
         return known is None or row.revision > known.revision
 
     async def _judge_again(self, products: Sequence[Wanted]) -> None:
-        """Refuse what does not fit any more; a file is refused as it is."""
+        """Refuse a product that no longer fits; a whole file is refused without a new check."""
         if len(products) > 1:
             raise _ChangedError(products[0].product.id)
         [found] = await asyncio.to_thread(faults, self._file, self._projection.site.plant.file, products)
@@ -155,10 +157,10 @@ class Catalogue:
             raise unusable(*found)
 
     async def _take(self, rows: Sequence[DefinedProduct]) -> None:
-        """Go by definitions as far as they fit this plant; one that does not any more is left out, and said so."""
+        """Apply definitions that fit this plant; one that no longer fits is skipped and logged."""
         if not rows:
             return
-        # A whole plant is judged, beside the loop: all of them together, and only where something is wrong, parts of them.
+        # Judging a whole plant happens outside the loop: all at once, and in halves only if there is a fault.
         news, found = await asyncio.to_thread(_judged, self._projection.site.plant.file, rows)
         if not found:
             self._go_by(news)
@@ -171,7 +173,7 @@ class Catalogue:
             await self._take(rows[half:])
 
     def _go_by(self, news: Iterable[_News]) -> None:
-        """Go by definitions that fit this plant, unless later ones have come meanwhile."""
+        """Apply definitions that fit this plant, unless newer ones have arrived."""
         later = [each for each in news if self._is_later(each.row)]
         self._projection.site.define([(each.product, each.cycles_s) for each in later])
         for each in later:
@@ -180,7 +182,7 @@ class Catalogue:
 
 
 class _News(NamedTuple):
-    """A definition that is to be gone by."""
+    """A definition to apply."""
 
     row: DefinedProduct
     definition: ProductDefinition
@@ -196,7 +198,7 @@ def _news(wanted: Wanted, by: str, now_s: float) -> _News:
 
 
 def _judged(file: PlantFile, rows: Iterable[DefinedProduct]) -> tuple[list[_News], list[Fault]]:
-    """What was kept, read, and what of it does not fit into a plant."""
+    """Stored definitions, decoded, and their faults in a plant."""
     news = [_read(row) for row in rows]
     return news, products_faults(file, [(each.product, each.cycles_s) for each in news])
 
@@ -214,7 +216,7 @@ def _read(row: DefinedProduct) -> _News:
 
 
 async def _refuse_too_many(work: Work, new: int, by: str) -> None:
-    """Refuse more new products than a caller, or all of them together, may define.
+    """Refuse more new products than one caller, or all together, may define.
 
     Raises:
         Problem: 429 or 409.
@@ -235,7 +237,7 @@ async def _refuse_too_many(work: Work, new: int, by: str) -> None:
 
 
 class _ChangedError(Exception):
-    """Undoes a transaction: somebody has changed a product meanwhile."""
+    """Rolls back a transaction: somebody else has changed a product."""
 
     def __init__(self, product: str) -> None:
         self.product = product

@@ -1,6 +1,7 @@
 """Closings: what people have closed to vehicles, in SQL, on the panels and on the bus.
 
-The list is signed (`announced.py` says how it is told). A closure whose time has come is ended here, and by every vehicle itself.
+The list is signed and published (`announced.py`). The gateway ends an expired closure, and so does every
+vehicle itself.
 """
 
 from __future__ import annotations
@@ -27,28 +28,28 @@ from dray.store.factory.closures import ClosureRow
 
 
 class Outlook(msgspec.Struct, frozen=True, kw_only=True):
-    """What a closure would mean, together with those that hold."""
+    """The effect of a closure, together with those in force."""
 
     cut_off: tuple[str, ...]
-    """Places to and from which no way would be left, by this closure and none before."""
+    """Places that this closure, and none before, would cut off."""
     shut_in: tuple[str, ...]
-    """Vehicles that could not leave where they are."""
+    """Vehicles that could not leave their place."""
 
 
 class Closings(Announced):
-    """Takes decisions, and tells them.
+    """Stores and publishes closures.
 
     Args:
-        store: keeps them.
-        projection: shows them.
-        authority: signs what vehicles are told.
-        say: says something to everybody.
-        time: the two clocks.
+        store: the database.
+        projection: shows closures.
+        authority: signs the list for vehicles.
+        say: publishes to all agents.
+        time: plant clock and wall clock.
         wall_s: the wall clock.
     """
 
     EVERY_S = 5.0
-    """So long a vehicle that comes back may not know of a new closure."""
+    """Maximum wall seconds until a vehicle that returns hears of a new closure."""
 
     WHAT = "what was closed"
 
@@ -67,7 +68,7 @@ class Closings(Announced):
         self._say, self._time = say, time
         self._said: Closures | None = None
         self._seen: tuple[int, Plant] | None = None
-        """The number of the list that is shown, and the plant for which its lanes were worked out."""
+        """Number of the list shown, and the plant for which its lanes were computed."""
 
     @property
     def now_s(self) -> float:
@@ -75,17 +76,17 @@ class Closings(Announced):
         return self._wall_s()
 
     async def close(self, wanted: ClosureRow) -> tuple[ClosureView, bool]:
-        """Close something.
+        """Add a closure.
 
         Args:
-            wanted: the decision; its id is not looked at.
+            wanted: the decision; its id is ignored.
 
         Returns:
-            The closure that holds, and whether it is new: the same again, for the same time, changes nothing.
+            The closure in force, and whether it is new: the same closure for the same time changes nothing.
 
         Raises:
             Problem: 409, too much is closed.
-            UnavailableError: it could not be written down, and nothing was done.
+            UnavailableError: it could not be stored, and nothing was done.
         """
         async with self._store.write() as work:
             rows = await work.closures.all()
@@ -108,8 +109,8 @@ class Closings(Announced):
         """End a closure; returns it as it was.
 
         Raises:
-            Problem: 404, there is none.
-            UnavailableError: it could not be written down, and nothing was done.
+            Problem: 404, there is no such closure.
+            UnavailableError: it could not be stored, and nothing was done.
         """
         async with self._store.write() as work:
             row = await work.closures.get(closure)
@@ -121,7 +122,7 @@ class Closings(Announced):
         return shown
 
     def preview(self, wanted: ClosureRow) -> Outlook:
-        """What a closure would mean now."""
+        """The effect that a closure would have now."""
         plant = self._projection.site.plant
         before = [] if self._said is None else list(self._said.closures)
         now, then = restrictions_of(plant, before), restrictions_of(plant, [*before, self._told(wanted)])
@@ -133,7 +134,7 @@ class Closings(Announced):
         )
 
     def say(self) -> None:
-        """Say the list, unless nothing was ever decided."""
+        """Publish the list, unless nothing was ever closed."""
         if self._said is not None:
             self._say(self._said)
 
@@ -158,7 +159,7 @@ class Closings(Announced):
         self._projection.orders.cut_off({place for view in views for place in view.cut_off})
 
     def _told(self, row: ClosureRow) -> Closure:
-        """As vehicles are told."""
+        """The closure as vehicles get it."""
         return Closure(
             closure=row.id or "preview",
             kind=ClosureKind(row.kind),
@@ -201,17 +202,17 @@ class Closings(Announced):
 
 
 def outline_of(corners: Iterable[Corner]) -> str:
-    """Corners as they stand in SQL."""
+    """Corners as text for SQL."""
     return msgspec.json.encode(tuple(corners)).decode()
 
 
 def corners_of(outline: str) -> tuple[Corner, ...]:
-    """The corners of what stands in SQL."""
+    """Corners from SQL's text."""
     return msgspec.json.decode(outline, type=tuple[Corner, ...]) if outline else ()
 
 
 def _node_of(plant: Plant, place: str) -> str:
-    """The node of a place; a node or a crossing stands for itself."""
+    """The node of a place; a node or a crossing is its own."""
     if not place or place in plant.nodes or place in plant.crossings:
         return place
     return plant.node_of(place)

@@ -1,7 +1,7 @@
-"""Commands: what a person asks of a vehicle or a machine, and its word on it.
+"""Commands: a person's requests to vehicles or machines, and their answers.
 
-A command is sent once and never queued: a person must know whether it was heard, and decide again. All
-panels of those who answer for it see it: sent, and then what became of it.
+A command is sent once and never queued: a person must know whether it was heard, and decide again. All panels
+of people responsible for the agent show it as sent, and then its outcome.
 """
 
 from __future__ import annotations
@@ -26,16 +26,17 @@ from dray.messages.base import CLOCKS_AGREE_S
 from dray.plant import Plant
 
 STOP_VALID_S = 30.0
-"""A stop that comes late, over a bad link, is still better than none."""
+"""Validity of a stop in wall seconds: over a bad link, a late stop is better than none."""
 
 WORDS_TRIES, WORDS_HZ = 60, 1.0
-"""Words that one caller may say to one place at once, and a second for long: more than anybody counts loads. Each is written to that
-place's disk, and so many are known when they come again (`dray.adapters.people`)."""
+"""Maximum confirmations of one caller to one place: a burst, and a rate per second. Nobody counts loads
+faster. The place writes each to disk, and remembers so many to recognise repetitions
+(`dray.adapters.people`)."""
 
 C = TypeVar("C", VehicleCommand, MachineCommand)
 
 SHUTTING_OUT = Principal(kind="admin", id="shut-out", name="", scopes=frozenset({Scope.VEHICLES_STOP}))
-"""On whose behalf a vehicle is stopped that is shut out; who it was is in the audit log."""
+"""Sender of the stop for a vehicle that is shut out; the audit log has the person."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +44,12 @@ class Sent:
     """A command that was sent.
 
     Attributes:
-        agent: to whom.
-        person: on whose behalf.
-        said: in which words, without the grant.
-        answer: the word of whom it was given to.
-        beside: it went by the way that is for stops alone (`dray.gateway.stop`), which keeps account of it.
+        agent: the addressee.
+        person: the caller.
+        said: the command without its grant.
+        answer: the addressee's answer.
+        beside: whether it went through the endpoint for stops only (`dray.gateway.stop`), which keeps account
+            of it.
     """
 
     agent: str
@@ -61,15 +63,15 @@ class Commands:
     """Sends commands and pairs them with their answers.
 
     Args:
-        send: says something to one agent.
-        authority: grants what is sent.
-        projection: shows what is sent; knows where vehicles are.
-        floor: knows which areas that is in.
+        send: sends a message to one agent.
+        authority: signs the grants.
+        projection: shows commands, and knows the vehicles' positions.
+        floor: knows the areas of positions.
         plant_s: the plant's clock.
         wall_s: the wall clock.
         speed: plant seconds per wall second.
-        name: begins the names of commands; differs in every life of the gateway.
-        timeout_s: wall seconds to wait for the vehicle's word.
+        name: prefix of command names; differs in every run of the gateway.
+        timeout_s: wall seconds to wait for the answer.
     """
 
     def __init__(
@@ -104,21 +106,21 @@ class Commands:
         reason: str = "",
         after_work: bool = False,
     ) -> CommandAnswered:
-        """Send a command with a grant, and wait for the vehicle's word.
+        """Send a command with a grant, and wait for the vehicle's answer.
 
         Args:
             atv: the vehicle.
-            kind: what is asked.
-            by: who asks.
-            command: its name, when the caller has one; one that was sent already is only waited for.
-            speed_frac: a part of the vehicle's own top speed.
-            wait_s: how long help will take, or a vehicle be out of service, in plant seconds.
+            kind: the kind of command.
+            by: the caller.
+            command: the caller's name for it, if any; one that was sent already is only waited for.
+            speed_frac: fraction of the vehicle's own top speed.
+            wait_s: duration of the help, or time out of service, in plant seconds.
             reason: why it is taken out of service.
-            after_work: it is taken out of service after its present work.
+            after_work: whether it is taken out of service only after its present work.
 
         Raises:
-            Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
-                another command has this name.
+            Problem: 504, the vehicle does not answer in time; 503, too many commands wait; 409, another
+                command has this name.
         """
         said = VehicleCommand(
             command=command or self._sent.new_name(),
@@ -134,15 +136,15 @@ class Commands:
     async def give(
         self, agent: str, said: VehicleCommand | MachineCommand, *, by: Principal
     ) -> CommandAnswered:
-        """Send a command in these words with a grant, and wait for the word of whom it is for.
+        """Send a given command with a grant, and wait for the answer.
 
         Args:
             agent: a vehicle, a machine or a station.
-            said: the command, without a grant; one whose name is known is only waited for.
-            by: who asks.
+            said: the command without a grant; one with a known name is only waited for.
+            by: the caller.
 
         Raises:
-            Problem: see `order`; 429 for a new word, when so many were said to it that nobody counts as fast.
+            Problem: see `order`; 429 for a new confirmation beyond the rate at which people can count.
         """
         name, person = said.command, f"{by.kind}:{by.id}"
         sent = self._sent.get(name)
@@ -153,15 +155,16 @@ class Commands:
         elif (sent.agent, sent.person, sent.said) != (agent, person, said):
             raise name_used(name)
         elif isinstance(said, MachineCommand) and said.kind.is_word and not sent.answer.done():
-            # It counts once, however often it is heard: whoever said it waits for an answer, and may have to ask again.
+            # The place counts it once, however often it arrives; the caller may have to repeat it to get an
+            # answer.
             self._send(agent, self._granted(sent, by))
         return await self._wait(name, sent)
 
     def sent_beside(self, atv: str, said: VehicleCommand, by: Principal) -> bool:
-        """A stop has gone out by its own way: show it, and know it by its name.
+        """Show a stop that went through its own endpoint, and remember its name.
 
         Returns:
-            False when a command of this name went out by this way before.
+            False when a command of this name was sent here before.
         """
         if said.command in self._sent:
             return False
@@ -170,19 +173,19 @@ class Commands:
         return True
 
     def answered_beside(self, atv: str, name: str, answer: CommandAnswered | None) -> None:
-        """What has become of it; None when the vehicle has not answered in time."""
+        """Note the outcome of such a stop; None when the vehicle has not answered in time."""
         if answer is not None:
             self.answered(atv, answer)
         else:
             self._projection.commands.end(name, "not_confirmed")
 
     def went_beside(self, name: str | None) -> bool:
-        """Whether the command of this name went out by the way that is for stops alone, first."""
+        """Whether the command of this name first went through the endpoint for stops only."""
         sent = None if name is None else self._sent.get(name)
         return sent is not None and sent.beside
 
     def answered(self, sender: str, answer: CommandAnswered) -> bool:
-        """A vehicle has answered; returns whether that is news, in time or late."""
+        """Take in a vehicle's answer; returns whether it is new, in time or late."""
         sent = self._sent.get(answer.command)
         if sent is None or sent.answer.done() or sent.agent != sender:
             return False
@@ -191,11 +194,11 @@ class Commands:
         return True
 
     def ahead_s(self, agent: str) -> float:
-        """How far the clock of an agent is ahead of ours, by which it judges until when a grant is good. May be asked on any thread."""
+        """Seconds that an agent's clock, by which it checks grants, is ahead. Thread-safe."""
         return self._projection.clocks.ahead_s(agent)
 
     def last_stop(self, atv: str) -> str | None:
-        """The name of the last stop that was sent to a vehicle, by whatever way; None for none that is remembered."""
+        """The name of the last stop sent to a vehicle, by any way; None if none is remembered."""
         stops = (
             name
             for name, sent in self._sent.newest_first()
@@ -204,15 +207,15 @@ class Commands:
         return next(stops, None)
 
     def part_with(self, atv: str, by: str) -> None:
-        """A vehicle is shut out: ask it to stop, and wait no longer for its word, which nobody believes.
+        """Stop a vehicle that is shut out, and stop waiting for its answers, which are ignored.
 
         Args:
             atv: the vehicle.
-            by: the name of who has shut it out.
+            by: the name of the person who shut it out.
         """
         why = f"{by} has shut {atv} out: whether it obeys is not known, look at it"
         stop = VehicleCommand(command=self._sent.new_name(), kind=CommandKind.STOP, issued_by=by)
-        with contextlib.suppress(Problem):  # too many wait: it is shut out all the same
+        with contextlib.suppress(Problem):  # too many wait; the exclusion holds anyway
             self._say(atv, stop, SHUTTING_OUT.id, replace(SHUTTING_OUT, name=by))
         for name, sent in self._sent.newest_first():
             if sent.agent == atv and not sent.answer.done():
@@ -221,7 +224,7 @@ class Commands:
                 self._projection.commands.end(name, "not_confirmed", unknown)
 
     def new_name(self) -> str:
-        """A name that no command has."""
+        """A new command name."""
         return self._sent.new_name()
 
     def _say(self, agent: str, said: VehicleCommand | MachineCommand, person: str, by: Principal) -> Sent:
@@ -258,12 +261,12 @@ class Commands:
         else:
             near = frozenset[str]()
         if by.areas is not None and by.areas.isdisjoint(near):
-            near |= by.areas  # whoever stops what is shown elsewhere sees what became of it
+            near |= by.areas  # a person who stops a vehicle shown elsewhere must see the result
         self._projection.commands.put(view, near)
 
     def _granted(self, sent: Sent, by: Principal) -> VehicleCommand | MachineCommand:
-        # All but a stop is good for as long as its answer is waited for, and so much longer as clocks differ: who was told
-        # that it is not confirmed must not see it obeyed later.
+        # A grant expires after answer timeout plus clock skew, so an unconfirmed command never executes
+        # later. Only a stop lasts longer.
         valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_AGREE_S
         until_s = self._plant_s() + valid_s * self._speed + self.ahead_s(sent.agent)
         if isinstance(sent.said, MachineCommand):
@@ -272,7 +275,7 @@ class Commands:
 
 
 def granted(authority: SigningKey, agent: str, said: C, by: Principal, valid_until_s: float) -> C:
-    """A command to one vehicle or machine with the grant of whoever gives it; `valid_until_s` is on the plant's clock."""
+    """A command to one agent with the caller's grant; `valid_until_s` is on the plant's clock."""
     return authority.grant(
         agent,
         said,
@@ -283,7 +286,7 @@ def granted(authority: SigningKey, agent: str, said: C, by: Principal, valid_unt
 
 
 def name_used(name: str) -> Problem:
-    """Another command has this name."""
+    """The problem: another command has this name."""
     return Problem(
         HTTPStatus.CONFLICT,
         "command-name-used",
@@ -293,7 +296,7 @@ def name_used(name: str) -> Problem:
 
 
 def not_confirmed(agent: str, timeout_s: float) -> Problem:
-    """Neither vehicle nor machine has answered in time."""
+    """The problem: the agent has not answered in time."""
     return Problem(
         HTTPStatus.GATEWAY_TIMEOUT,
         "not-confirmed",

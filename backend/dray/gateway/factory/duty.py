@@ -1,8 +1,9 @@
-"""Duty: people who are logged in at a panel go on duty, and their agents are asked for help.
+"""Duty: people logged in at a panel go on duty, and their agents are asked for help.
 
-The agent runs beside the gateway (`OperatorHost`), with the tablet as its body. A tablet that asks here regularly is there. What is known
-of a person is held in memory as long as the duty lasts, and nowhere else; what a person has decided is in the audit log, as all is. On
-the bus a person has a code: the same on all tablets and gateways of one day, so that nobody is counted twice.
+The agent runs beside the gateway (`OperatorHost`), with the tablet as its body. A tablet that polls regularly
+counts as present. A person's data is held only in memory and only for the duty; decisions are in the audit
+log. On the bus a person has a code. It is the same on all tablets and gateways of one day, so nobody is
+counted twice.
 """
 
 from __future__ import annotations
@@ -23,24 +24,24 @@ from dray.messages import OPERATOR_PREFIX, CallAnswer, ProblemKind
 from dray.ports import Body
 
 AWAY_S = 15.0
-"""Wall seconds after which a tablet that has not asked is away; a panel asks every 3 s."""
+"""Wall seconds without a poll after which a tablet is away; a panel polls every 3 s."""
 
 CODE_CHARS = 8
 
 DAY_S = 86_400.0
 
 CONFIRMED_S = 8.0
-"""Wall seconds to wait for the caller's word."""
+"""Wall seconds to wait for the caller's confirmation."""
 
 LOOK_S = 0.1
 
 
 class Employed(Protocol):
-    """An operator's agent that runs."""
+    """A running agent of an operator."""
 
     @property
     def ended(self) -> bool:
-        """Whether it has left, or another gateway runs a later life of it."""
+        """Whether it has left, or another gateway runs a later incarnation."""
         ...
 
     def leave(self) -> None:
@@ -52,7 +53,7 @@ class OperatorHost(Protocol):
     """Runs operators' agents."""
 
     def employ(self, operator: str, body: Body) -> Employed:
-        """Run the agent of somebody who goes on duty now."""
+        """Start the agent of a person who goes on duty."""
         ...
 
 
@@ -66,13 +67,13 @@ class Tablet:
         self._report: Callable[[Report], None] | None = None
 
     def change(self, state: DutyState) -> None:
-        """The person or the tablet is otherwise now."""
+        """Report a changed state of the person or tablet."""
         if state != self.state:
             self.state = state
             self._say(DutyChanged(state))
 
     def reply(self, call: str, answer: CallAnswer, wait_s: float | None) -> None:
-        """The person has answered a call."""
+        """Report the person's answer to a call."""
         self._say(CallReplied(call=call, answer=answer, wait_s=wait_s))
 
     def instruct(self, instruction: Instruction) -> None:
@@ -94,12 +95,12 @@ class Tablet:
 
 
 class DutyRota:
-    """Who is on duty at this gateway.
+    """The people on duty at this gateway.
 
     Args:
         host: runs the agents; None where nobody can be on duty.
-        authority: makes the codes, which nobody else can guess.
-        names: whether others are told the names of people, and not only their codes.
+        authority: makes the codes, so that nobody can guess them.
+        names: whether others see names, not only codes.
         wall_s: the wall clock.
     """
 
@@ -108,21 +109,21 @@ class DutyRota:
     ) -> None:
         self._host, self._authority, self._names, self.wall_s = host, authority, names, wall_s
         self._tablets: dict[str, tuple[str, Tablet]] = {}
-        """By person: the code, and the tablet."""
+        """Per person, the code and the tablet."""
         self._said_off: set[str] = set()
-        """Who has gone off duty here: another tab of theirs puts them on duty no more by itself."""
+        """People who went off duty here: another tab of theirs does not put them back on duty by itself."""
 
     def has_said_off(self, by: Principal) -> bool:
-        """Whether this person has gone off duty here, and not come back."""
+        """Whether this person has gone off duty here and not come back."""
         return by.id in self._said_off
 
     def code_of(self, person: str) -> str:
-        """A person's name on the bus today."""
+        """A person's code on the bus today."""
         code = self._authority.code(f"duty {int(self.wall_s() // DAY_S)} {person}")
         return OPERATOR_PREFIX + b32encode(code).decode()[:CODE_CHARS].lower()
 
     def tablet(self, by: Principal) -> tuple[str, Tablet] | None:
-        """The code and tablet of somebody who is on duty here; None for who is not."""
+        """The code and tablet of a person on duty here; None if off duty."""
         known = self._tablets.get(by.id)
         if known is None or known[1].employed is None or known[1].employed.ended:
             self._tablets.pop(by.id, None)
@@ -130,11 +131,11 @@ class DutyRota:
         return known
 
     def look(self, by: Principal) -> tuple[str, Tablet] | None:
-        """The same, for a tablet that is there now."""
+        """Like `tablet`, and note that the tablet is present now."""
         known = self.tablet(by)
         if known is not None:
             known[1].seen_s = self.wall_s()
-            # Who has logged in elsewhere since is there for other areas now.
+            # A new login may have other areas.
             known[1].change(replace(known[1].state, there=True, **_where(by)))
         return known
 
@@ -146,16 +147,16 @@ class DutyRota:
         busy_until_s: float | None = None,
         helps_with: tuple[ProblemKind, ...] = (),
     ) -> None:
-        """Somebody is on duty from now on, or otherwise than before.
+        """Put a person on duty, or change their state.
 
         Args:
-            by: who, for the areas and the station of the login.
-            on_break: not to be asked.
-            busy_until_s: busy by the person's own word (plant clock).
-            helps_with: what for; empty for everything.
+            by: the person, with the areas and the station of the login.
+            on_break: whether the person must not be asked.
+            busy_until_s: end of the time for which the person is busy (plant clock).
+            helps_with: kinds of problems; empty for all.
 
         Raises:
-            Problem: 409, keys and the administrator are nobody to be asked; 503, no agents run here.
+            Problem: 409, keys and the administrator cannot be on duty; 503, no agents run here.
         """
         if by.kind != "person":
             raise Problem(
@@ -186,7 +187,7 @@ class DutyRota:
         self._tablets[by.id] = code, tablet
 
     def go_off(self, by: Principal) -> None:
-        """Somebody is not on duty any more. Harmless when that was so before."""
+        """Take a person off duty; harmless when done twice."""
         known = self._tablets.pop(by.id, None)
         if by.kind == "person":
             self._said_off.add(by.id)
@@ -196,20 +197,22 @@ class DutyRota:
     async def answer(
         self, by: Principal, call: str, answer: CallAnswer, wait_s: float | None, *, is_open: bool
     ) -> bool:
-        """Somebody answers a call.
+        """Answer a call for a person.
 
         Args:
-            by: who.
+            by: the person.
             call: its id.
-            answer: what.
-            wait_s: with TAKE, within which time it will be done (plant seconds).
-            is_open: this person sees that call and nobody has taken it: who is not asked may take it, too.
+            answer: the answer.
+            wait_s: with TAKE, plant seconds until the help is done.
+            is_open: whether the person sees the call and nobody has taken it; then a person who was not asked
+                may take it too.
 
         Returns:
-            Whether this person is expected there now, as the caller has said.
+            Whether the caller expects this person now.
 
         Raises:
-            Problem: 409, the person is not on duty or expected elsewhere, or the call is over or another one's.
+            Problem: 409, the person is not on duty or expected elsewhere, or the call is over or taken by
+                another.
         """
         known = self.look(by)
         if known is None:
@@ -237,19 +240,19 @@ class DutyRota:
                 return True
             if part is None and is_shown:
                 return False
-            # Who takes two at once has taken the first.
+            # A person who takes two at once has taken the first.
             _only_one(tablet, call)
             is_shown = part is not None
         return False
 
     async def run(self) -> None:
-        """See whose tablet is away, until cancelled."""
+        """Look for absent tablets until cancelled."""
         while True:
             await asyncio.sleep(AWAY_S / 3)
             self.look_away()
 
     def look_away(self) -> None:
-        """See whose tablet has not asked for so long that it is away."""
+        """Mark tablets as away that have not polled for `AWAY_S`."""
         now_s = self.wall_s()
         for _, tablet in self._tablets.values():
             if now_s - tablet.seen_s > AWAY_S:
@@ -257,7 +260,7 @@ class DutyRota:
 
 
 def _only_one(tablet: Tablet, call: str) -> None:
-    """A person comes to one at a time.
+    """Let a person take only one call at a time.
 
     Raises:
         Problem: 409, another caller expects this person.
@@ -273,7 +276,7 @@ def _only_one(tablet: Tablet, call: str) -> None:
 
 
 def _where(by: Principal) -> dict[str, Any]:
-    """For which part of the plant somebody is there, by the login."""
+    """The part of the plant for which a person is on duty, by the login."""
     return {
         "areas": () if by.areas is None else tuple(sorted(by.areas)),
         "everywhere": by.areas is None,

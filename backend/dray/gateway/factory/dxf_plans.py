@@ -1,4 +1,7 @@
-"""Floor plans in DXF as pictures: `dray plant picture`, in a process of its own with bounds, since a plan is input."""
+"""Floor plans in DXF as pictures: runs `dray plant picture` in a bounded process.
+
+A plan is untrusted input.
+"""
 
 from __future__ import annotations
 
@@ -18,23 +21,23 @@ from dray.gateway.http.problems import Problem
 from dray.plant.exchange.dxf import MAX_BYTES
 
 MOST_S = 60.0
-"""Wall seconds for one plan; one of ten megabytes takes some ten."""
+"""Maximum wall seconds per plan; one of ten megabytes takes some ten."""
 
 MOST_MEMORY = 2 * 1024**3
-"""Bytes of memory for one plan."""
+"""Maximum bytes of memory per plan."""
 
 GZIP = b"\x1f\x8b"
 
 TAIL_CHARS = 300
-"""Of what the process said when it failed."""
+"""Maximum characters quoted of a failed process's output."""
 
 
 class NoPlan(DrayError):
-    """It cannot be made a picture; the text says why."""
+    """A plan that cannot be converted; the text says why."""
 
 
 class Picture(msgspec.Struct, frozen=True, kw_only=True):
-    """What became of a plan."""
+    """The result for a plan."""
 
     width_m: float
     height_m: float
@@ -46,8 +49,8 @@ class DxfPlans:
     """Makes one picture at a time.
 
     Args:
-        command: what is started; then come the arguments of `dray plant picture`.
-        most_s: wall seconds for one plan.
+        command: the program to start, before the arguments of `dray plant picture`.
+        most_s: maximum wall seconds per plan.
     """
 
     def __init__(
@@ -59,10 +62,10 @@ class DxfPlans:
         self._one = asyncio.Lock()
 
     async def picture(self, content: bytes) -> Picture:
-        """Of a DXF file, packed with gzip or as it is.
+        """The picture of a DXF file, plain or gzipped.
 
         Raises:
-            NoPlan: it is none, or too much.
+            NoPlan: it is no plan, or too large.
             Problem: 503, another plan is being read.
         """
         if self._one.locked():
@@ -95,10 +98,10 @@ class DxfPlans:
 
 
 def unpacked(content: bytes) -> bytes:
-    """What was packed with gzip; what was not as it is.
+    """Unpack gzip; other content is returned unchanged.
 
     Raises:
-        NoPlan: it is broken, or larger than a plan may be.
+        NoPlan: it is broken, or larger than allowed.
     """
     if not content.startswith(GZIP):
         return content

@@ -1,7 +1,7 @@
-"""Keeps with each order how its estimate moves, with the cause of each move.
+"""Stores how each order's estimate moves, with the cause of each move.
 
-Open orders are looked at in turn, some at a time, so that a look costs the same however many there are: of 20 orders each is looked
-at every ten seconds, of 1,000 every eight minutes. Several gateways may look; whoever comes second finds that nothing has moved.
+Open orders take turns, so that a look costs the same for any number: of 20 orders each gets a look every ten
+seconds, of 1,000 every eight minutes. Several gateways may look; the second finds no move.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ LOOK_EVERY_S = 10.0
 """Wall seconds between two looks."""
 
 ORDERS_AT_ONCE = 20
-"""Orders of one look: each is some 10 ms of reading."""
+"""Orders per look: each takes some 10 ms of reading."""
 
 EVENTS_READ = 100
-"""The newest events of an order that may have moved its estimate; there are some per takeover and failure."""
+"""Maximum events of an order read as possible causes; there are some per takeover and failure."""
 
 _KINDS = (CarrierChanged.__name__, GoalLost.__name__, GoalContracted.__name__)
 
@@ -43,20 +43,20 @@ _log = logging.getLogger(__name__)
 
 
 class _Seen(msgspec.Struct, frozen=True):
-    """An order as it was at its last estimate."""
+    """An order at its last estimate."""
 
     change: int
-    """How often people had changed it."""
+    """Number of changes by people."""
     ahead: frozenset[str]
-    """Goals of other orders that were before its own at their machines."""
+    """Goals of other orders queued before its own."""
 
 
 class EstimateKeeper:
     """Looks at open orders.
 
     Args:
-        store: where estimates are kept, and what has happened.
-        projection: what happens now.
+        store: the database with estimates and events.
+        projection: the live projection.
         wall_s: the wall clock.
     """
 
@@ -65,7 +65,7 @@ class EstimateKeeper:
         self._seen: dict[str, _Seen] = {}
         """By open order."""
         self._last = ""
-        """The order that was looked at last: the next ones are those after it, by id."""
+        """Id of the last order looked at: the next look begins after it."""
 
     async def run(self) -> None:
         """Look until cancelled."""
@@ -76,7 +76,7 @@ class EstimateKeeper:
         )
 
     async def look(self) -> None:
-        """Keep what has moved, of the orders whose turn it is.
+        """Store the moves of the orders whose turn it is.
 
         Raises:
             UnavailableError: the database cannot be read or written.
@@ -104,12 +104,12 @@ class EstimateKeeper:
             before = await work.estimates.newest(name)
             now, ahead = track(facts).eta, self._ahead(facts)
             seen = self._seen.setdefault(name, _Seen(order.change, ahead))
-            # The clock stands, or was set back: the next look is later than what is kept.
+            # If the clock stands or was set back, a later look does it.
             if not moved(before, now) or (before is not None and now_s <= before.at_s):
                 return
             since = await self._since(work, facts, before, now, seen)
         async with self._store.write() as work:
-            # Another gateway may have kept it meanwhile.
+            # Another gateway may have stored it meanwhile.
             if await work.estimates.newest(name) == before:
                 await work.estimates.add(name, estimate(before, now, since, now_s))
         self._seen[name] = _Seen(order.change, ahead)
@@ -127,7 +127,7 @@ class EstimateKeeper:
     async def _since(
         self, work: Work, facts: Facts, before: Estimate | None, now: Range | None, seen: _Seen
     ) -> Since:
-        """What has happened since the estimate before."""
+        """The events since the last estimate."""
         since_s = facts.order.created_at_s if before is None else before.at_s
         wanted = EventFilter(kinds=_KINDS, order=facts.order.id)
         rows = await work.events.page(wanted, None, EVENTS_READ, newest_first=True)
@@ -150,7 +150,7 @@ class EstimateKeeper:
     async def _hold(
         self, work: Work, facts: Facts, before: Estimate | None, now: Range | None
     ) -> tuple[str, Hold] | None:
-        """Of the machines that make it, the one that was held up longest since the estimate before."""
+        """The machine of this order that was held up longest since the last estimate."""
         if before is None or before.to_at_s is None or now is None:
             return None
         later_s = now.to_s - before.to_at_s

@@ -1,7 +1,8 @@
-"""How the estimate of an order moves, and why. Pure: what is kept is decided here, and read and written in `estimate_keeper`.
+"""How an order's estimate moves, and why. Pure: decides what to store; `estimate_keeper` reads and writes.
 
-An estimate has moved when one of its ends lies elsewhere by more than a step of the clock in which it is told
-(`tracking/eta.py`: one, five or fifteen minutes); what moves less is how it is rounded. Of several causes the one that is nearest to people's hands is told.
+An estimate has moved when one of its ends shifts by more than its rounding step (`tracking/eta.py`: one, five
+or fifteen minutes). Smaller shifts are rounding. With several causes, the one that people can act on most is
+given.
 """
 
 from __future__ import annotations
@@ -14,32 +15,32 @@ from dray.gateway.tracking.reasons import Doing
 from dray.store.orders.estimates import Estimate, EstimateCause
 
 CLOCK_OFF_S = 1e-6
-"""Of a difference of two large numbers, what is not meant."""
+"""Tolerance for the difference of two large numbers, in seconds."""
 
 
 class Since(msgspec.Struct, frozen=True, kw_only=True):
-    """What has happened to an order since its estimate before. What has not is empty."""
+    """What has happened to an order since its last estimate; fields that do not apply are empty."""
 
     changed: bool = False
-    """People have changed it."""
+    """Whether people have changed it."""
     waits: bool = False
-    """Nobody can make a part of it."""
+    """Whether no machine can make a part of it."""
     doings: dict[str, Doing] = {}
-    """What the machines do that make it, by name."""
+    """Activities of its machines, by name."""
     moved: tuple[str, str] | None = None
-    """A machine that has failed with a part of it, and who goes on with that; empty for nobody yet."""
+    """A machine that failed with a part of it, and its successor; empty if none yet."""
     hold: tuple[str, Hold] | None = None
-    """The machine that was held up longest, and by what."""
+    """The machine held up longest, and the cause."""
     passed: str = ""
-    """An order that is made before it, and was not."""
+    """An order that overtook it in a queue."""
     replaced: tuple[str, str] | None = None
-    """A carrier of its goods, and who carries on; empty for nobody yet."""
+    """A replaced carrier of its goods, and the successor; empty if none yet."""
     held_up: bool = False
-    """Its goods do not go on."""
+    """Whether its goods are held up."""
 
 
 def moved(before: Estimate | None, now: Range | None) -> bool:
-    """Whether an estimate is to be kept; nothing is while nothing could be told ever."""
+    """Whether to store an estimate; nothing is stored before the first one."""
     known = _range(before)
     if known is None or now is None:
         return now is not known
@@ -48,12 +49,12 @@ def moved(before: Estimate | None, now: Range | None) -> bool:
 
 
 def estimate(before: Estimate | None, now: Range | None, since: Since, at_s: float) -> Estimate:
-    """What is kept of an estimate that has moved.
+    """The record of an estimate that has moved.
 
     Args:
-        before: the one that was kept last.
-        now: when it is expected now; None where nothing can be told.
-        since: what has happened meanwhile.
+        before: the last stored one.
+        now: the present estimate; None if there is none.
+        since: events since.
         at_s: wall clock.
     """
     cause, agent, other = _cause(before, now, since)
@@ -86,7 +87,7 @@ def _cause(before: Estimate | None, now: Range | None, since: Since) -> Cause:
 
 
 def _why_not(since: Since) -> Cause:
-    """Why nothing can be told any more."""
+    """Why there is no estimate any more."""
     if since.waits:
         return "no_machine", "", ""
     broken = next((name for name, doing in since.doings.items() if doing is Doing.BROKEN), None)

@@ -1,6 +1,6 @@
-"""Exclusions: whom people have shut out, in SQL, on the panels and on the bus.
+"""Exclusions: agents that people have shut out, in SQL, on the panels and on the bus.
 
-`announced.py` says how they are told; `dray shut-out` writes into the same table.
+`announced.py` publishes them; `dray shut-out` writes the same table.
 """
 
 from __future__ import annotations
@@ -19,19 +19,20 @@ from dray.store.factory.exclusions import Exclusion
 
 
 class Exclusions(Announced):
-    """Takes decisions, and tells them.
+    """Stores and publishes exclusions.
 
     Args:
-        store: keeps them.
-        projection: shows them.
-        commands: stops vehicles that are shut out, and expects nothing of them any more.
-        say: says something to everybody.
+        store: the database.
+        projection: shows exclusions.
+        commands: stops vehicles that are shut out, and stops waiting for their answers.
+        say: publishes to all agents.
         wall_s: the wall clock.
-        own: the name of this gateway on the bus, which it cannot shut out.
+        own: this gateway's name on the bus, which it cannot shut out.
     """
 
     EVERY_S = 2.0
-    """So long an agent that has just joined for the first time may hear somebody who is shut out. It costs one small message to everybody."""
+    """Maximum wall seconds in which an agent that joins may hear an excluded one. Costs one small message to
+    all agents."""
 
     WHAT = "who was shut out"
 
@@ -51,16 +52,16 @@ class Exclusions(Announced):
         self._list = ShutOut(number=0)
 
     async def shut_out(self, agent: str, reason: str, by: str) -> Exclusion:
-        """Let nobody hear an agent any more; of one that is shut out already the first decision stays.
+        """Shut an agent out; if it is shut out already, the first decision stays.
 
         Args:
             agent: its id.
-            reason: in the words of who decides it.
-            by: that person's name.
+            reason: the person's words.
+            by: the person's name.
 
         Raises:
-            Problem: 409, it is this gateway, or too many are shut out.
-            UnavailableError: it could not be written down, and nothing was done.
+            Problem: 409, the agent is this gateway, or too many are shut out.
+            UnavailableError: it could not be stored, and nothing was done.
         """
         if agent == self.own:
             raise Problem(
@@ -86,11 +87,11 @@ class Exclusions(Announced):
         return exclusion
 
     async def readmit(self, agent: str) -> Exclusion:
-        """Hear an agent again; returns why it was shut out.
+        """Readmit an agent; returns its exclusion.
 
         Raises:
             Problem: 404, it is not shut out.
-            UnavailableError: it could not be written down, and nothing was done.
+            UnavailableError: it could not be stored, and nothing was done.
         """
         async with self._store.write() as work:
             exclusion = await work.exclusions.get(agent)
@@ -101,7 +102,7 @@ class Exclusions(Announced):
         return exclusion
 
     def say(self) -> None:
-        """Say the list, unless nothing was ever decided."""
+        """Publish the list, unless nothing was ever decided."""
         if self._list.number:
             self._say(self._list)
 

@@ -1,7 +1,7 @@
-"""Fault injection: a person lets something go wrong, in a factory that is simulated.
+"""Fault injection: a person causes a fault in a simulated factory.
 
-The gateway knows neither the simulator nor what its faults mean. It hands on data, and shows what is at
-work; whoever starts a gateway on a simulated factory gives it an injector.
+The gateway knows neither the simulator nor the meaning of its faults. It passes data on and shows active
+faults. The program that starts a gateway on a simulated factory provides an injector.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from dray.gateway.live.views import FaultView
 
 
 class FaultKind(msgspec.Struct, frozen=True):
-    """What can go wrong."""
+    """A kind of fault."""
 
     kind: str
     what: str
-    """In one line."""
+    """Description in one line."""
     fields: tuple[str, ...]
-    """Those that must be given, beside `kind`."""
+    """Required fields beside `kind`."""
     optional: tuple[str, ...] = ()
 
 
@@ -32,7 +32,7 @@ class FaultRefused(InputError):
     """A fault that cannot be begun.
 
     Attributes:
-        field: which part of it cannot be used.
+        field: the field that is wrong.
         reason: why, and what to do.
     """
 
@@ -46,23 +46,23 @@ class FaultInjector(Protocol):
 
     @property
     def kinds(self) -> tuple[FaultKind, ...]:
-        """All that can be begun."""
+        """All kinds that can be begun."""
         ...
 
     async def begin(self, fault: dict[str, Any]) -> FaultView:
-        """Let something go wrong.
+        """Begin a fault.
 
         Args:
             fault: its `kind` and its fields.
 
         Raises:
-            FaultRefused: it makes no sense here.
+            FaultRefused: the fault is impossible here.
             UnavailableError: the factory does not answer.
         """
         ...
 
     async def end(self, fault: str) -> None:
-        """Put it right again; ending what has ended changes nothing.
+        """End a fault; harmless when it has ended.
 
         Raises:
             UnavailableError: the factory does not answer.
@@ -71,11 +71,11 @@ class FaultInjector(Protocol):
 
 
 class FaultInjection:
-    """Faults by hand, and those that are shown as being at work.
+    """Faults by hand, and the active ones shown.
 
     Args:
         injector: None where the factory is not simulated.
-        shown: on the panels.
+        shown: the active faults on the panels.
     """
 
     def __init__(self, injector: FaultInjector | None, shown: InjectedFaults) -> None:
@@ -83,7 +83,7 @@ class FaultInjection:
 
     @property
     def injector(self) -> FaultInjector:
-        """Who begins and ends them.
+        """The injector.
 
         Raises:
             Problem: 409, the factory is not simulated.

@@ -1,8 +1,7 @@
-"""The sampler: writes down once a wall minute what the factory's figures, and the traffic of its lanes, have added.
+"""The sampler: stores every wall minute what the factory's figures and lane traffic have added.
 
-Several gateways see the same factory, and a minute that each of them wrote down would count as often. So the
-first one writes it, and the others leave it out. When one of them begins or ends in the middle of a minute, the
-rest of that minute may be missing.
+Several gateways see the same factory, and a minute must not be counted twice. The first one writes it, and
+the others skip it. When a gateway starts or stops within a minute, the rest of that minute may be missing.
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ from dray.store import Store
 from dray.store.factory.kpis import KpiSample
 
 SAMPLE_S = 60.0
-"""Wall seconds between two samples: people look at hours, and a quarter of an hour should show its course."""
+"""Wall seconds between two samples: people look at hours, but a quarter of an hour should show its course."""
 
 KEPT_S = 35 * 86_400.0
-"""How long the traffic of lanes is kept, and how much of anything here is told at once: a month with its ends, some 50,000 rows."""
+"""Retention of lane traffic, and maximum span of one answer: a month with its ends, some 50,000 rows."""
 
 AS_THEY_ARE = ("at_s", "transport_p50_s", "transport_p95_s")
-"""Fields that do not add up."""
+"""Fields that are no sums."""
 
 _log = logging.getLogger(__name__)
 
@@ -35,15 +34,15 @@ class Sampler:
     """Samples the projection.
 
     Args:
-        projection: whose figures.
-        store: where to.
+        projection: the live projection.
+        store: the database.
         wall_s: the wall clock.
     """
 
     def __init__(self, projection: Projection, store: Store, wall_s: Callable[[], float]) -> None:
         self._projection, self._store, self._wall_s = projection, store, wall_s
         self._before = projection.totals(wall_s())
-        """The totals at the end of the last sample that was written, by whatever gateway."""
+        """Totals at the end of the last sample written, by any gateway."""
         self._lanes_before = projection.traffic.totals()
 
     async def run(self) -> None:
@@ -54,7 +53,7 @@ class Sampler:
             await self.sample()
 
     async def sample(self) -> None:
-        """Write what has come since the last sample, unless another gateway has written of that time.
+        """Store what was added since the last sample, unless another gateway has stored that time.
 
         What cannot be written is in the next sample.
         """
@@ -76,7 +75,7 @@ class Sampler:
 
 
 def added(before: KpiSample, after: KpiSample) -> KpiSample:
-    """What has come between two totals."""
+    """The difference of two totals."""
     differences = {
         name: getattr(after, name) - getattr(before, name)
         for name in KpiSample.__struct_fields__

@@ -1,4 +1,4 @@
-"""The factory's figures over time: samples of minutes put together to steps of any length. Pure."""
+"""The factory's figures over time: joins minute samples into steps of any length. Pure."""
 
 from __future__ import annotations
 
@@ -12,79 +12,79 @@ from dray.store.factory.kpis import KpiSample
 
 
 class KpiPoint(msgspec.Struct, frozen=True, kw_only=True):
-    """One step. Figures that nothing tells of are null; times are factory seconds but for `at_s`."""
+    """One step. Unknown figures are null; times are factory seconds except `at_s`."""
 
     at_s: float
-    """Its beginning, wall clock."""
+    """Begin of the step, wall clock."""
     span_s: float
-    """Factory seconds that were seen of it: less where the gateway was away."""
+    """Factory seconds observed: less where the gateway was away."""
     orders_delivered: int
     on_time_frac: float | None
-    """Of these orders."""
+    """Fraction of these orders."""
     starved_frac: float | None
-    """Part of the machines' time with a goal in which material was missing."""
+    """Fraction of the machines' time with a goal in which material was missing."""
     transports: int
-    """Handed over."""
+    """Transports handed over."""
     transports_per_hour: float | None
     transport_p50_s: float | None
-    """From announcement to handover, over the 200 transports before its end."""
+    """From announcement to handover, over the 200 transports before the step's end."""
     transport_p95_s: float | None
     empty_frac: float | None
-    """Part of the fleet's way that was driven without a load."""
+    """Fraction of the fleet's way driven without a load."""
     moving_frac: float | None
-    """Of the fleet's time, as the five below: together they are 1."""
+    """Fraction of the fleet's time, like the five below; together they are 1."""
     waiting_frac: float | None
     charging_frac: float | None
     blocked_frac: float | None
     idle_frac: float | None
     silent_frac: float | None
     out_of_service_frac: float | None
-    """Of all their time, by a person's word; it is no part of the fleet's time otherwise."""
+    """Fraction of all vehicles' time, by a person's word; not part of the fleet's time otherwise."""
     atv_available_frac: float | None
-    """Part of the vehicles' time in service in which they were heard and neither stopped nor in error."""
+    """Fraction of the vehicles' time in service in which they were heard and neither stopped nor in error."""
     machine_available_frac: float | None
-    """Part of the machines' time in which they were heard and not in error."""
+    """Fraction of the machines' time in which they were heard and not in error."""
     commands: int
-    """People's commands that vehicles have obeyed."""
+    """Commands that vehicles obeyed."""
     helps: int
-    """How often vehicles have asked for help."""
+    """Calls for help by vehicles."""
     energy_wh: float
-    """Taken from vehicles' batteries, by what these show."""
+    """Energy taken from vehicles' batteries, by their gauges."""
 
 
 class KpiHistory(msgspec.Struct, frozen=True, kw_only=True):
     """The factory's figures over time."""
 
     since_at_s: float
-    """Wall clock, as `until_at_s`: a whole number of steps lies between the two."""
+    """Wall clock; a whole number of steps before `until_at_s`."""
     until_at_s: float
     step_s: float
     """Wall seconds."""
     items: tuple[KpiPoint, ...]
-    """Oldest first; steps of which nothing was seen are left out."""
+    """Oldest first, without unobserved steps."""
 
 
 def points(samples: Iterable[KpiSample], step_s: float) -> Iterator[KpiPoint]:
-    """Put samples together.
+    """Join samples into steps.
 
     Args:
         samples: oldest first.
-        step_s: the length of a step in wall seconds; steps begin at whole multiples of it.
+        step_s: length of a step in wall seconds; steps begin at whole multiples of it.
     """
     for number, of_step in groupby(samples, lambda sample: _middle_s(sample) // step_s):
         yield point(number * step_s, list(of_step))
 
 
 def _middle_s(sample: KpiSample) -> float:
-    """Where a sample belongs: it is written a moment after its minute."""
+    """The middle of a sample's minute, since it is written just after that minute."""
     return sample.at_s - SAMPLE_S / 2
 
 
 def point(at_s: float, samples: Sequence[KpiSample]) -> KpiPoint:
-    """All of these in one step.
+    """All samples as one step.
 
     Args:
-        at_s: its beginning, wall clock.
+        at_s: begin of the step, wall clock.
         samples: one or more, oldest first.
     """
 
@@ -127,5 +127,5 @@ FLEET = ("moving", "waiting", "charging", "blocked", "idle", "silent")
 
 
 def part(some: float, whole: float) -> float | None:
-    """A part of a whole; None of nothing."""
+    """A fraction; None if the whole is 0."""
     return some / whole if whole > 0 else None

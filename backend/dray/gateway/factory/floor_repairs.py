@@ -1,6 +1,7 @@
-"""What would mend a warning about the floor: one node moved, so far that vehicles have room.
+"""Repairs for warnings about the floor: move one node so far that vehicles have room.
 
-Tried as repairs of errors are: the floor has no error with it, what was warned of is gone, and nothing else is narrow that was not so before.
+They are tried like repairs of errors: the floor stays without errors, the warning is gone, and nothing else
+becomes too narrow.
 """
 
 from __future__ import annotations
@@ -23,32 +24,32 @@ from dray.plant.planning.advice_floor import floor_advice
 from dray.plant.planning.room import Subject
 
 STEP_M = 0.1
-"""By so much more a node is moved, until there is room; people draw on a grid of that."""
+"""Increment by which a node is moved until there is room; people draw on this grid."""
 
 FLOOR_TRIED = 10
-"""Changes that are tried for one warning: two nodes, a few directions, room to stand and room to turn."""
+"""Maximum changes tried per warning: two nodes, a few directions, room to stand and room to turn."""
 
 MOST_M = 5.0
-"""Farther off is another place, and no repair."""
+"""Maximum shift of a node: farther off is another place, not a repair."""
 
 APART_M = (1.0, 2.0, 3.5)
-"""By how much the nodes of two crossings are moved apart, tried in turn."""
+"""Distances tried in turn to move the nodes of two crossings apart."""
 
 LEAN = 0.5
-"""A road leads across a direction that leans less against it, as the cosine of the angle: 60 degrees at least."""
+"""Maximum cosine of the angle to a direction for a road that leads across it: at least 60 degrees."""
 
 MENDED = frozenset({"near", "narrow", "crossing"})
-"""Kinds of warnings that moving a node may mend."""
+"""Kinds of warnings that moving a node may solve."""
 
 Move = tuple[Node, float, float]
-"""A node, and the direction to move it in (a vector of length 1)."""
+"""A node, and the direction to move it in (a unit vector)."""
 
 
 class FloorRepairs:
-    """The repairs of warnings of one plant file.
+    """Repairs for the warnings of one plant file.
 
     Args:
-        plant: without errors.
+        plant: a plant without errors.
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -58,7 +59,7 @@ class FloorRepairs:
         self._narrow: frozenset[tuple[str, Subject]] | None = None
 
     def of(self, warning: Advice) -> RepairView | None:
-        """What mends the first of what a warning is about; None when nothing that was tried does."""
+        """A repair of a warning's first subject; None when nothing tried helps."""
         if warning.kind not in MENDED or not warning.about or self._sought == MAX_REPAIRS:
             return None
         self._sought += 1
@@ -74,7 +75,7 @@ class FloorRepairs:
         return None
 
     def _proposals(self, kind: str, subject: Subject) -> Iterator[tuple[RepairView, PlantFile]]:
-        """Changes that may mend it, the smallest first."""
+        """Changes that may help, the smallest first."""
         if kind == "crossing" or not self._written.keys() & set(subject[: 2 if kind == "near" else 1]):
             yield from self._apart(subject if kind == "crossing" else self._drawn(subject))
             return
@@ -86,7 +87,7 @@ class FloorRepairs:
     # --- how far ------------------------------------------------------------------------------------
 
     def _from_one_another(self, subject: Subject) -> Iterator[tuple[Move, float | None]]:
-        """Either of two places away from the other."""
+        """Move either of two places away from the other."""
         for one, other in (subject, subject[::-1]):
             if one in self._written:
                 here, there = self._plant.nodes[one], self._plant.nodes[other]
@@ -97,7 +98,7 @@ class FloorRepairs:
                     yield (here, x, y), self._turning_room_m(here, x, y, turns, 2.0)
 
     def _off_a_lane(self, subject: Subject) -> Iterator[tuple[Move, float | None]]:
-        """A place away from a lane that leads past it."""
+        """Move a place away from a lane that passes it."""
         node, *ends = subject
         if node in self._written:
             here = self._plant.nodes[node]
@@ -111,7 +112,7 @@ class FloorRepairs:
                 yield (here, x, y), self._turning_room_m(here, x, y, (swept,), 1.0)
 
     def _apart(self, subject: Subject) -> Iterator[tuple[RepairView, PlantFile]]:
-        """The node of one crossing away from that of the other, with all that lies across, so that roads meet as they did."""
+        """Move one crossing's node, and all nodes across from it, away from the other crossing."""
         nodes = self._plant.file.nodes
         points = [nodes[self._written[each]] for each in subject if each in self._written]
         if len(points) != 2:
@@ -125,7 +126,7 @@ class FloorRepairs:
                     yield self._moved(here, x / away_m * by_m, y / away_m * by_m, across - {here.id})
 
     def _across(self, here: Node, x: float, y: float) -> set[str]:
-        """A node, and those that hang together with it by roads across a direction (a vector of length 1)."""
+        """A node, and all nodes joined to it by roads across a direction (a unit vector)."""
         nodes = {node.id: node for node in self._plant.file.nodes}
         beside: dict[str, list[str]] = {}
         for lane in self._plant.file.lanes:
@@ -143,7 +144,7 @@ class FloorRepairs:
         return found
 
     def _drawn(self, subject: Subject) -> Subject:
-        """The nodes of the file to which two stop points of two-lane roads belong: those that are nearest to one another."""
+        """The nearest pair of file nodes to which two stop points of two-lane roads belong."""
         roads: dict[str, Subject] = {}
         for lane in self._plant.file.lanes:
             for start, end in ((lane.start, lane.end), (lane.end, lane.start)):
@@ -159,7 +160,7 @@ class FloorRepairs:
         return min(known, key=away_m, default=())
 
     def _directions(self, here: Node, x: float, y: float) -> Iterator[tuple[float, float]]:
-        """Straight away from what is in the way; and along the lanes that lead there, so that their direction stays."""
+        """Straight away from the obstacle, and along the node's lanes, whose direction then stays."""
         lanes = (*self._plant.roads.leaving[here.id], *self._plant.roads.entering[here.id])
         ends = [self._plant.nodes[end] for lane in lanes for end in (lane.start, lane.end) if end != here.id]
         ways = [(end.x_m - here.x_m, end.y_m - here.y_m) for end in ends]
@@ -173,7 +174,7 @@ class FloorRepairs:
                     yield unit
 
     def _room_m(self, node: Node, x: float, y: float, taken: tuple[Rectangle, ...]) -> float | None:
-        """How far a place must be moved in a direction until who stands there touches none of these; None for too far."""
+        """Metres to move a place until a vehicle there clears these rectangles; None if too far."""
         for step in range(1, int(MOST_M / STEP_M) + 1):
             by_m = step * STEP_M
             there = Node(node.id, node.x_m + x * by_m, node.y_m + y * by_m)
@@ -184,7 +185,10 @@ class FloorRepairs:
     def _turning_room_m(
         self, node: Node, x: float, y: float, taken: tuple[Rectangle, ...], circles: float
     ) -> float | None:
-        """How far, until a vehicle touches none of these that turns there: at so many turning circles; None for too far."""
+        """Metres to move a place until a turning vehicle clears these, by so many turning circles.
+
+        None if too far.
+        """
         needed_m = circles * self._size.turning_radius_m + CLEARANCE_M
         for step in range(1, int(MOST_M / STEP_M) + 1):
             by_m = step * STEP_M
@@ -199,7 +203,7 @@ class FloorRepairs:
         return None
 
     def _stands(self, node: Node) -> tuple[Rectangle, ...]:
-        """In every direction in which one comes or sets off, wherever the node is now."""
+        """A vehicle standing at a node, in every direction of arrival or departure."""
         roads, size = self._plant.roads, self._size
         lanes = (*roads.entering[node.id], *roads.leaving[node.id])
         headings = {round(lane.heading_rad % pi, 6) for lane in lanes}
@@ -237,5 +241,5 @@ def _narrow(plant: Plant) -> frozenset[tuple[str, Subject]]:
 
 
 def _told(kind: str, subject: Subject) -> tuple[str, Subject]:
-    """What a finding is about, but for the lane: a place in the way of one may be in the way of another after a change."""
+    """A finding's subject without the lane, since a moved place may be in the way of another lane."""
     return kind, subject[:1] if kind == "narrow" else subject

@@ -1,4 +1,4 @@
-"""What held up a carrier that came later than it had promised: the longest of what it did instead, as spells tell it."""
+"""What held up a late carrier: its longest other activity, by its spells."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from dray.store.replay.spells import Spell
 from dray.store.work import Work
 
 HOLDS = frozenset({"waits", "stopped", "blocked", "silent", "charges", "out", "starves", "broken"})
-"""What a vehicle with a task, or a machine with a goal, does that brings it no nearer."""
+"""Activities that do not advance a vehicle's task or a machine's goal."""
 
 EXPLAINS_FRAC = 0.25
-"""Least part of the lateness that a hold has to be as long as to be told as its cause."""
+"""Minimum length of a hold, as a fraction of the lateness, to be given as its cause."""
 
 LATE_S = 1.0
-"""Wall seconds below which nobody asks why."""
+"""Wall seconds of lateness below which no cause is sought."""
 
 
 class Hold(msgspec.Struct, frozen=True, kw_only=True):
-    """What held a carrier up."""
+    """What held up a carrier."""
 
     doing: str
-    """As in `/api/spells`: one of `HOLDS`."""
+    """One of `HOLDS`, as in `/api/spells`."""
     by: str = ""
-    """For whom or what it waited longest, or what was wrong; empty where nobody knows."""
+    """What it waited for longest, or what was wrong; empty if unknown."""
     lasted_s: float
-    """Wall seconds of all of that kind together."""
+    """Total wall seconds of that kind."""
 
 
 class Span(NamedTuple):
-    """When a carrier had a task. Wall clock."""
+    """The time in which a carrier had a task, wall clock."""
 
     task: str
     agent: str
@@ -45,11 +45,11 @@ class Span(NamedTuple):
 
 
 def late_span(row: TaskRow, now_s: float) -> Span | None:
-    """When the carrier of a late task had it; None of one that is as promised, or of which that is not known.
+    """The time in which the carrier of a late task had it; None if it is not late, or unknown.
 
     Args:
         row: the task.
-        now_s: wall clock, for one that has not ended.
+        now_s: wall clock, for an open task.
     """
     if row.promised_at_s is None or row.contracted_at_s is None or not row.carrier:
         return None
@@ -59,7 +59,7 @@ def late_span(row: TaskRow, now_s: float) -> Span | None:
 
 
 async def holds_of(work: Work, rows: Iterable[TaskRow], now_s: float) -> dict[str, Hold]:
-    """What held up the carriers of those that were late, by task.
+    """What held up the carriers of late tasks, by task.
 
     Args:
         work: an open transaction.
@@ -74,11 +74,11 @@ async def holds_of(work: Work, rows: Iterable[TaskRow], now_s: float) -> dict[st
 
 
 def held(spans: Sequence[Span], spells: Iterable[Spell]) -> dict[str, Hold]:
-    """The cause of each that has one. Pure.
+    """What held up each span, if known. Pure.
 
     Args:
         spans: late transports.
-        spells: of their carriers, in any order; others are left out.
+        spells: their carriers' spells in any order; others are ignored.
     """
     by_agent: dict[str, list[Spell]] = defaultdict(list)
     for spell in spells:
@@ -96,7 +96,7 @@ def _longest(span: Span, spells: Iterable[Spell]) -> Hold | None:
     parts: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
     for spell in spells:
         lasted_s = min(spell.until_at_s, span.until_s) - max(spell.from_at_s, span.since_s)
-        # What it did for another task in the same time is not what held up this one.
+        # Work for another task in that time did not hold up this one.
         if lasted_s > 0 and spell.task in ("", span.task):
             parts[spell.doing][spell.other] += lasted_s
     if not parts:

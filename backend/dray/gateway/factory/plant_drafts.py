@@ -1,7 +1,7 @@
-"""What a draft of a plant is worth: its faults and warnings, and the plant file that it would be.
+"""The evaluation of a plant draft: faults, warnings, and the resulting plant file.
 
-A draft is a plant file of any shape, with two sections of its own: `closed`, lanes that are not driven in it, and `plan`, where a
-floor plan lies under it. Neither is part of the plant file.
+A draft is a plant file of any shape with two extra sections: `closed`, lanes that are not used, and `plan`,
+the position of a floor plan under it. Neither is part of the plant file.
 """
 
 from __future__ import annotations
@@ -25,62 +25,62 @@ from dray.plant.file.text_encoding import UnknownEncodingError, decode_text
 from dray.plant.planning.advice import advice
 
 OWN = frozenset({"closed", "plan"})
-"""Sections of a draft that no plant file has."""
+"""Sections that only a draft has."""
 
 MAX_FINDINGS = 200
-"""That are told; whoever has more solves these first."""
+"""Maximum findings reported; solving these reveals more."""
 
 MAX_DEPTH = 12
-"""Of lists and mappings in a draft; a plant needs six."""
+"""Maximum depth of lists and mappings in a draft; a plant needs six."""
 
 INDEX = re.compile(r"\[(\d+)\]")
 
 PATH = re.compile(r"\w+\[\d+\](?:\.lanes\[\d+\])?")
-"""How a reason names another entry."""
+"""Form in which a reason names another entry."""
 
 Data = dict[str, Any]
 
 Ends = tuple[str | None, str | None]
-"""From where to where a lane leads; None where it does not say."""
+"""Ends of a lane; None if missing."""
 
 Kept = dict[str, list[int]]
-"""Of each list of which entries are left out, as the plant file calls it, the indices of the others in the draft."""
+"""Per list with omitted entries, by its plant file name: the draft indices of the entries kept."""
 
 
 class FindingView(msgspec.Struct, frozen=True, kw_only=True):
-    """One thing to be seen to in a draft."""
+    """One finding in a draft."""
 
     level: str
     """error, open (to be filled in) or warning."""
     field: str
-    """Where in the draft, as `machines[3].node`; of a warning, and of vehicles without room, the section."""
+    """Position in the draft, as `machines[3].node`; for a warning or vehicles without room, the section."""
     text: str
     """What is wrong, with figures, and what to do."""
     code: str = ""
-    """Of the text, so that panels tell it in the reader's language."""
+    """Code of the text, for translation in panels."""
     values: dict[str, Any] = {}
-    """What is filled into it: texts, numbers, other reasons (`code`, `values`, `text`), and lists of these."""
+    """Values for the text: texts, numbers, other reasons (`code`, `values`, `text`), and lists of these."""
     repair: RepairView | None = None
-    """A change that solves it, tried before it is offered; null where none is known."""
+    """A tested change that solves it; null if none is known."""
 
 
 class NoteView(msgspec.Struct, frozen=True, kw_only=True):
-    """Something that was odd in the file of which a draft or its floor plan was made."""
+    """An oddity in the file from which a draft or its floor plan was made."""
 
     text: str
     """What, where and how often, in one line."""
     place: str = ""
     """The first place: a JSON pointer, or the line and element of an XML file."""
     count: int = 1
-    """How often the same was found."""
+    """Number of occurrences."""
     code: str = ""
-    """Of what was found, so that panels tell it in the reader's language."""
+    """Code of the text, for translation in panels."""
     values: dict[str, Any] = {}
-    """What is filled into it, as in a finding."""
+    """Values for the text, as in a finding."""
 
 
 def findings(data: Data) -> list[FindingView]:
-    """The faults of a draft; of one without faults what will starve in it. The rules are those of `dray plant check`."""
+    """The faults of a draft; without faults, its warnings. The rules are those of `dray plant check`."""
     found = []
     file, kept = as_file(data)
     repairs: Repairs | None = None
@@ -125,7 +125,7 @@ def findings(data: Data) -> list[FindingView]:
 
 
 def as_file(data: Data) -> tuple[Data, Kept]:
-    """The plant file that a draft would be, and which entries of the draft are in it."""
+    """The plant file of a draft, and which entries of the draft are in it."""
     file = {name: value for name, value in data.items() if name not in OWN}
     lanes, closed = file.get("lanes"), set(_closed(data))
     kept: Kept = {}
@@ -140,12 +140,12 @@ def as_file(data: Data) -> tuple[Data, Kept]:
 
 
 def _doors(doors: list[Any], driven: Mapping[Ends, bool], kept: Kept) -> list[object]:
-    """Doors without the lanes that are not driven; one that stands on no other is not there.
+    """Doors without unused lanes; a door with no other lane is left out.
 
     Args:
-        doors: of the draft.
-        driven: its lanes, and whether each is driven. A door may name one that is driven both ways by either end.
-        kept: where it is noted which are left.
+        doors: the draft's doors.
+        driven: per lane, whether it is used. A door may name a two-way lane by either direction.
+        kept: takes the indices of what is left.
     """
     left: list[object] = []
     kept["doors"] = []
@@ -168,29 +168,29 @@ def _doors(doors: list[Any], driven: Mapping[Ends, bool], kept: Kept) -> list[ob
 
 
 def _ends_of(lane: object) -> Ends:
-    """What a lane says of its ends; they may be anything."""
+    """The ends that a lane names, which may be of any type."""
     start, end = (lane.get("start"), lane.get("end")) if isinstance(lane, dict) else (None, None)
     return (start if isinstance(start, str) else None, end if isinstance(end, str) else None)
 
 
 def as_yaml(data: str) -> str:
-    """The text of that file, of a draft in JSON."""
+    """The plant file as text, of a draft in JSON."""
     return write_document(as_file(msgspec.json.decode(data))[0])
 
 
 def read_file(
     content: str | bytes, name: str, onto: Plant | None, unit: str = ""
 ) -> tuple[Data, list[NoteView]]:
-    """A plant file, a LIF file or a model of openTCS as the content of a draft; and what was odd in it.
+    """Read a plant file, LIF file or openTCS model as a draft, with its oddities.
 
     Args:
-        content: the file; its text where somebody else has read it.
-        name: of the file, for errors.
-        unit: of a LIF file, `m`, `cm` or `mm`; found out if it is empty.
-        onto: where what a layout cannot tell is taken from; None to leave it open.
+        content: the file, or its text if read already.
+        name: name of the file, for errors.
+        unit: unit of a LIF file, `m`, `cm` or `mm`; guessed if empty.
+        onto: plant that supplies what a layout lacks; None to leave it open.
 
     Raises:
-        PlantError: it is none of them.
+        PlantError: it is none of these files.
     """
     text = content if isinstance(content, str) else _text(content, name)
     begins = text.lstrip("\ufeff \t\r\n")[:1]
@@ -231,7 +231,7 @@ def deeper_than(value: object, depth: int) -> bool:
 
 
 def _text(content: bytes, name: str) -> str:
-    """The text of a file, as far as its beginning tells what it is; a layout says itself how it is to be read."""
+    """The text of a file, as far as needed to tell its type; a layout names its own encoding."""
     if content.lstrip(b" \t\r\n").startswith(b"<") and b"\0" not in content[:4]:
         return "<"
     try:
@@ -253,18 +253,18 @@ def _closed(data: Data) -> Iterator[tuple[str, str]]:
 
 
 def _repair_in_draft(repair: RepairView | None, kept: Kept) -> RepairView | None:
-    """A repair of the plant file as it is one of the draft."""
+    """A plant file's repair as a repair of the draft."""
     if repair is None or repair.index is None or repair.section not in kept:
         return repair
     return msgspec.structs.replace(repair, index=kept[repair.section][repair.index])
 
 
 def _in_draft(field: str, kept: Kept) -> str:
-    """A field of the plant file as it is called in the draft."""
+    """The draft's name of a plant file's field."""
 
     def index(found: re.Match[str]) -> str:
         entries, at = kept.get(field[: found.start()]), int(found[1])
-        # What people call things may look like a field.
+        # A name given by people may look like a field.
         return found[0] if entries is None or at >= len(entries) else f"[{entries[at]}]"
 
     return INDEX.sub(index, field)

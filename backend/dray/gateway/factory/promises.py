@@ -1,7 +1,7 @@
-"""The promise ledger: what vehicles promised when they were hired, against what became of it.
+"""The promise ledger: what vehicles promised on contract, against the outcome.
 
-It is kept from the facts in SQL, which are there once each however often they were said, so it is the same
-after a restart. What was read already is remembered: a look costs what has happened since the last one.
+It is computed from the facts in SQL, which are stored once each, so a restart changes nothing. Facts already
+read are remembered: a look costs what has happened since the last one.
 """
 
 from __future__ import annotations
@@ -20,48 +20,49 @@ from dray.store import Store
 from dray.store.history.events import EventFilter, EventRow
 
 ON_TIME_S = 5.0
-"""Factory seconds after its promise within which a transport counts as on time: what it takes to dock."""
+"""Factory seconds after its promise within which a transport counts as on time: the duration of docking."""
 
 IMPLAUSIBLE_S = 86_400.0
-"""No promise is missed by more: it would have been given to somebody else hours before."""
+"""Maximum plausible lateness in seconds: the task would have gone to another vehicle hours before."""
 
 KEPT = 5_000
-"""Transports per vehicle that figures are made of, the newest: some weeks of work."""
+"""Maximum transports per vehicle in the figures, newest: some weeks of work."""
 
 MAX_ATVS = 10_000
-"""Vehicles that are remembered: ten times the largest plant. A peer that invents ids ends here."""
+"""Maximum vehicles remembered: ten times the largest plant. It bounds invented ids."""
 
 ROWS_AT_ONCE = 2_000
-"""Facts read in one go, so that a long history does not keep others from the database."""
+"""Facts per read, so that a long history does not block the database."""
 
 _KINDS = (TaskClosed.__name__, CarrierChanged.__name__)
 
 
 class PromiseLine(msgspec.Struct, frozen=True, kw_only=True):
-    """How a vehicle keeps its promises; times in factory seconds, below 0 for earlier than promised."""
+    """How a vehicle keeps its promises; times in factory seconds, negative if early."""
 
     atv: str
     """Empty for the whole fleet."""
     delivered: int = 0
-    """Transports that it had promised a time for, and delivered: the newest 5,000 at most."""
+    """Transports delivered that had a promise: the newest 5,000 at most."""
     on_time: int = 0
     """Those delivered no later than `on_time_within_s` after the promise."""
     on_time_frac: float | None = None
-    """None where nothing was delivered, as for the times below."""
+    """None if nothing was delivered, as for the times below."""
     median_s: float | None = None
-    """Half of them were no later than this after their promise."""
+    """Median lateness."""
     p95_s: float | None = None
     worst_s: float | None = None
     worst_task: str = ""
-    """Which one that was."""
+    """Task of the worst one."""
     worst_held: str = ""
-    """What held it up longest then, as `held` of `GET /api/tasks/history`; empty where nothing did, or where it is not kept any more."""
+    """What held up the worst one longest, as `held` of `GET /api/tasks/history`; empty if nothing did or it
+    is not stored any more."""
     worst_held_by: str = ""
-    """For whom it waited longest, or what was wrong."""
+    """What it waited for longest, or what was wrong."""
     lost: int = 0
-    """Transports that somebody else had to carry on."""
+    """Transports that another vehicle had to take over."""
     last_at_s: float | None = None
-    """Wall clock: when the last one was delivered."""
+    """Wall clock time of the last delivery."""
 
 
 FIELDS = PromiseLine.__struct_fields__
@@ -73,7 +74,7 @@ class PromiseLedger(msgspec.Struct, frozen=True, kw_only=True):
     on_time_within_s: float
     fleet: PromiseLine
     items: tuple[PromiseLine, ...]
-    """By the vehicles' ids."""
+    """By vehicle id."""
 
 
 class _Delivered(msgspec.Struct, frozen=True, gc=False):
@@ -83,7 +84,7 @@ class _Delivered(msgspec.Struct, frozen=True, gc=False):
 
 
 class _Account:
-    """What is known of one vehicle."""
+    """The record of one vehicle."""
 
     __slots__ = ("delivered", "lost")
 
@@ -93,21 +94,21 @@ class _Account:
 
 
 class Ledger:
-    """Reads the ledger out of the facts.
+    """Computes the ledger from the facts.
 
     Args:
-        store: where the facts are.
+        store: the database with the facts.
     """
 
     def __init__(self, store: Store) -> None:
         self._store = store
         self._accounts: dict[str, _Account] = {}
         self._read_to: int | None = None
-        """The position of the last fact that was read."""
+        """Position of the last fact read."""
         self._reading = asyncio.Lock()
 
     async def read(self) -> PromiseLedger:
-        """The ledger as of now."""
+        """The present ledger."""
         async with self._reading:
             await self._read_on()
         everything = [each for account in self._accounts.values() for each in account.delivered]
@@ -120,10 +121,10 @@ class Ledger:
         return PromiseLedger(on_time_within_s=ON_TIME_S, fleet=fleet, items=tuple(items))
 
     async def _explained(self, lines: Sequence[PromiseLine]) -> list[PromiseLine]:
-        """With what held up the worst of each."""
+        """The lines with the cause of each worst transport."""
         worst = {line.worst_task for line in lines if line.worst_s is not None and line.worst_s > ON_TIME_S}
         async with self._store.read() as work:
-            # All of them have ended.
+            # All of these have ended.
             holds = await holds_of(work, (await work.tasks.many(worst)).values(), now_s=0.0)
         return [
             line
@@ -144,13 +145,13 @@ class Ledger:
                 return
 
     def _enter(self, row: EventRow) -> None:
-        # A strategist's carriers are machines, which promise production and no transport.
+        # A strategist's carriers are machines, which promise production, not transports.
         if row.agent in STRATEGISTS:
             return
         try:
             fact = msgspec.json.decode(row.fact, type=TaskClosed | CarrierChanged)
         except msgspec.MsgspecError:
-            return  # It was written by another version of Dray.
+            return  # Written by another version of Dray.
         if isinstance(fact, CarrierChanged):
             if (account := self._account(fact.replaced)) is not None:
                 account.lost += 1
@@ -158,7 +159,7 @@ class Ledger:
             if (account := self._account(fact.carrier)) is not None:
                 late_s = row.plant_s - fact.promised_s
                 if abs(late_s) > IMPLAUSIBLE_S:
-                    return  # By no clock of this plant.
+                    return  # Not plausible by any clock of this plant.
                 account.delivered.append(_Delivered(late_s, fact.task, row.at_s))
 
     def _account(self, atv: str) -> _Account | None:
@@ -168,7 +169,7 @@ class Ledger:
 
 
 def rows(ledger: PromiseLedger) -> Iterator[Row]:
-    """The ledger as rows of a table; the fleet comes last."""
+    """The ledger as table rows; the fleet comes last."""
     for line in (*ledger.items, ledger.fleet):
         yield row_of(FIELDS, msgspec.structs.replace(line, atv=line.atv or "fleet"))
 
@@ -193,5 +194,5 @@ def _line(atv: str, delivered: Iterable[_Delivered], lost: int) -> PromiseLine:
 
 
 def _quantile(ranked: Sequence[_Delivered], part: float) -> float:
-    """The nearest rank: always a lateness that really was."""
+    """The nearest rank: always a real lateness."""
     return ranked[max(0, -int(-part * len(ranked) // 1) - 1)].late_s

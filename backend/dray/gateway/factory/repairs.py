@@ -1,6 +1,7 @@
-"""What would repair an error of a draft: one change, with the measure that people see before they take it.
+"""Repairs for errors of a draft: one change each, with a measure that people see before they accept it.
 
-Warnings have theirs in `dray.gateway.factory.floor_repairs`. A repair is offered only when it was tried: the error is gone with it, and no other has come.
+Repairs for warnings are in `dray.gateway.factory.floor_repairs`. A repair is offered only after a test: the
+error is gone, and no new one has come.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from dray.plant.file.unfinished import drawable
 from dray.plant.model import Box, Lane, Node, PlantFile
 
 SPEED_MPS = 1.5
-"""Of a lane that is proposed; people change it as that of any other."""
+"""Speed limit of a proposed lane; people can change it."""
 
 TRIED = 4
-"""Changes that are tried for one finding."""
+"""Maximum changes tried per finding."""
 
 MAX_REPAIRS = 5
-"""That are looked for in one draft, since each change that is tried takes a check of the whole floor; with these findings solved, the
+"""Maximum repairs sought per draft, since each try checks the whole floor; once these findings are solved,
 others get theirs."""
 
 FIELD = re.compile(r"^(\w+)\[(\d+)\](?:\.(\w+))?$")
@@ -44,37 +45,37 @@ class MovedAlong(msgspec.Struct, frozen=True):
     """A node that moves along with another one."""
 
     index: int
-    """Which entry of the section is changed."""
+    """Index of the changed entry."""
     entry: dict[str, Any]
-    """These fields beside those that it has."""
+    """Fields to set in the entry."""
 
 
 class RepairView(msgspec.Struct, frozen=True, kw_only=True):
-    """One change that solves a finding, tried before it is offered."""
+    """One change that solves a finding, tested before it is offered."""
 
     kind: str
-    """move (onto the floor), shift (a node, so that vehicles have room), join (a new lane, both ways), back (a lane that is there is driven both ways), drop (the second lane of
-    two), or stand (a vehicle begins elsewhere)."""
+    """move (onto the floor), shift (a node, so that vehicles have room), join (a new two-way lane), back
+    (make a lane two-way), drop (the second of two lanes), or stand (a vehicle begins elsewhere)."""
     section: str
     index: int | None
-    """Which entry of the section is changed; null for a new one at its end."""
+    """Index of the changed entry; null for a new one at the end."""
     entry: dict[str, Any] | None
-    """What it is then: these fields beside those that it has; null where it goes."""
+    """Fields to set in the entry; null to remove it."""
     name: str
-    """What it is about: a place or a node."""
+    """The place or node concerned."""
     distance_m: float
-    """How far it is moved, or how long the lane is."""
+    """Length of the shift or lane."""
     measure: tuple[Spot, ...]
-    """From where to where that is."""
+    """Ends of that shift or lane."""
     also: tuple[MovedAlong, ...] = ()
-    """Other entries of the section that are changed with it: nodes of the roads that lead across, moved as far."""
+    """Other entries changed with it: nodes of roads across, moved as far."""
 
 
 class Repairs:
     """The repairs of one draft.
 
     Args:
-        data: the plant file that it would be.
+        data: the draft's plant file.
     """
 
     def __init__(self, data: Mapping[str, object]) -> None:
@@ -84,7 +85,7 @@ class Repairs:
         self._sought: set[str] = set()
 
     def of(self, field: str, reason: str) -> RepairView | None:
-        """What solves an error; None when nothing that was tried does."""
+        """A repair of an error; None when nothing tried helps."""
         found = FIELD.match(field)
         if self._file is None or found is None or (field, reason) not in self._faults:
             return None
@@ -159,7 +160,7 @@ class _Proposals:
         yield view, replace(self._file, **{section: places})
 
     def _back(self, name: str, node: Node) -> Iterator[tuple[RepairView, PlantFile]]:
-        """The lane that leads there, or away, is driven the other way, too."""
+        """Make a lane at this node two-way."""
         for index, lane in enumerate(self._file.lanes):
             if lane.both_ways or node.id not in (lane.start, lane.end):
                 continue
@@ -176,7 +177,7 @@ class _Proposals:
             yield view, replace(self._file, lanes=lanes)
 
     def _join(self, name: str, node: Node) -> Iterator[tuple[RepairView, PlantFile]]:
-        """A lane to one of the nearest nodes."""
+        """Add a lane to one of the nearest nodes."""
         others = [other for other in self._file.nodes if other.id != node.id]
         for other in sorted(others, key=lambda each: _away_m(node, each)):
             lane = Lane(start=other.id, end=node.id, speed_limit_mps=SPEED_MPS, both_ways=True)
@@ -190,7 +191,7 @@ class _Proposals:
             yield view, replace(self._file, lanes=(*self._file.lanes, lane))
 
     def _stand(self, index: int) -> Iterator[tuple[RepairView, PlantFile]]:
-        """Another place to begin at."""
+        """Choose another start for a vehicle."""
         vehicle = self._file.fleet[index]
         here = self._nodes.get(vehicle.node)
         if here is None:

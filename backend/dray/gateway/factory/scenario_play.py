@@ -1,4 +1,4 @@
-"""The scenario that a simulated factory plays: whoever plays it tells the gateway how far it is, and skips to its next step."""
+"""The scenario of a simulated factory: its player reports the progress, and can skip to the next step."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from dray.gateway.live.views import ScenarioView
 
 
 class ScenarioPlayer(Protocol):
-    """Plays a scenario, elsewhere."""
+    """Plays a scenario outside the gateway."""
 
     def follow(self, tell: Callable[[ScenarioView], None]) -> None:
-        """Tell how far it is: now, at each step and at its end.
+        """Report the progress: now, at each step and at the end.
 
         Args:
-            tell: called on the event loop on which this was called.
+            tell: called on the event loop of this call.
         """
         ...
 
     async def skip(self, *, skips: bool) -> ScenarioView:
-        """Run as fast as can be until the next step has happened, or no longer.
+        """Run as fast as possible until the next step, or stop doing so.
 
         Returns:
-            How far it is. When it has ended nothing has changed.
+            The progress; unchanged if the scenario has ended.
 
         Raises:
             UnavailableError: the factory does not answer.
@@ -35,23 +35,23 @@ class ScenarioPlayer(Protocol):
 
 
 class ScenarioPlay:
-    """The scenario that is played, and who plays it.
+    """The scenario being played, and its player.
 
     Args:
-        player: None where the factory is not simulated, or nobody wrote its day.
-        shown: on the panels.
+        player: None where the factory is not simulated, or plays no scenario.
+        shown: the scenario on the panels.
     """
 
     def __init__(self, player: ScenarioPlayer | None, shown: Scenarios) -> None:
         self._player, self._shown = player, shown
 
     def follow(self) -> None:
-        """Show it from now on."""
+        """Show the scenario from now on."""
         if self._player is not None:
             self._player.follow(self._shown.put)
 
     def view(self) -> ScenarioView:
-        """How far it is.
+        """The progress.
 
         Raises:
             Problem: 409, no scenario is played.
@@ -69,7 +69,7 @@ class ScenarioPlay:
         """Skip to the next step, or stop doing so.
 
         Returns:
-            How far it is.
+            The progress.
 
         Raises:
             Problem: 409, no scenario is played, or it has ended.

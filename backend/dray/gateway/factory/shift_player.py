@@ -1,7 +1,7 @@
-"""A shift that is played in a draft, and in the running plant beside it: by a process of its own, with bounds.
+"""Plays a shift in a draft and in the running plant for comparison, in a bounded process.
 
-The gateway knows no simulator: it starts `dray sim run day`, as a person would, and reads its report. Where the simulator is
-not installed, or the process takes too long or too much, that is the answer.
+The gateway knows no simulator: it starts `dray sim run day` as a person would, and reads its report. If the
+simulator is not installed, or the process exceeds its bounds, the answer says so.
 """
 
 from __future__ import annotations
@@ -23,60 +23,60 @@ from dray.gateway.http.problems import Problem
 from dray.plant.file.reasons import Reason, told
 
 MOST_S = 300.0
-"""Wall seconds for one plant; a shift of 8 h in the default plant takes some 30."""
+"""Maximum wall seconds per plant; a shift of 8 h in the default plant takes some 30."""
 
 MOST_BYTES = 2 * 1024**3
-"""Of memory for one plant."""
+"""Maximum memory per plant."""
 
 MOST_KEPT = 20
-"""Results of drafts that are kept; and of running plants, one for each length and seed."""
+"""Maximum results kept of drafts; and of running plants, one per length and seed."""
 
 TAIL_CHARS = 400
-"""Of what a process said when it failed."""
+"""Maximum characters quoted of a failed process's output."""
 
 
 class ShiftFigures(msgspec.Struct, frozen=True, kw_only=True):
-    """What came of a shift."""
+    """The figures of a shift."""
 
     orders_placed: int
     orders_delivered: int
     on_time_frac: float | None
-    """Of the orders that were due; None if none was."""
+    """Fraction of the orders that were due; None if none was."""
     starvation_frac: float
-    """Of the machines' time with work."""
+    """Fraction of the machines' time with work."""
     transports_per_h: float
     waiting_frac: float
-    """Of the vehicles' time."""
+    """Fraction of the vehicles' time."""
     empty_travel_frac: float
     bottleneck: str
-    """What is short, in words."""
+    """The bottleneck in words."""
     bottleneck_code: str = ""
-    """Of these words, so that panels tell it in the reader's language."""
+    """Code of these words, for translation in panels."""
     bottleneck_values: dict[str, Any] = {}
-    """What is filled into them, as in a finding."""
+    """Values for them, as in a finding."""
     bottleneck_name: str
-    """The machine, dock or type of vehicle; empty for none."""
+    """The machine, dock or type of vehicle; empty if none."""
     invariants: str
 
 
 class PlayView(msgspec.Struct, frozen=True, kw_only=True):
-    """A shift that was asked for."""
+    """A requested shift."""
 
     state: str
     """none, playing, done or failed."""
     version: int = 0
-    """Of the draft that was played."""
+    """Version of the draft that was played."""
     hours: float = 0.0
     seed: int = 0
     draft: ShiftFigures | None = None
     running: ShiftFigures | None = None
     """The same shift in the running plant."""
     reason: str = ""
-    """Why it failed."""
+    """Reason of a failure."""
     reason_code: str = ""
-    """Of the reason, so that panels tell it in the reader's language; empty where the simulator said it."""
+    """Code of the reason, for translation in panels; empty if the simulator gave it."""
     reason_values: dict[str, Any] = {}
-    """What is filled into it, as in a finding."""
+    """Values for it, as in a finding."""
 
 
 class PlayFailed(DrayError):
@@ -87,9 +87,9 @@ class ShiftPlayer:
     """Plays one shift at a time.
 
     Args:
-        running: gives the text of the running plant's file.
-        command: what is started; then come the options of `dray sim run`.
-        most_s: wall seconds for one plant.
+        running: returns the text of the running plant's file.
+        command: the program to start, before the options of `dray sim run`.
+        most_s: maximum wall seconds per plant.
     """
 
     def __init__(
@@ -104,11 +104,11 @@ class ShiftPlayer:
         self._task: asyncio.Task[None] | None = None
 
     def result(self, draft: str) -> PlayView:
-        """The newest of a draft."""
+        """The newest result of a draft."""
         return self._kept.get(draft, PlayView(state="none"))
 
     def play(self, draft: str, text: str, version: int, hours: float, seed: int) -> PlayView:
-        """Begin to play a plant file.
+        """Start to play a plant file.
 
         Raises:
             Problem: 409, another one is being played.
@@ -127,7 +127,7 @@ class ShiftPlayer:
         return begun
 
     async def close(self) -> None:
-        """End what is being played."""
+        """Stop a shift in progress."""
         if self._task is not None:
             self._task.cancel()
             with suppress(asyncio.CancelledError):

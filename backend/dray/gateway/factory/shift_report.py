@@ -1,8 +1,8 @@
-"""The report on a shift: what came of any time, against the shift before and against targets.
+"""The report on a shift: the outcome of any span of time, against the shift before and against targets.
 
-It is made of sums in SQL: the minutes of the factory's figures, orders, spells of vehicles and machines, takeovers in agents' histories, and the
-audit log. What has happened within the last minute, or is not written yet, is not in it; but for spells that go on. A figure of
-which nothing is kept is null, and never 0.
+It is computed from sums in SQL: minute figures, orders, spells of vehicles and machines, takeovers in agents'
+histories, and the audit log. The last minute and unwritten data are missing, except present spells. An
+unknown figure is null, never 0.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ Better = Literal["more", "less"]
 
 
 class Figure(msgspec.Struct, frozen=True, gc=False):
-    """A figure that a report has."""
+    """A figure of the report."""
 
     unit: str
     """count, frac, Wh, or s (factory seconds)."""
     better: Better
-    """Which values are good: a target is the least, or the most, that is wanted."""
+    """Which values are good: a target is the minimum (more) or maximum (less)."""
 
 
 FIGURES: Mapping[str, Figure] = {
@@ -50,11 +50,11 @@ FIGURES: Mapping[str, Figure] = {
     "helps": Figure("count", "less"),
     "takeovers": Figure("count", "less"),
 }
-"""In the order in which they are told."""
+"""In the order of the report."""
 
 
 class ReportFigure(msgspec.Struct, frozen=True, kw_only=True):
-    """One figure of a shift. None for what nothing is kept of, or nobody has set."""
+    """One figure of a shift. None for an unknown value or target."""
 
     name: str
     unit: str
@@ -62,44 +62,44 @@ class ReportFigure(msgspec.Struct, frozen=True, kw_only=True):
     """more or less."""
     value: float | None
     before: float | None
-    """The same of the shift that is compared."""
+    """Value of the compared shift."""
     target: float | None
     missed: bool
-    """Whether there is a target, and the value is worse."""
+    """Whether there is a target and the value is worse."""
 
 
 class AgentShift(msgspec.Struct, frozen=True, kw_only=True):
-    """What one vehicle or machine did in a shift."""
+    """The activities of one vehicle or machine in a shift."""
 
     agent: str
     kind: str
     """atv or machine."""
     areas: tuple[str, ...]
-    """Of a machine: the ids of those in which it stands."""
+    """For a machine: ids of its areas."""
     doings_s: dict[str, float]
-    """Wall seconds by what it did, in the words of `GET /api/spells`."""
+    """Wall seconds per activity, in the words of `GET /api/spells`."""
     waits: int
-    """How often it waited for somebody else."""
+    """Number of waits for others."""
 
 
 class AreaShift(msgspec.Struct, frozen=True, kw_only=True):
-    """What happened in one area."""
+    """The activity in one area."""
 
     area: str
     name: str
     machines: int
     starved_frac: float | None
-    """Of its machines: starving, of the time in which they made or starved."""
+    """Starving fraction of its machines' time spent making or starving."""
     passes: int
-    """How often its lanes were passed; as the two below of the wall hours that begin in the shift."""
+    """Passages of its lanes; like the two below, for the wall hours that begin in the shift."""
     waits: int
-    """How often a vehicle came to a stand on them."""
+    """Number of times that a vehicle came to a stand on them."""
     waited_s: float
     """Factory seconds."""
 
 
 class TakeoverLine(msgspec.Struct, frozen=True, kw_only=True):
-    """Somebody else has gone on with a transport."""
+    """A takeover of a transport."""
 
     at_s: float
     task: str
@@ -111,34 +111,34 @@ class TakeoverLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class InterventionLine(msgspec.Struct, frozen=True, kw_only=True):
-    """A person has done something. By role: a report goes through many hands."""
+    """A person's intervention, by role only, since many people read a report."""
 
     at_s: float
     action: str
     role: str
     target: str
     command: str
-    """Of a command to a vehicle: which one; else empty."""
+    """Kind of a command to a vehicle; else empty."""
 
 
 class Period(msgspec.Struct, frozen=True, kw_only=True):
-    """A time, and how much is known of it."""
+    """A span of time, and how much of it is known."""
 
     from_at_s: float
     until_at_s: float
-    """Not after now."""
+    """At most now."""
     seen_frac: float
-    """Part of it in which a gateway has counted: where that is less than 1, counts are too low."""
+    """Fraction in which a gateway counted: below 1, counts are too low."""
 
 
 class ShiftReport(msgspec.Struct, frozen=True, kw_only=True):
-    """What came of a shift."""
+    """The report on a shift."""
 
     plant: str
     made_at_s: float
     period: Period
     before: Period
-    """What it is compared with."""
+    """The span compared with."""
     figures: tuple[ReportFigure, ...]
     course: tuple[KpiPoint, ...]
     """Oldest first, in equal steps."""
@@ -147,19 +147,19 @@ class ShiftReport(msgspec.Struct, frozen=True, kw_only=True):
     agents: tuple[AgentShift, ...]
     areas: tuple[AreaShift, ...]
     takeovers: tuple[TakeoverLine, ...]
-    """The last 50 at most, as the interventions are."""
+    """The last 50 at most, like the interventions."""
     interventions: tuple[InterventionLine, ...]
-    """None of them for callers who may not read the audit log."""
+    """Empty for callers who may not read the audit log."""
     waits: tuple[Spell, ...]
-    """The longest ten, the longest first; `other` is for whom or for what."""
+    """The ten longest, longest first; `other` is what each waited for."""
     late_orders: tuple[LateOrder, ...]
-    """The latest twenty; none of them for callers who may not read orders."""
+    """The twenty latest; empty for callers who may not read orders."""
 
 
 def figures_of(
     now: Mapping[str, float | None], before: Mapping[str, float | None], targets: Mapping[str, float]
 ) -> tuple[ReportFigure, ...]:
-    """All figures of a shift beside those of the one before, and their targets."""
+    """All figures of a shift with those of the one before, and their targets."""
     return tuple(
         ReportFigure(
             name=name,
@@ -185,12 +185,12 @@ def agents_of(
     machines: Mapping[str, tuple[str, ...]],
     atvs: Sequence[str],
 ) -> tuple[AgentShift, ...]:
-    """What each did, put together.
+    """The activities joined per agent.
 
     Args:
-        uses: agent, doing, wall seconds, how often.
-        machines: the plant's, with the areas of each.
-        atvs: its vehicles; whoever is neither and did what machines do is a machine.
+        uses: agent, activity, wall seconds, count.
+        machines: the plant's machines with their areas.
+        atvs: its vehicles; an unknown agent with a machine's activities is a machine.
     """
     found: dict[str, tuple[dict[str, float], list[int]]] = {}
     for agent, doing, spent_s, count in uses:
@@ -215,7 +215,7 @@ _OF_MACHINES = {"makes", "starves", "broken"}
 
 
 def starved_frac(agents: Sequence[AgentShift]) -> float | None:
-    """Part of these machines' time with work in which they starved."""
+    """Fraction of these machines' time with work in which they starved."""
     made_s, starved_s = (
         sum(each.doings_s.get(doing, 0.0) for each in agents) for doing in ("makes", "starves")
     )
@@ -223,7 +223,7 @@ def starved_frac(agents: Sequence[AgentShift]) -> float | None:
 
 
 def waited(agents: Sequence[AgentShift]) -> tuple[int | None, float | None]:
-    """How often vehicles waited for one another, and the part of their time; None where nothing is known of any."""
+    """Number of vehicles' waits, and their fraction of the time; None if unknown."""
     atvs = [each for each in agents if each.kind == "atv"]
     all_s = sum(spent_s for each in atvs for doing, spent_s in each.doings_s.items() if doing != "out")
     waits_s = sum(each.doings_s.get("waits", 0.0) for each in atvs)

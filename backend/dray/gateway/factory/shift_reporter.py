@@ -1,4 +1,4 @@
-"""The reporter: reads what a shift report is made of, from SQL, in bounded pieces."""
+"""The reporter: reads the data of a shift report from SQL, in bounded pieces."""
 
 from __future__ import annotations
 
@@ -47,17 +47,17 @@ INTERVENTIONS = (
     "order.revoke",
     "order.cancel",
 )
-"""What of the audit log is a person who intervened: in what runs, and not what was planned anyhow, as a new order."""
+"""Audit log actions that intervene in running work; planned actions, such as a new order, do not count."""
 
 LINES_MOST, LATE_MOST, WAITS_MOST = 50, 20, 10
-"""What a person reads at a change of shifts; the pages of the panel have all of it."""
+"""Maximum lines that a person reads at a change of shifts; the panel's pages have all."""
 
 HALF_HOUR_S, FOUR_HOURS_S, DAY_S = 1800.0, 4 * 3600.0, 86_400.0
 
 
 @dataclass(frozen=True, slots=True)
 class _Sums:
-    """What one time has come to."""
+    """The sums of one span."""
 
     period: Period
     figures: dict[str, float | None]
@@ -68,9 +68,9 @@ class ShiftReporter:
     """Makes reports.
 
     Args:
-        store: of what.
+        store: the database.
         projection: knows the plant.
-        recorder: of this gateway, who knows what goes on.
+        recorder: this gateway's recorder, which knows present spells.
         speed: factory seconds per wall second.
     """
 
@@ -81,15 +81,15 @@ class ShiftReporter:
     async def report(
         self, since_s: float, until_s: float, before_s: float, now_s: float, *, orders: bool, people: bool
     ) -> ShiftReport:
-        """What came of a time.
+        """The report on a span of time.
 
         Args:
-            since_s: from when (all: wall clock).
-            until_s: to when.
-            before_s: when what it is compared with began; that lasts as long as the time has lasted by now.
+            since_s: begin (all times: wall clock).
+            until_s: end.
+            before_s: begin of the span to compare with, of the same length as the elapsed part.
             now_s: the present.
-            orders: whether single orders may be told.
-            people: whether single acts of people may be.
+            orders: whether the caller may see single orders.
+            people: whether the caller may see single acts of people.
         """
         until_s = max(since_s, min(until_s, now_s))
         step_s = HALF_HOUR_S if until_s - since_s <= DAY_S else FOUR_HOURS_S
@@ -168,7 +168,7 @@ class ShiftReporter:
         return () if at is None else self._plant.areas_at(at.x_m, at.y_m)
 
     def _under_way(self, since_s: float, until_s: float) -> list[tuple[str, str, float, int]]:
-        """What is not written yet, of this time."""
+        """Unwritten spells of this span."""
         spells: list[Spell] = [] if self._recorder is None else self._recorder.spells()
         cut = ((each, min(each.until_at_s, until_s) - max(each.from_at_s, since_s)) for each in spells)
         return [(each.agent, each.doing, spent_s, 1) for each, spent_s in cut if spent_s > 0]

@@ -1,4 +1,4 @@
-"""What any REST service has: problems, bodies, responses, tables, middleware, the pages' files and languages.
+"""Parts of any REST service: problems, bodies, responses, tables, middleware, page files and languages.
 
-Knows nothing of factories. `provided` is how routers and middleware get at the services of the running gateway.
+Independent of factories. `provided` gives routers and middleware the running gateway's services.
 """

@@ -1,7 +1,7 @@
-"""Panels: the pages' templates, and the scripts and styles that Vite has built for them.
+"""Panels: the pages' templates, and the scripts and styles built by Vite.
 
-Vite names its files by their content and writes the names into a manifest, so that a browser may keep
-them for ever and never keeps an old one.
+Vite names files by their content and lists the names in a manifest, so that a browser may cache them forever
+and never uses an old one.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from starlette.types import Scope
 from dray.gateway.http.compression import takes_gzip
 
 PREFIX = "/static/"
-"""Where the built files are asked for; Vite writes it into them, too."""
+"""Path prefix of the built files; Vite writes it into them too."""
 
 _HERE = Path(__file__).resolve()
 
 STATIC = _HERE.parents[1] / "static"
-"""Where the build puts its files."""
+"""Folder of the built files."""
 
 FOR_EVER = "public, max-age=31536000, immutable"
-"""A year, for a file whose name changes with its content."""
+"""Cache lifetime of a year, for files whose names change with their content."""
 
 
 class Chunk(msgspec.Struct, frozen=True, rename="camel"):
@@ -37,10 +37,10 @@ class Chunk(msgspec.Struct, frozen=True, rename="camel"):
     file: str
     css: tuple[str, ...] = ()
     assets: tuple[str, ...] = ()
-    """What its style sheets load: fonts."""
+    """Files loaded by its style sheets: fonts."""
     imports: tuple[str, ...] = ()
     dynamic_imports: tuple[str, ...] = ()
-    """What it may load later: languages."""
+    """Files that it may load later: languages."""
 
 
 class NotBuilt(Exception):
@@ -51,7 +51,7 @@ class Panels:
     """Templates and built files.
 
     Args:
-        static: the folder that Vite writes to.
+        static: the folder of the built files.
         templates: the folder of the templates.
     """
 
@@ -73,10 +73,10 @@ class Panels:
         return msgspec.json.decode(written, type=dict[str, Chunk])
 
     def render(self, template: str, **context: Any) -> str:
-        """A page.
+        """Render a page.
 
         Raises:
-            NotBuilt: there are no panels, or not this one.
+            NotBuilt: the panels are not built, or not this page.
         """
         try:
             return self._templates.get_template(template).render(context)
@@ -87,15 +87,15 @@ class Panels:
         """The address of an entry's script, as ``src/manager/main.tsx``.
 
         Raises:
-            NotBuilt: there are no panels, or not this entry.
+            NotBuilt: the panels are not built, or not this entry.
         """
         return PREFIX + self._chunk(entry).file
 
     def styles(self, entry: str) -> list[str]:
-        """The addresses of an entry's style sheets, those of what it imports first.
+        """The addresses of an entry's style sheets, imported ones first.
 
         Raises:
-            NotBuilt: there are no panels, or not this entry.
+            NotBuilt: the panels are not built, or not this entry.
         """
         found: dict[str, None] = {}
         seen: set[str] = set()
@@ -112,10 +112,10 @@ class Panels:
         return [PREFIX + name for name in found]
 
     def files(self, *entries: str) -> list[str]:
-        """The addresses of everything that these entries may ever load, themselves included.
+        """The addresses of these entries and of everything they may ever load.
 
         Raises:
-            NotBuilt: there are no panels, or not one of these entries.
+            NotBuilt: the panels are not built, or not one of these entries.
         """
         found: dict[str, None] = {}
         left = list(entries)
@@ -127,10 +127,10 @@ class Panels:
         return [PREFIX + name for name in found]
 
     def source(self, entry: str) -> str:
-        """An entry's script itself.
+        """The source of an entry's script.
 
         Raises:
-            NotBuilt: there are no panels, or not this entry.
+            NotBuilt: the panels are not built, or not this entry.
         """
         return (self._static / self._chunk(entry).file).read_text(encoding="utf-8")
 
@@ -142,18 +142,18 @@ class Panels:
 
 
 class BuiltFiles(StaticFiles):
-    """The built files, kept by browsers for ever where their names tell their content.
+    """The built files; browsers cache those with hashed names forever.
 
-    Beside a file that grows small the build has put it compressed; whoever takes that is given it.
+    The build adds compressed versions of files that compress well; clients that accept gzip get these.
     """
 
     async def check_config(self) -> None:
-        """Panels that are not built are no fault: their files are not found."""
+        """Accept missing files: panels that are not built are just not found."""
 
     def file_response(
         self, full_path: Any, stat_result: Any, scope: Scope, status_code: int = 200
     ) -> Response:
-        """One file, with how long it may be kept."""
+        """One file with its cache lifetime."""
         compressed = Path(f"{full_path}.gz")
         response: Response
         if takes_gzip(scope) and compressed.is_file():
@@ -172,6 +172,6 @@ class BuiltFiles(StaticFiles):
 
 
 def templates_folder() -> Path:
-    """Where the templates are: at the top of a checkout, or inside the gateway's package in a wheel."""
+    """The folder of the templates: at the top of a checkout, or inside the gateway's package in a wheel."""
     inside = _HERE.parents[1] / "templates"
     return inside if inside.is_dir() else _HERE.parents[4] / "frontend" / "templates"

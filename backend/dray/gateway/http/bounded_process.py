@@ -1,4 +1,4 @@
-"""A process beside the gateway, with bounds: for work on what others have sent, which may take all time and memory there is."""
+"""A bounded process beside the gateway, for work on input from others that may exhaust time and memory."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from contextlib import suppress
 
 
 async def run_bounded(command: tuple[str, ...], most_s: float, most_bytes: int) -> tuple[int, str]:
-    """Start a program, and wait for its end.
+    """Run a program to its end.
 
     Args:
         command: the program and its arguments.
-        most_s: wall seconds that it may take.
-        most_bytes: of memory.
+        most_s: maximum wall seconds.
+        most_bytes: maximum memory.
 
     Returns:
-        Its exit code and what it has said.
+        Its exit code and output.
 
     Raises:
-        TimeoutError: it took longer; it is ended, with all that it has started.
+        TimeoutError: it took longer; it was ended with all its children.
     """
     process = await start_bounded(command, most_bytes, stdin=DEVNULL, stderr=STDOUT)
     try:
@@ -36,23 +36,24 @@ async def run_bounded(command: tuple[str, ...], most_s: float, most_bytes: int) 
 async def start_bounded(
     command: tuple[str, ...], most_bytes: int, *, stdin: int, stderr: int | None = None
 ) -> Process:
-    """Start a program whose output is read; who starts it ends it.
+    """Start a program and read its output; the caller must end it.
 
     Args:
         command: the program and its arguments.
-        most_bytes: of memory.
-        stdin: what it reads, as `subprocess` has it.
-        stderr: where it says what is wrong; the gateway's own when None.
+        most_bytes: maximum memory.
+        stdin: its input, as in `subprocess`.
+        stderr: its error output; None for the gateway's own.
     """
     process = await asyncio.create_subprocess_exec(
         *command,
         stdin=stdin,
         stdout=PIPE,
         stderr=stderr,
-        # Ends with all that it has started, and does not hear what is said to the gateway's terminal.
+        # A group of its own: it ends with all its children, and ignores the terminal's signals to the
+        # gateway.
         start_new_session=True,
     )
-    # People on the panels come first.
+    # Low priority: people on the panels come first.
     with suppress(OSError, AttributeError):
         os.setpriority(os.PRIO_PROCESS, process.pid, 10)
         resource.prlimit(process.pid, resource.RLIMIT_AS, (most_bytes, most_bytes))
@@ -60,7 +61,7 @@ async def start_bounded(
 
 
 async def end(process: Process) -> None:
-    """End a process with all that it has started, if it has not ended."""
+    """End a process and all its children, if it is still running."""
     if process.returncode is None:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)

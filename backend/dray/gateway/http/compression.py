@@ -1,7 +1,7 @@
-"""Compression of answers: for whoever takes gzip, what is more than a packet (RFC 9110, 8.4).
+"""Compression of answers larger than a packet, for clients that accept gzip (RFC 9110, 8.4).
 
-The panels' built files were compressed when they were built (`http.assets`); here it is done for all other answers. The stream is
-compressed by its own protocol (RFC 7692).
+The panels' built files are compressed at build time (`http.assets`); this is for all other answers. The
+stream is compressed by its own protocol (RFC 7692).
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from starlette.middleware.gzip import GZipMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 PACKET_BYTES = 1400
-"""What fits into one packet is not sooner there when it is smaller."""
+"""Minimum size: an answer that fits into one packet gains nothing."""
 
 LEVEL = 5
-"""Of zlib: nine tenths of what level 9 saves, in half of its time."""
+"""Level of zlib: nine tenths of level 9's saving in half the time."""
 
 
 def takes_gzip(scope: Scope) -> bool:
-    """Whether who asks can read gzip (RFC 9110, 12.5.3)."""
+    """Whether the client accepts gzip (RFC 9110, 12.5.3)."""
     for coding in Headers(scope=scope).get("accept-encoding", "").lower().split(","):
         name, _, weight = coding.replace(" ", "").partition(";q=")
         if name == "gzip":
@@ -27,7 +27,7 @@ def takes_gzip(scope: Scope) -> bool:
 
 
 class Compression:
-    """Compresses answers, and calls the tag of a compressed one weak: its bytes are not those that the tag names."""
+    """Compresses answers and makes their tags weak, since a tag names the uncompressed bytes."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._plain = app

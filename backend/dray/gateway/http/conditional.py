@@ -1,8 +1,8 @@
-"""Conditional answers: who asks again for what has not changed is told so in a line (RFC 9110, 13).
+"""Conditional answers: a repeated request for an unchanged answer gets a 304 (RFC 9110, 13).
 
-Every answer 200 of a GET under `/api` that is made in one piece names its state in `ETag`. It is a digest of the body, so it
-holds for any call and for any gateway, and costs what hashing costs; the answer itself is made all the same. Before the digest
-stands the version of what can be changed (`http.versions`).
+Every answer 200 to a GET under `/api` in one piece has an `ETag`. It is a digest of the body, so it works for
+any call and gateway at the cost of hashing; the answer is still made. A version, for resources that can be
+changed, precedes the digest (`http.versions`).
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from dray.gateway.http.versions import tag_with_digest, tags_of
 
 TAG_BYTES = 16
-"""Of a digest that nobody has a reason to forge: whoever asks is shown the whole body."""
+"""Bytes of the digest: nobody gains by forging it, as clients get the whole body."""
 
 _OF_BODY = ("content-type", "content-length")
-"""Headers that tell of a body, which an answer 304 has not."""
+"""Headers about the body, which a 304 does not have."""
 
 
 class Conditional:
-    """Adds `ETag`, and answers 304 to who has this very state already."""
+    """Adds `ETag`, and answers 304 to clients that have this state."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -42,7 +42,7 @@ class Conditional:
                 return
             if start is not None:
                 begun, start = start, None
-                # A table that streams comes in several pieces: it has no tag.
+                # A streamed table comes in several pieces and has no tag.
                 if not message.get("more_body", False):
                     message = _tagged(begun, message, known)
                 await send(begun)
@@ -52,7 +52,7 @@ class Conditional:
 
 
 def _tagged(start: Message, body: Message, known: frozenset[str]) -> Message:
-    """Name the state in the beginning of an answer; returns what is sent after it."""
+    """Set the tag in an answer's start; returns the message to send after it."""
     headers = MutableHeaders(scope=start)
     digest = hashlib.blake2b(body.get("body", b""), digest_size=TAG_BYTES).hexdigest()
     headers["ETag"] = tag = tag_with_digest(headers.get("ETag", ""), digest)

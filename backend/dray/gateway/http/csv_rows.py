@@ -1,7 +1,7 @@
-"""Rows of CSV that people send: read up to a bound, with every fault named by its row. Pure.
+"""CSV rows from people: read up to a bound, with every fault named by its row. Pure.
 
-Whoever sends a file chooses what is in it. So the work grows no faster than the file, and what is no list of the right kind is
-given up as soon as that is known: at the first row too many, and at a first row that is too wide.
+The content is up to the sender. So the work grows no faster than the file, and a file of the wrong kind is
+rejected as early as possible: at the first row too many, or at too wide a first row.
 """
 
 from __future__ import annotations
@@ -21,51 +21,51 @@ from dray.messages.base import encodable
 from dray.plant.file.text_encoding import LOST, UnknownEncodingError, decode_text
 
 MAX_ROWS = 1_000
-"""Rows of one file: what a person can still look through; they are all taken at once."""
+"""Maximum rows per file: as many as a person can check; all are taken at once."""
 
 MAX_COLUMNS = 64
-"""Cells of the first row: several times the columns that there are. To name each column of what is wider as unknown would help
+"""Maximum cells of the first row: several times the known columns. Naming more columns as unknown would help
 nobody."""
 
 SEPARATORS = (",", ";", "\t", "|")
-"""Between cells. Where a comma stands in numbers, spreadsheets write semicolons."""
+"""Separators of cells. Where numbers use a decimal comma, spreadsheets write semicolons."""
 
 _DIRECTIVE = re.compile(r'\s*"?sep=(.)"?[,;\t| ]*(\r\n|\r|\n|$)', re.IGNORECASE)
-"""The first line of a file by which a spreadsheet is told its separator; the spreadsheet does not count it as a row."""
+"""A first line that tells a spreadsheet the separator; spreadsheets do not count it as a row."""
 
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 
 Row = tuple[int, dict[str, str]]
-"""As a spreadsheet counts it, and its cells by column."""
+"""Row number as in a spreadsheet, and its cells by column."""
 
 
 class RowFault(msgspec.Struct, frozen=True):
-    """What is wrong in one row."""
+    """A fault in one row."""
 
     row: int
-    """As a spreadsheet counts: the names of the columns are row 1."""
+    """Row number as in a spreadsheet: the column names are row 1."""
     column: str
-    """Empty for the row as a whole."""
+    """Column; empty for the whole row."""
     reason: str
     """What is wrong, and what to do."""
     code: str = ""
-    """The same for programs (`http.fault_codes`); empty where it has none."""
+    """Code of the reason (`http.fault_codes`); empty if it has none."""
     values: dict[str, str] = {}
-    """What is filled in."""
+    """Values for the reason."""
 
     @classmethod
     def of(cls, row: int, column: str, code: str, /, **values: object) -> RowFault:
-        """A fault that has a code."""
+        """A fault with a code."""
         return cls.at(row, column, FieldError.of(column, code, **values))
 
     @classmethod
     def at(cls, row: int, column: str, error: FieldError) -> RowFault:
-        """A fault of a field, where it stands in the file."""
+        """A fault of a field, with its place in the file."""
         return cls(row, column, error.reason, error.code, error.values)
 
 
 def refusal(faults: Sequence[RowFault]) -> Problem:
-    """Refuses a file as a whole for what is wrong in its rows."""
+    """The problem that refuses a whole file for faults in its rows."""
     named = (
         FieldError(f"row {fault.row}, {fault.column}".rstrip(", "), fault.reason, fault.code, fault.values)
         for fault in faults
@@ -74,25 +74,25 @@ def refusal(faults: Sequence[RowFault]) -> Problem:
 
 
 def first_by_row(faults: Iterable[RowFault]) -> list[RowFault]:
-    """Those that are told of a file: the first `MAX_FIELD_ERRORS`."""
+    """The faults to report: the first `MAX_FIELD_ERRORS` by row."""
     return sorted(faults, key=lambda fault: fault.row)[:MAX_FIELD_ERRORS]
 
 
 class FileText(msgspec.Struct, frozen=True):
-    """A file as it came."""
+    """A file as text."""
 
     text: str
     faults: list[RowFault] = []
-    """Why there is no text of it."""
+    """Reasons why it has no text."""
     hints: list[RowFault] = []
-    """What is to be known of how it was read."""
+    """Notes on how it was read."""
 
 
 def text_of_file(text: str | None, packed: str | None) -> FileText:
     """The text of a file.
 
     Args:
-        text: as the caller has read it; None if it sends the file itself.
+        text: the text, as read by the caller; None if the caller sends the file itself.
         packed: the file in base64.
 
     Raises:
@@ -115,23 +115,23 @@ def text_of_file(text: str | None, packed: str | None) -> FileText:
 
 
 def read_rows(text: str, columns: Sequence[str], needed: Sequence[str]) -> tuple[list[Row], list[RowFault]]:
-    """Read a file whose first row names its columns.
+    """Read a file whose first row has the column names.
 
     Args:
-        text: of the file.
-        columns: those that it may have.
-        needed: those that it must have.
+        text: text of the file.
+        columns: allowed columns.
+        needed: required columns.
 
     Returns:
-        Its rows, and none where anything is wrong with it.
+        Its rows and its faults; no rows if there is any fault.
     """
     text, told = _without_directive(text.removeprefix("\ufeff"))
-    # Some spreadsheets end lines with CR alone, which csv takes for no end of a line.
+    # Some spreadsheets end lines with a single CR, which csv does not accept.
     lines_of_text = io.StringIO(text, newline=None)
     reader = csv.reader(lines_of_text, delimiter=_separator(text, told, columns))
     read: list[tuple[int, list[str]]] = []
     try:
-        # The names of the columns, the rows, and one more, which tells that there are too many.
+        # Column names, rows, and one more row, which shows that there are too many.
         read.extend(islice(_filled(reader), MAX_ROWS + 2))
     except csv.Error:
         row = read[-1][0] + 1 if read else 1
@@ -161,12 +161,12 @@ def read_rows(text: str, columns: Sequence[str], needed: Sequence[str]) -> tuple
 
 
 def number(text: str) -> int | str:
-    """What a cell says, where it is a whole number; else the cell, for who refuses it."""
+    """The whole number in a cell; else the cell itself, to be refused later."""
     return int(text) if text.isascii() and text.isdigit() and len(text) < 10 else text
 
 
 def _filled(rows: Iterable[list[str]]) -> Iterator[tuple[int, list[str]]]:
-    """The rows with something in them, and as which a spreadsheet counts them."""
+    """Rows that are not empty, with their numbers as in a spreadsheet."""
     return ((row, cells) for row, cells in enumerate(rows, 1) if any(cell.strip() for cell in cells))
 
 
@@ -185,14 +185,14 @@ def _wrong_header(header: list[str], columns: Sequence[str], needed: Sequence[st
 
 
 def _without_directive(text: str) -> tuple[str, str]:
-    """The text without a line `sep=;`, and the separator that it names; empty for none."""
+    """The text without a line `sep=;`, and the separator named there; empty without one."""
     if found := _DIRECTIVE.match(text):
         return text[found.end() :], found[1]
     return text, ""
 
 
 def _separator(text: str, told: str, columns: Sequence[str]) -> str:
-    """What stands between cells: the one that finds most names of columns, the file's own word first."""
+    """The separator that finds most column names, the file's own first."""
     head = re.split(r"[\r\n]", text.lstrip("\r\n"), maxsplit=1)[0].lower()
 
     def known(separator: str) -> tuple[int, int]:
@@ -200,12 +200,12 @@ def _separator(text: str, told: str, columns: Sequence[str]) -> str:
         return sum(cell in columns for cell in cells), head.count(separator)
 
     candidates = dict.fromkeys((told, *SEPARATORS) if told and told not in '"\r\n' else SEPARATORS)
-    # The first of equals is taken.
+    # The first maximum wins.
     return max(candidates, key=known)
 
 
 def _wrong_cells(row: int, cells: Sequence[str], header: Sequence[str]) -> Iterator[RowFault]:
-    """What no text in a cell may be, and what is no cell of a column."""
+    """Faults of a row's cells: forbidden characters, or more cells than columns."""
     if any(cell.strip() for cell in cells[len(header) :]):
         yield RowFault.of(row, "", "csv_row_too_wide", count=len(cells), columns=len(header))
         return

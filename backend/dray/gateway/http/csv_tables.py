@@ -1,9 +1,9 @@
-"""Tables for spreadsheets: CSV that streams, and in which no cell is a formula.
+"""Tables for spreadsheets: streamed CSV in which no cell is a formula.
 
-A program that opens the file takes text that begins with `=`, `+`, `-` or `@` for a formula, whoever has
-written it; such text gets an apostrophe in front, which these programs take for "this is text" (OWASP, CSV
-injection). In some countries they part cells at semicolons, or at tabs, and do not see then what is in quotes
-for us: so a sign that follows one of these inside of a cell gets an apostrophe, too.
+Spreadsheets read text that begins with `=`, `+`, `-` or `@` as a formula, by any author. Such text gets an
+apostrophe in front, which they read as "this is text" (OWASP, CSV injection). In some countries they split
+cells at semicolons or tabs and ignore our quotes. So a sign after one of these inside a cell gets an
+apostrophe too.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from dray.gateway.http.responses import iso
 _log = logging.getLogger(__name__)
 
 CUT_SHORT = "error: this table was cut short and is not whole. Ask for it again."
-"""The last row of a table that could not be written to its end: the status was sent long before."""
+"""Last row of a table that was cut short, since the status was sent long before."""
 
 BATCH = 100
-"""Rows after which others have a turn of the event loop: who takes them as fast as they come would have it alone."""
+"""Rows after which other work gets a turn: a fast client would otherwise take the whole event loop."""
 
 _FORMULA = re.compile(
     r"""
@@ -53,15 +53,15 @@ Format = Annotated[
 
 
 def with_csv(answer: dict[str, Any]) -> dict[str, Any]:
-    """How OpenAPI tells of an answer that also comes as a table."""
+    """The OpenAPI answer with a table as a second format."""
     return answer | {"content": answer["content"] | {"text/csv": {"schema": {"type": "string"}}}}
 
 
 def table(name: str, header: Row, rows: Iterable[Row] | AsyncIterable[Row]) -> StreamingResponse:
-    """Answer with a table, line by line as its rows come.
+    """Answer with a table, streamed line by line.
 
     Args:
-        name: of the file, without its ending.
+        name: name of the file without its extension.
         header: names of the columns.
         rows: cells; None is an empty one.
     """
@@ -70,15 +70,14 @@ def table(name: str, header: Row, rows: Iterable[Row] | AsyncIterable[Row]) -> S
 
 
 def header_of(fields: Sequence[str]) -> Row:
-    """Names of columns for `row_of`: a moment that is written in ISO 8601 is in no unit."""
+    """Column names for `row_of`; ISO 8601 times have no unit."""
     return [name.removesuffix("_s") if name.endswith("at_s") else name for name in fields]
 
 
 def row_of(fields: Sequence[str], values: msgspec.Struct) -> Row:
     """Some fields of a struct as cells.
 
-    Moments, whose names end in `_at_s`, are written in ISO 8601; fractions with four decimals, and other
-    numbers that may have some with one.
+    Fields named `*_at_s` are written in ISO 8601; fractions with four decimals, other floats with one.
     """
     return [_readable(name, getattr(values, name)) for name in fields]
 
@@ -102,7 +101,7 @@ async def _written(header: Row, rows: Iterable[Row] | AsyncIterable[Row]) -> Asy
     except Exception:
         _log.exception("a table could not be written to its end")
         yield line([CUT_SHORT])
-        # Whoever reads to the end of the answer learns that it has none.
+        # The client then sees that the answer is incomplete.
         raise
 
 

@@ -1,6 +1,7 @@
-"""Codes of faults in what people write: panels tell each in the reader's language, and REST in English beside it.
+"""Codes of faults in people's input: panels show each in the reader's language, REST in English.
 
-Pydantic's own kinds of faults have codes here; our validators raise theirs as `PydanticCustomError`, whose type is the code.
+Pydantic's own faults have codes here; our validators raise theirs as `PydanticCustomError` with the code as
+its type.
 """
 
 from __future__ import annotations
@@ -105,7 +106,7 @@ TEXTS: Mapping[str, str] = {
     "part_of_one": "give a part of 1, as 0.95",
     "definition_too_large": "with its bill, machines and documents it has {size} bytes, and goals carry {most}: name fewer, or shorter addresses",
 }
-"""Of faults that are found here, with what is filled in; others have the words of whoever finds them."""
+"""Texts of our own faults, with values; other faults bring their own words."""
 
 OF_PYDANTIC: Mapping[str, str] = {
     "missing": "missing",
@@ -138,7 +139,7 @@ WORDS: Mapping[str, str] = {
     "one_of": "it is none of {choices}",
     "yes_or_no": "it is neither yes (true) nor no (false)",
 }
-"""Of faults that pydantic finds, in English: a library's own sentence tells a person of types and patterns."""
+"""English texts of pydantic's faults: the library's own sentences speak of types and patterns."""
 
 NAME_RULE = "letters, digits, _ . -, a letter first, at most 32"
 
@@ -149,30 +150,30 @@ PATTERN_WORDS = (
     ("^[0-9a-f]", "write the SHA-256: 64 digits and small letters from a to f"),
     (r"^[^\x00-\x1f", "write one line of text, without control characters"),
 )
-"""How a pattern begins, and what it asks for."""
+"""Begin of a pattern, and its rule in words."""
 
 OURS = frozenset(
     {"moment_text", "moment_unreadable", "moment_no_zone", "moment_off_calendar", "document_twice"}
 )
-"""That our validators raise."""
+"""Codes raised by our validators."""
 
 CODES = frozenset(TEXTS) | frozenset(ITEM_TEXTS) | frozenset(OF_PYDANTIC.values()) | OURS
 
 
 def text_of(code: str, values: Mapping[str, str]) -> str:
-    """A fault that is found here, in English."""
+    """The English text of our own fault."""
     return TEXTS[code].format_map(values)
 
 
 def coded(reason: str) -> tuple[str, str, dict[str, str]]:
-    """A reason, its code, and what is filled in; of one that no product can have both are empty."""
+    """A reason, its code and its values; code and values are empty for reasons that no product can have."""
     if not isinstance(reason, Reason) or reason.code not in ITEM_TEXTS:
         return str(reason), "", {}
     return str(reason), reason.code, {name: str(value) for name, value in reason.values.items()}
 
 
 def words_of(fault: Mapping[str, Any]) -> str | None:
-    """One of pydantic's faults in our English; None for a kind that has none here."""
+    """The English text of a pydantic fault; None if its kind has none here."""
     code, values = code_of(fault)
     if code == "pattern":
         pattern = str(fault.get("ctx", {}).get("pattern", ""))
@@ -182,7 +183,7 @@ def words_of(fault: Mapping[str, Any]) -> str | None:
 
 
 def code_of(fault: Mapping[str, Any]) -> tuple[str, dict[str, str]]:
-    """The code of one of pydantic's faults, and what is filled in; empty for one that has none."""
+    """The code and values of a pydantic fault; empty if it has none."""
     kind = str(fault["type"])
     context = fault.get("ctx", {})
     code = kind if kind in OURS else OF_PYDANTIC.get(kind, "")

@@ -1,8 +1,8 @@
-"""Hosts: the names under which a gateway may be asked.
+"""Hosts: the names by which a gateway may be addressed.
 
-A page of another site can have its own name point to this machine, and its visitor's browser then takes our answers
-for that site's (DNS rebinding). So whoever asks by a name asks by one that was configured. An address is nobody's to
-point anywhere, and is always known.
+Another site can point its own name at this machine, so that a visitor's browser takes our answers for that
+site's (DNS rebinding). Therefore requests by name need a configured name. An address cannot be redirected
+like this, and is always accepted.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from dray.gateway.http.problems import Problem
 from dray.settings import Settings
 
 HEADERS_KNOWN = 256
-"""Host headers that are remembered as known; addresses may come with any port."""
+"""Maximum accepted Host headers to remember; addresses may come with any port."""
 
 ANY = "*"
-"""Instead of names: whoever asks by whatever name."""
+"""Wildcard that accepts any name."""
 
 
 class Hosts:
-    """The names that are known.
+    """The accepted names.
 
     Args:
-        names: of hosts, without ports; `*` among them for any.
+        names: host names without ports; `*` for any.
     """
 
     def __init__(self, *names: str) -> None:
@@ -38,12 +38,12 @@ class Hosts:
 
     @classmethod
     def of(cls, settings: Settings) -> Hosts:
-        """Those of this machine, and those that the settings name."""
+        """The names of this machine and of the settings."""
         public = urlsplit(settings.public_url).hostname or ""
         return cls("localhost", socket.gethostname(), settings.host, public, *settings.allowed_hosts)
 
     def know(self, header: str) -> bool:
-        """Whether a Host header, or the authority of an address, names this gateway."""
+        """Whether a Host header, or an address's authority, names this gateway."""
         if header in self._known:
             return True
         name = host_in(header)
@@ -54,7 +54,7 @@ class Hosts:
 
 
 def host_in(authority: str) -> str:
-    """The host of HOST:PORT, in small letters; empty where there is none."""
+    """The host of HOST:PORT in small letters; empty without one."""
     try:
         return (urlsplit(f"//{authority}").hostname or "").rstrip(".")
     except ValueError:
@@ -62,7 +62,7 @@ def host_in(authority: str) -> str:
 
 
 def authority_in(address: str) -> str:
-    """The HOST:PORT of an address of the web, as an `Origin` is one; empty where there is none."""
+    """The HOST:PORT of a web address, such as an `Origin`; empty without one."""
     try:
         return urlsplit(address).netloc
     except ValueError:
@@ -78,11 +78,11 @@ def _is_address(name: str) -> bool:
 
 
 class KnownHost:
-    """Refuses what is asked by a name that nobody has configured.
+    """Refuses requests by names that are not configured.
 
     Args:
-        app: what it stands before.
-        hosts: the names that are known.
+        app: the next application.
+        hosts: the accepted names.
     """
 
     def __init__(self, app: ASGIApp, hosts: Hosts) -> None:
@@ -101,7 +101,7 @@ class KnownHost:
 
 
 def unknown_host(header: str) -> Problem:
-    """Somebody asks by a name that is not ours."""
+    """The problem of a request by a name that is not ours."""
     return Problem(
         HTTPStatus.MISDIRECTED_REQUEST,
         "unknown-host",

@@ -1,6 +1,6 @@
-"""The language of a page: what its address asks for, else what was chosen last, else what the browser wants.
+"""The language of a page: from its address, else the last choice, else the browser's preference.
 
-The panels' scripts read and write the same cookie, so it is not hidden from them; it holds no secret.
+The panels' scripts use the same cookie, so it is readable for them; it holds no secret.
 """
 
 from __future__ import annotations
@@ -12,21 +12,21 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 LANGUAGES: Mapping[str, str] = {"en": "English", "de": "Deutsch", "es": "Español"}
-"""Those in which pages are written, each named in itself."""
+"""Languages of the pages, each by its own name."""
 
 FALLBACK = "en"
 
 HEADER_CHARS = 500
-"""Of an Accept-Language header: more than any browser sends."""
+"""Maximum characters of an Accept-Language header: more than any browser sends."""
 
 COOKIE = "dray_language"
 
 REMEMBERED_S = 365 * 86_400
-"""How long a browser remembers the language that was chosen."""
+"""Seconds for which a browser remembers the chosen language."""
 
 
 class Switch(msgspec.Struct, frozen=True):
-    """A language to choose."""
+    """A language choice."""
 
     code: str
     name: str
@@ -34,12 +34,12 @@ class Switch(msgspec.Struct, frozen=True):
 
 
 def switches(language: str) -> tuple[Switch, ...]:
-    """All languages, and which one is chosen."""
+    """All languages, with the chosen one marked."""
     return tuple(Switch(code, name, code == language) for code, name in LANGUAGES.items())
 
 
 def language_of(request: Request) -> str:
-    """The language that the answer to this request is written in."""
+    """The language of the answer to this request."""
     return choose(
         request.query_params.get("lang", ""),
         request.cookies.get(COOKIE, ""),
@@ -48,7 +48,7 @@ def language_of(request: Request) -> str:
 
 
 def remember_language(answer: Response, request: Request) -> None:
-    """Keep the language that the address asks for, if it asks for one."""
+    """Remember the language in the request's address, if any."""
     language = language_of(request)
     if request.query_params.get("lang") != language:
         return
@@ -66,8 +66,8 @@ def choose(chosen: str, remembered: str, accepted: str) -> str:
     """The language of a page.
 
     Args:
-        chosen: by the address; empty when not at all.
-        remembered: by a cookie; empty when not at all.
+        chosen: from the address; empty if none.
+        remembered: from the cookie; empty if none.
         accepted: the Accept-Language header (RFC 9110, 12.5.4), however malformed.
     """
     for wanted in (chosen, remembered, *_by_preference(accepted[:HEADER_CHARS])):
@@ -87,5 +87,5 @@ def _by_preference(header: str) -> list[str]:
             weight = 0.0
         if 0 < weight <= 1:
             weighed.append((-weight, tag.strip().lower().partition("-")[0]))
-    # Stable: of equals, the first one.
+    # A stable sort: of equals, the first one wins.
     return [language for _, language in sorted(weighed, key=lambda pair: pair[0])]

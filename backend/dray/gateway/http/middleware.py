@@ -1,7 +1,6 @@
-"""Middleware: what every request passes before it reaches a router.
+"""Middleware: the layers that every request passes before its router.
 
-Too large a body, a page of another site that lets its visitor's browser ask us, and what browsers may
-do with our answers.
+They handle oversized bodies, requests by other sites' pages, and browsers' rules for our answers.
 """
 
 from __future__ import annotations
@@ -19,8 +18,8 @@ from dray.gateway.http.hosts import authority_in
 from dray.gateway.http.problems import Problem
 
 BODY_BYTES = 32 * 1024
-"""The largest body where no file is expected. An order of 50 items has some 10 kB, the largest product 24 kB. The worst that can be
-written with as much as this, thousands of unknown fields, takes the loop some ten milliseconds to refuse."""
+"""Maximum body where no file is expected. An order of 50 items has some 10 kB, the largest product 24 kB. The
+worst body of this size, thousands of unknown fields, takes the loop some ten milliseconds to refuse."""
 
 CONTENT_POLICY = "; ".join(
     (
@@ -31,7 +30,7 @@ CONTENT_POLICY = "; ".join(
         "frame-ancestors 'none'",
     )
 )
-"""No script, style, picture or stream but our own, and none written into a page."""
+"""Allows only our own scripts, styles, pictures and streams, and none inside a page."""
 
 HEADERS = {
     "Content-Security-Policy": CONTENT_POLICY,
@@ -46,27 +45,27 @@ HEADERS = {
 _HALF = re.compile(
     r"\\u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2}|(\\u[dD][89a-fA-F][0-9a-fA-F]{2}|[\ud800-\udfff])|\\."
 )
-"""Of JSON: a character in two halves, or one half of one (in the group), or anything else that stands behind a backslash."""
+"""In JSON: a character as a surrogate pair, a lone surrogate (in the group), or any other escape."""
 
 _RAW_HEADERS = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
 
 _OURS = frozenset({"same-origin", "none"})
-"""`none`: a person has asked, by the address bar say."""
+"""`none`: a person's own action, such as using the address bar."""
 
 _SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class _TooLarge(Exception):
-    """The body has grown over the limit."""
+    """The body has exceeded the limit."""
 
 
 class BodyLimit:
-    """Stops reading a body that is too large, whatever its Content-Length says.
+    """Stops reading a body that is too large, even if its Content-Length claims less.
 
     Args:
-        app: what it stands before.
-        bulk_bytes: the largest body where it is a file; elsewhere it has `BODY_BYTES`, or this if that is less.
-        takes_files: whether a request came to a route whose body may be a file.
+        app: the next application.
+        bulk_bytes: maximum body if it is a file; other bodies have `BODY_BYTES`, or this if less.
+        takes_files: whether a request's route takes a file as its body.
     """
 
     def __init__(self, app: ASGIApp, bulk_bytes: int, takes_files: Callable[[Scope], bool]) -> None:
@@ -93,7 +92,7 @@ class BodyLimit:
 
         async def watched(message: Message) -> None:
             nonlocal answering
-            # An answer that was made of the exception is not the one to give.
+            # Do not send an answer made from the exception.
             if seen <= limit:
                 answering = True
                 await send(message)
@@ -111,7 +110,7 @@ def _too_large(limit_bytes: int) -> ASGIApp:
             "body-too-large",
             "The body is too large",
             f"it may have {limit_bytes} bytes; split it into several requests",
-            # What is still on its way would be taken for the next request.
+            # The rest of the body would be read as the next request.
             headers={"Connection": "close"},
         )
         await problem.response(scope["path"])(scope, receive, send)
@@ -120,13 +119,15 @@ def _too_large(limit_bytes: int) -> ASGIApp:
 
 
 class WholeCharacters:
-    """Lets no half of a character in with a body of JSON, which can hold one.
+    """Replaces lone surrogates in a JSON body, which JSON can express.
 
-    It can be written nowhere, not even in the answer that refuses it. A NUL stands for it: no field of ours takes one in a name, and it can be written.
+    They cannot be encoded, not even in the answer that refuses them. NUL replaces them: it can be encoded,
+    and none of our fields accepts it in a name.
 
     Args:
-        app: what it stands before; it is given the whole body at once.
-        takes_files: whether a request came to a route whose body may be a file: those read their bodies beside the gateway.
+        app: the next application; it gets the whole body at once.
+        takes_files: whether a request's route takes a file as its body: those bodies are read beside the
+            gateway.
     """
 
     def __init__(self, app: ASGIApp, takes_files: Callable[[Scope], bool]) -> None:
@@ -154,13 +155,13 @@ class WholeCharacters:
 
 
 def whole_characters(body: bytes) -> bytes:
-    """JSON as it is, but for halves of characters."""
+    """JSON with lone surrogates replaced."""
     if body.isascii() and b"\\u" not in body:
         return body
     try:
         text = body.decode(json.detect_encoding(body), "surrogatepass")
     except UnicodeDecodeError:
-        return body  # It is refused as what it is.
+        return body  # It is refused later.
     return _HALF.sub(_whole, text).encode("utf-8", "replace")
 
 
@@ -169,9 +170,10 @@ def _whole(found: re.Match[str]) -> str:
 
 
 class Readable:
-    """Makes an address one that a database can be asked for.
+    """Makes a request's path safe for database queries.
 
-    A NUL, which PostgreSQL has in no text, becomes U+FFFD, as bytes do that are no UTF-8: nothing is there under it, and nothing fails at it.
+    NUL, which PostgreSQL text cannot hold, becomes U+FFFD, like bytes that are not UTF-8: nothing has such a
+    name, and no query fails.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -184,11 +186,10 @@ class Readable:
 
 
 class SameOrigin:
-    """Refuses what a page of another site lets its visitor's browser do.
+    """Refuses requests that another site's page makes through its visitor's browser.
 
-    Browsers name the page that asks in `Origin`, and tell in `Sec-Fetch-Site` whether it is ours; programs
-    send neither. Reading is left to the browser's own rules, except for the stream, to which these do not
-    apply.
+    Browsers name the page in `Origin`, and tell in `Sec-Fetch-Site` whether it is ours; programs send
+    neither. Browsers' own rules protect reading, except for the stream, which they do not cover.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -221,7 +222,7 @@ def _is_ours(scope: Scope) -> bool:
 
 
 class SecurityHeaders:
-    """Adds `HEADERS` to every answer, unless a router has set one itself."""
+    """Adds `HEADERS` to every answer, except those set by a router."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

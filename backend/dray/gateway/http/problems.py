@@ -1,7 +1,7 @@
-"""Problems: every error that leaves the gateway, as RFC 9457 has it.
+"""Problems: every error answer of the gateway, by RFC 9457.
 
-Each says what was wrong (`title`), where (`detail`, `errors`) and what to do. `type` names the kind of
-problem, so that a program can tell them apart without reading.
+Each tells what was wrong (`title`), where (`detail`, `errors`) and what to do. `type` names the kind of
+problem for programs.
 """
 
 from __future__ import annotations
@@ -27,66 +27,66 @@ from dray.messages.base import encodable
 MEDIA_TYPE = "application/problem+json"
 
 MAX_FIELD_ERRORS = 50
-"""Single faults told at once: more of them have one cause."""
+"""Maximum faults reported at once: more usually have one cause."""
 
 AGAIN_S = 5
-"""When to try again what the database could not do: a server that is started anew takes about as long."""
+"""Seconds before a retry while the database is away: about the time of a server restart."""
 
 AWAY = "database-away"
-"""The kind of problem that only the database can end."""
+"""Kind of the problem of an absent database."""
 
 CHALLENGE = {"WWW-Authenticate": 'Bearer realm="Dray"'}
-"""How to say who one is: every answer 401 tells that (RFC 9110, 15.5.2)."""
+"""Header that tells how to authenticate, required in every answer 401 (RFC 9110, 15.5.2)."""
 
 _log = logging.getLogger(__name__)
 
 
 class FieldError(msgspec.Struct, frozen=True, omit_defaults=True):
-    """One field that cannot be used."""
+    """One invalid field."""
 
     field: str
-    """As `items[0].quantity`."""
+    """Path such as `items[0].quantity`."""
     reason: str
-    """What is wrong with it, and what would be right."""
+    """What is wrong, and what would be right."""
     code: str = ""
-    """The same for programs (`http.fault_codes`); empty where it has none."""
+    """Code of the reason (`http.fault_codes`); empty if it has none."""
     values: dict[str, str] = {}
-    """What is filled in."""
+    """Values for the reason."""
 
     @classmethod
     def of(cls, field: str, code: str, /, **values: object) -> FieldError:
-        """A fault that has a code."""
+        """A fault with a code."""
         given = {name: str(value) for name, value in values.items()}
         return cls(field, text_of(code, given), code, given)
 
 
 class ProblemDetails(msgspec.Struct, frozen=True, omit_defaults=True):
-    """What went wrong (RFC 9457)."""
+    """An error answer (RFC 9457)."""
 
     type: str
     """`urn:dray:problem:` and the kind of problem."""
     title: str
-    """The kind of problem, in words; always the same for one type."""
+    """Kind of problem in words; always the same for one type."""
     status: int
     """The HTTP status."""
     detail: str
     """What was wrong this time, and what to do."""
     instance: str = ""
-    """The path that was asked for."""
+    """Path of the request."""
     errors: tuple[FieldError, ...] = ()
-    """The single faults, if there are any."""
+    """Single faults, if any."""
 
 
 class Problem(DrayError):
-    """An error for the one who asked.
+    """An error for the caller.
 
     Args:
         status: the HTTP status.
-        kind: a short name, as `unknown-order`.
+        kind: a short name, such as `unknown-order`.
         title: the kind in words.
         detail: what was wrong this time, and what to do.
         errors: single faults.
-        headers: for the answer.
+        headers: headers of the answer.
     """
 
     def __init__(
@@ -116,13 +116,13 @@ class Problem(DrayError):
         try:
             body = msgspec.json.encode(details)
         except UnicodeEncodeError:
-            # What a file held that was refused, half a character say, is told in its faults.
+            # A refused file's content, such as a lone surrogate, may be quoted in its faults.
             body = encodable(json.dumps(msgspec.to_builtins(details), ensure_ascii=False)).encode()
         return Response(body, self.status, headers=self.headers, media_type=MEDIA_TYPE)
 
 
 def unusable(*errors: FieldError) -> Problem:
-    """The request was understood, but some fields cannot be used."""
+    """The problem of a well-formed request with invalid fields."""
     first = errors[0]
     more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
     return Problem(
@@ -135,17 +135,17 @@ def unusable(*errors: FieldError) -> Problem:
 
 
 def unusable_fields(faults: Iterable[Mapping[str, Any]]) -> Problem:
-    """The request was understood, but pydantic has found these faults in it; the first `MAX_FIELD_ERRORS` are told."""
+    """The problem of a request with pydantic faults; reports the first `MAX_FIELD_ERRORS`."""
     return unusable(*map(field_error, islice(faults, MAX_FIELD_ERRORS)))
 
 
 def not_found(noun: str, name: str, where: str) -> Problem:
-    """There is no such thing.
+    """The problem of an unknown id.
 
     Args:
-        noun: as `order`.
-        name: the id that was asked for.
-        where: the list in which all of them can be found.
+        noun: the kind of thing, such as `order`.
+        name: the id in the request.
+        where: the list that has all ids.
     """
     return Problem(
         HTTPStatus.NOT_FOUND,
@@ -156,7 +156,7 @@ def not_found(noun: str, name: str, where: str) -> Problem:
 
 
 def install(app: FastAPI) -> None:
-    """Let every error of `app` leave as a problem; `on_bug` is for a middleware."""
+    """Turn every error of `app` into a problem; `on_bug` is for a middleware."""
     app.add_exception_handler(Problem, _on_problem)
     app.add_exception_handler(RequestValidationError, _on_validation)
     app.add_exception_handler(HTTPException, _on_http)
@@ -175,7 +175,7 @@ async def _on_validation(request: Request, error: Exception) -> Response:
         if fault["type"] == "json_invalid":
             why = fault.get("ctx", {}).get("error", "it cannot be read")
             return not_json(fault["loc"][-1], why).response(request.url.path)
-    # The first part of the place is where the field is: body, query or path.
+    # The first part of the location is the source: body, query or path.
     told = ({**fault, "loc": fault["loc"][1:]} for fault in faults)
     return unusable_fields(told).response(request.url.path)
 
@@ -205,7 +205,10 @@ async def _on_unavailable(request: Request, _error: Exception) -> Response:
 
 
 def away() -> Problem:
-    """The database is not there; what is wrong with it is in the log, once for each outage (`dray.store.database.database`)."""
+    """The problem of an absent database.
+
+    Its cause is logged once per outage (`dray.store.database.database`).
+    """
     return Problem(
         HTTPStatus.SERVICE_UNAVAILABLE,
         AWAY,
@@ -216,7 +219,7 @@ def away() -> Problem:
 
 
 async def on_bug(request: Request, error: Exception) -> Response:
-    """Our own bug: it is logged, and the one who asked learns no more than that."""
+    """The problem of our own bug: the details are only in the log."""
     _log.error("bug while answering %s %s", request.method, request.url.path, exc_info=error)
     return Problem(
         HTTPStatus.INTERNAL_SERVER_ERROR,
@@ -227,13 +230,13 @@ async def on_bug(request: Request, error: Exception) -> Response:
 
 
 def field_error(fault: Mapping[str, Any]) -> FieldError:
-    """One of pydantic's errors, as it is told."""
+    """A pydantic error as a field error."""
     return FieldError(_field(fault["loc"]), _reason(fault), *code_of(fault))
 
 
 def _allowed(request: Request) -> list[str]:
-    """All methods that this path knows: the router names those of the first match only."""
-    # A mount has moved the root of the scope to itself.
+    """All methods of this path: the router names only those of the first match."""
+    # A mount has moved the scope's root to itself.
     scope = {**request.scope, "root_path": request.scope.get("app_root_path", "")}
     return [
         method
@@ -243,17 +246,17 @@ def _allowed(request: Request) -> list[str]:
 
 
 def _takes(route: BaseRoute, scope: Scope) -> bool:
-    """A mount matches whatever the method; ours holds files, which can only be read."""
+    """Whether a route takes this method. A mount matches any method, but ours holds read-only files."""
     if isinstance(route, Mount) and scope["method"] != "GET":
         return False
     return route.matches(scope)[0] is Match.FULL
 
 
 def not_json(place: int, why: str) -> Problem:
-    """The body is no JSON.
+    """The problem of a body that is not JSON.
 
     Args:
-        place: the first character that cannot be read.
+        place: position of the first unreadable character.
         why: what is wrong there.
     """
     return Problem(
@@ -265,7 +268,7 @@ def not_json(place: int, why: str) -> Problem:
 
 
 def _field(location: Sequence[str | int]) -> str:
-    """The place of a fault, as `items[0].quantity`."""
+    """The location of a fault, as `items[0].quantity`."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
     return text.removeprefix(".") or "body"
 

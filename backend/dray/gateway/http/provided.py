@@ -1,7 +1,7 @@
-"""What a running gateway provides, by type: routers and middleware name what they need, and get nothing else.
+"""The running gateway's services by type: routers and middleware name those they need, and get no others.
 
-`app` puts the services together and provides them (`provide`). A router asks for one as a parameter,
-`store: Provided[Store]`; a middleware, which has no parameters, by `provided(scope["app"], Access)`.
+`app` makes the services and provides them (`provide`). A router takes one as a parameter, `store:
+Provided[Store]`. Middleware has no parameters and calls `provided(scope["app"], Access)`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 def provide(app: Starlette, services: Mapping[type[Any], object], wall_s: Callable[[], float]) -> None:
-    """Let routers and middleware of an application find these services, each under its type, and the wall clock."""
+    """Make these services available by type, and the wall clock."""
     app.state.provided, app.state.wall_s = services, wall_s
 
 
@@ -26,7 +26,7 @@ def provided(app: Starlette, kind: type[T]) -> T:
     """The service of this type.
 
     Raises:
-        KeyError: nobody provides it, which is a mistake of ours.
+        KeyError: it is not provided, which is a mistake of ours.
     """
     return cast(T, app.state.provided[kind])
 
@@ -44,7 +44,7 @@ else:
 
 @cache
 def _parameter(kind: type[Any]) -> Any:
-    """One per type, so that a request looks each service up once."""
+    """One dependency per type, so that a request looks each service up once."""
 
     async def service(connection: HTTPConnection) -> object:
         return connection.app.state.provided[kind]
@@ -57,4 +57,4 @@ async def _now_s(connection: HTTPConnection) -> float:
 
 
 Now = Annotated[float, Depends(_now_s)]
-"""A router's parameter: the wall clock, in seconds since 1970, when the request was looked at."""
+"""A router's parameter: the wall clock at the request, in seconds since 1970."""

@@ -1,4 +1,4 @@
-"""Public URLs: where this gateway is reached, as it tells others."""
+"""Public URLs: the gateway's own addresses, as given to others."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from dray.settings import Settings
 
 
 def public_url(settings: Settings, request: Request) -> str:
-    """Where people and customers reach the gateway, without a slash at the end.
+    """The gateway's address for people and customers, without a slash at the end.
 
-    Where nobody has said so, it is the address that was asked, whose host is one of ours (`dray.gateway.http.hosts`).
+    Without a setting it is the request's address, whose host is an accepted one (`dray.gateway.http.hosts`).
     """
     return settings.public_url or _base(
         request.scope["scheme"], request.headers.get("host", ""), request.scope.get("root_path", "")
@@ -24,10 +24,10 @@ def public_url(settings: Settings, request: Request) -> str:
 
 
 def stop_url(settings: Settings, request: Request) -> str:
-    """Where a panel reaches the stop path; empty where its browser cannot."""
+    """The stop path's address for a panel; empty if its browser cannot reach it."""
     if settings.stop_url or not settings.stop_port:
         return settings.stop_url
-    # A page that came by https may ask nothing by http: then there is a proxy, and the settings must say where.
+    # An https page may not call http: then there is a proxy, and the settings must have its address.
     host = request.url.hostname or ""
     if request.url.scheme != "http" or not host:
         return ""
@@ -44,7 +44,7 @@ BaseUrl = Annotated[str, Depends(_base_url)]
 
 @lru_cache(maxsize=64)
 def _base(scheme: str, host: str, root_path: str) -> str:
-    """The root of the addresses that are asked there: a few for one gateway, and each order's answer names its own."""
+    """The root of the request's address, cached: few per gateway, but needed in every order's answer."""
     headers = [(b"host", host.encode("latin-1"))]
     scope = {"scheme": scheme, "headers": headers, "path": root_path, "query_string": b""}
     return str(URL(scope=scope)).rstrip("/")

@@ -1,4 +1,4 @@
-"""What every body must be before anybody looks into it, and texts that may be kept and shown."""
+"""Checks of bodies before they are read, and patterns of safe texts."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from pydantic_core import PydanticKnownError
 from dray.gateway.http.problems import Problem
 
 _UNSEEN = r"\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069"
-"""Control characters, which would spoil logs and tables, and those of the direction of text: with U+202E a name reads as another one
-(Unicode, TR9 and TR36)."""
+"""Control characters, which would spoil logs and tables, and bidirectional ones: U+202E makes a name read as
+another one (Unicode, TR9 and TR36)."""
 
 LINE = rf"^[^{_UNSEEN}]*[^ {_UNSEEN}][^{_UNSEEN}]*$"
-"""One line of text that is more than spaces."""
+"""One line of text with more than spaces."""
 
 NOTE = rf"^[^{_UNSEEN}]*$"
-"""One line of text, or nothing."""
+"""One line of text, possibly empty."""
 
 FORM = "application/x-www-form-urlencoded"
 
 Line = Annotated[str, Field(min_length=1, max_length=200, pattern=LINE)]
-"""A name or reference that people write: long enough for a company and its department."""
+"""A name or reference by people: long enough for a company and its department."""
 
 
 def few(most: int) -> BeforeValidator:
-    """Of a mapping with a `max_length`: count its entries before any is looked at, as pydantic does of lists.
+    """A check for a mapping with `max_length`: counts its entries first, as pydantic does for lists.
 
-    The faults of thousands of entries would hold the event loop.
+    The faults of thousands of entries would block the event loop.
     """
 
     def check(value: object) -> object:
@@ -44,22 +44,22 @@ def few(most: int) -> BeforeValidator:
 
 
 class RowsFile(BaseModel):
-    """A spreadsheet: taken whole, or only looked through."""
+    """A spreadsheet, to be imported or only checked."""
 
     model_config = ConfigDict(extra="forbid")
 
     csv: str | None = None
-    """The text of the file."""
+    """Text of the file."""
     base64: str | None = None
-    """The file itself instead, where its encoding may be another one than UTF-8."""
+    """The file itself instead, if its encoding may not be UTF-8."""
     dry_run: Annotated[bool, Field(strict=True)] = False
-    """Only look what is in it."""
+    """Whether to check it only."""
 
 
 async def json_only(request: Request) -> None:
-    """Refuse a body that does not call itself JSON.
+    """Refuse a body whose content type is not JSON.
 
-    It also keeps other sites' pages out: browsers let a page send JSON elsewhere only after asking.
+    This also keeps other sites' pages out: browsers ask before a page may send JSON elsewhere.
 
     Raises:
         Problem: 415.
@@ -83,11 +83,11 @@ async def read_form(request: Request, fields: int) -> dict[str, str]:
     """The text fields of a form.
 
     Args:
-        request: what holds it.
-        fields: how many it may have.
+        request: the request with the form.
+        fields: maximum fields.
 
     Raises:
-        Problem: 415, it is no form of ours.
+        Problem: 415, the body is not a form.
     """
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != FORM:

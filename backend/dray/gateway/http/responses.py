@@ -19,37 +19,38 @@ T = TypeVar("T")
 Place = TypeVar("Place", bound=tuple[Any, ...])
 
 Limit = Annotated[int, Query(ge=1, le=500, description="Items per page")]
-"""Items per page: 500 tasks with their bids are some 5 MB, which a browser can still take."""
+"""Items per page: 500 tasks with their bids are some 5 MB, which a browser can handle."""
 
 CURSOR_MOST = 2_048
-"""Letters of a cursor. The longest says a customer of 200 letters, each of which JSON may write as six, and the id of an order."""
+"""Maximum characters of a cursor. The longest has a customer of 200 characters, each up to six in JSON, and
+an order's id."""
 
 Cursor = Annotated[
     str | None, Query(max_length=CURSOR_MOST, description="`next_cursor` of the page before; opaque")
 ]
 
 AT_ONCE = 50
-"""Items that are encoded in one step of the event loop: some milliseconds, with all the bids that a task may have."""
+"""Items encoded per step of the event loop: some milliseconds, with all bids that a task may have."""
 
 PIECE_BYTES = 2**16
-"""Of a body that is sent in pieces: to compress one takes some milliseconds."""
+"""Maximum bytes per piece of a body: compressing one takes some milliseconds."""
 
 PAGE = 100
-"""Items per page when nobody asks for another number."""
+"""Default items per page."""
 
 
 class Json(Response):
-    """JSON that is encoded already, or a struct to encode."""
+    """Encoded JSON, or a struct to encode."""
 
     media_type = "application/json"
 
     def render(self, content: Any) -> bytes:
-        """Bytes as they are, anything else encoded."""
+        """Bytes unchanged, anything else encoded."""
         return content if isinstance(content, bytes) else msgspec.json.encode(content)
 
 
 def iso(wall_s: float) -> str:
-    """A moment in ISO 8601, in UTC."""
+    """A wall clock time in ISO 8601, in UTC."""
     return datetime.fromtimestamp(wall_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
@@ -61,12 +62,14 @@ def listing(items: Sequence[object], next_cursor: str | None) -> Json:
 def listing_in_turns(
     names: Sequence[str], now: Callable[[str], object | None], next_cursor: str | None
 ) -> Response:
-    """The same, of what may have much in it, as tasks have bids: a long page is written piece by piece, with others' turns between, and has no `ETag`.
+    """One page of items that may be large, such as tasks with bids.
+
+    A long page is streamed in pieces, lets other work run, and has no `ETag`.
 
     Args:
-        names: of its items.
-        now: an item as it is at this moment; None when it does not belong there any more.
-        next_cursor: of the next page.
+        names: names of its items.
+        now: returns an item's present state; None if it is no longer part of the list.
+        next_cursor: cursor of the next page.
     """
     return _told_in_turns(names, now, {"next_cursor": next_cursor})
 
@@ -74,13 +77,13 @@ def listing_in_turns(
 def counted_in_turns(
     items: Sequence[T], told: Callable[[T], object], next_cursor: str | None, total: int | None
 ) -> Response:
-    """The same, of a list of which it is told how many there are on all pages, as `counted`.
+    """One page of a list with its total, like `counted`, streamed like `listing_in_turns`.
 
     Args:
-        items: of this page.
-        told: one of them, as it is answered.
-        next_cursor: of the next page.
-        total: of the list; None where that is not cheap.
+        items: items of this page.
+        told: turns an item into its answer.
+        next_cursor: cursor of the next page.
+        total: total of the list; None if it is expensive.
     """
     return _told_in_turns(items, told, {"next_cursor": next_cursor, "total": total})
 
@@ -106,9 +109,9 @@ def _told_in_turns(
 
 
 def in_turns(body: bytes) -> Response:
-    """JSON that is encoded already: one that is long is sent piece by piece, with others' turns between, and has no `ETag`.
+    """Encoded JSON: a long body is sent in pieces, lets other work run, and has no `ETag`.
 
-    To hash or compress all of it at once would hold the event loop for seconds.
+    Hashing or compressing all at once would block the event loop for seconds.
     """
     if len(body) <= PIECE_BYTES:
         return Json(body)
@@ -122,31 +125,31 @@ def in_turns(body: bytes) -> Response:
 
 
 def counted(items: Sequence[object], next_cursor: str | None, total: int | None) -> Json:
-    """One page of a list of which it is told how many there are on all pages; None where that is not cheap."""
+    """One page of a list with the total over all pages; None if that is expensive."""
     return Json({"items": items, "next_cursor": next_cursor, "total": total})
 
 
 def write_cursor(*position: str | float) -> str:
-    """A cursor that stands behind `position`."""
+    """A cursor behind `position`."""
     return urlsafe_b64encode(msgspec.json.encode(position)).decode().rstrip("=")
 
 
 def read_cursor(cursor: str | None, shape: type[Place]) -> Place | None:
-    """What `write_cursor` was given.
+    """The position in a cursor of `write_cursor`.
 
     Args:
         cursor: from the request.
-        shape: the tuple type that it must hold.
+        shape: the expected tuple type.
 
     Raises:
-        Problem: it is not one of ours.
+        Problem: the cursor is not one of ours.
     """
     if cursor is None:
         return None
     try:
         padded = cursor + "=" * (-len(cursor) % 4)
         place: Place = msgspec.json.decode(urlsafe_b64decode(padded), type=shape)
-        # No text that is kept has a NUL in it, and PostgreSQL takes none.
+        # No stored text has a NUL, and PostgreSQL accepts none.
         if not any(isinstance(part, str) and "\0" in part for part in place):
             return place
     except (ValueError, msgspec.MsgspecError):
@@ -157,7 +160,7 @@ def read_cursor(cursor: str | None, shape: type[Place]) -> Place | None:
 
 
 def page(items: Sequence[T], name: Callable[[T], str], cursor: str | None, limit: int) -> Json:
-    """One page of a list that is in memory.
+    """One page of a list in memory.
 
     Args:
         items: sorted by name.
@@ -174,7 +177,7 @@ def page(items: Sequence[T], name: Callable[[T], str], cursor: str | None, limit
 def part(
     items: Sequence[T], name: Callable[[T], str], cursor: str | None, limit: int
 ) -> tuple[Sequence[T], str | None]:
-    """What is on one page of a list that is in memory, and the cursor of the next one: see `page`.
+    """The items of one page of a list in memory, and the next page's cursor: see `page`.
 
     Raises:
         Problem: the cursor is not one of ours.
@@ -186,7 +189,7 @@ def part(
 
 
 def described(shape: type[object], description: str, example: object | None = None) -> dict[str, Any]:
-    """How OpenAPI tells of an answer; `dray.gateway.routes.openapi.document` writes the shape into the document."""
+    """An answer for OpenAPI; `dray.gateway.routes.openapi.document` adds the shape to the document."""
     content: dict[str, Any] = {"schema": {"$ref": f"#/components/schemas/{shape.__name__}"}}
     if example is not None:
         content["example"] = msgspec.to_builtins(example)
@@ -194,7 +197,7 @@ def described(shape: type[object], description: str, example: object | None = No
 
 
 def list_of(shape: type[object], description: str) -> dict[str, Any]:
-    """How OpenAPI tells of a page of a list."""
+    """A page of a list for OpenAPI."""
     schema = {
         "type": "object",
         "required": ["items", "next_cursor"],
@@ -207,7 +210,7 @@ def list_of(shape: type[object], description: str) -> dict[str, Any]:
 
 
 def counted_list_of(shape: type[object], description: str) -> dict[str, Any]:
-    """How OpenAPI tells of a page of a list of which it is told how many there are."""
+    """A page of a list with its total for OpenAPI."""
     answer = list_of(shape, description)
     schema = answer["content"]["application/json"]["schema"]
     schema["required"].append("total")
@@ -219,10 +222,10 @@ def counted_list_of(shape: type[object], description: str) -> dict[str, Any]:
 
 
 def problems(**kinds: str) -> Mapping[int | str, dict[str, Any]]:
-    """How OpenAPI tells of problems.
+    """Problems for OpenAPI.
 
     Args:
-        kinds: as `p404="There is no such order"`.
+        kinds: descriptions such as `p404="There is no such order"`.
     """
     schema = {"$ref": "#/components/schemas/ProblemDetails"}
     return {

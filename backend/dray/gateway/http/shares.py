@@ -1,6 +1,6 @@
-"""Shares: where all callers have one bound together, one of them may use up a part of it.
+"""Shares: of a limit for all callers together, one caller may use only a part.
 
-So a program that asks in a loop, or a key that was stolen, takes nothing from the others.
+So a program in a loop, or a stolen key, takes nothing from the others.
 """
 
 from __future__ import annotations
@@ -10,28 +10,28 @@ from http import HTTPStatus
 from dray.gateway.http.problems import FieldError, Problem
 
 PARTS = 4
-"""One caller has one of them: three others can do the same at the same time."""
+"""Number of shares of a limit: three other callers can do the same at the same time."""
 
 AGAIN_S = 600
-"""When to try again where things are open for hours or days."""
+"""Seconds before a retry where things stay open for hours or days."""
 
 
 def share_of(most: int, parts: int = PARTS) -> int:
-    """How much of a bound for all callers is for one of them: at least one."""
+    """One caller's share of a limit: at least one."""
     return max(1, most // parts)
 
 
 def share_used(
     what: str, most: int, do: str, *, again_s: int | None = AGAIN_S, parts: int = PARTS
 ) -> Problem:
-    """One caller has as much as it may have.
+    """The problem of a caller who has used up its share.
 
     Args:
-        what: in the plural, as `open transports`.
-        most: how many all callers may have together.
+        what: the things in the plural, such as `open transports`.
+        most: the limit of all callers together.
         do: what to do about it.
-        again_s: seconds after which it is worth while to try again; None where time alone changes nothing.
-        parts: in how many shares the bound is cut.
+        again_s: seconds before a retry makes sense; None where time alone changes nothing.
+        parts: number of shares of the limit.
     """
     share = share_of(most, parts)
     return Problem(

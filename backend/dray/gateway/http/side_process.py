@@ -1,7 +1,7 @@
-"""The process in which side work is done (`http.side_work`): pieces come on its input, and what came of each leaves on its output.
+"""The process of side work (`http.side_work`): reads pieces from its input, writes outcomes to its output.
 
-A piece is a function and what it is given; both ends are ours, so they speak pickle. What a piece raises is its result, but for want
-of memory, which ends the process.
+A piece is a function with its arguments; both ends are ours, so they use pickle. An exception is an outcome
+too, except lack of memory, which ends the process.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ from collections.abc import Callable
 from typing import Any, BinaryIO
 
 LENGTH = struct.Struct("!Q")
-"""Stands before every piece and every outcome: how many bytes it has."""
+"""Length in bytes before every piece and outcome."""
 
 
 Outcome = tuple[Any, Exception | None]
-"""What a piece returned, or what it raised."""
+"""Result of a piece, or its exception."""
 
 
 def framed(value: object) -> bytes:
-    """A value as it is sent."""
+    """A value as sent."""
     written = pickle.dumps(value)
     return LENGTH.pack(len(written)) + written
 
 
 def serve(pieces: BinaryIO, outcomes: BinaryIO) -> None:
-    """Do one piece after the other, until no other comes."""
+    """Do pieces one by one until the input ends."""
     while head := pieces.read(LENGTH.size):
         work, given = pickle.loads(pieces.read(*LENGTH.unpack(head)))  # noqa: S301 - the gateway's own
         outcomes.write(framed(_outcome(work, given)))
@@ -46,6 +46,6 @@ def _outcome(work: Callable[..., Any], given: tuple[Any, ...]) -> Outcome:
 
 if __name__ == "__main__":
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as outcomes:
-        # What a piece prints is no outcome.
+        # Keep prints of a piece out of the outcomes.
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
         serve(sys.stdin.buffer, outcomes)

@@ -1,7 +1,7 @@
-"""Side work: what takes its time to compute, done beside the gateway, in processes with bounds.
+"""Side work: slow computations in bounded processes beside the gateway.
 
-Not on a thread: what holds the interpreter there is waited for by the event loop, too, and by the thread of stops. The processes are
-started when they are needed, and kept.
+Threads would not do: code that holds the interpreter there also blocks the event loop and the stop path's
+thread. The processes are started on demand, and kept.
 """
 
 from __future__ import annotations
@@ -23,53 +23,55 @@ T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 
 PLACES = 2
-"""Pieces that are done at the same time, of one caller one: whoever has a long piece leaves a place to all others."""
+"""Concurrent pieces, one per caller: a long piece leaves a place for all others."""
 
 EACH = 4
-"""Pieces of one caller that are done or wait for their turn: a person with an editor in two windows has two."""
+"""Maximum pieces per caller, running or waiting: a person with an editor in two windows has two."""
 
 WAITING = 16
-"""The same of all callers. A piece holds what it was given, which is a file of `DRAY_BODY_LIMIT_BYTES` at most, some times over."""
+"""Maximum pieces of all callers. A piece holds its arguments several times over, at most a file of
+`DRAY_BODY_LIMIT_BYTES`."""
 
 MOST_S = 30.0
-"""Wall seconds for one piece: fifteen times what a plant of 3,500 nodes takes on an idle computer."""
+"""Maximum wall seconds per piece: fifteen times what a plant of 3,500 nodes takes on an idle computer."""
 
 MOST_BYTES = 1024**3
-"""Of memory for one process; the longest plant file takes a third of that to read."""
+"""Maximum memory per process; the longest plant file takes a third of that."""
 
 COMMAND = (sys.executable, "-m", "dray.gateway.http.side_process")
 
 
 class SideWork:
-    """Some processes beside the gateway, and a short queue before them.
+    """A few processes beside the gateway, and a short queue for them.
 
     Args:
-        command: what a process is started by.
-        most_s: wall seconds for one piece.
+        command: command that starts a process.
+        most_s: maximum wall seconds per piece.
     """
 
     def __init__(self, command: tuple[str, ...] = COMMAND, most_s: float = MOST_S) -> None:
         self._command, self._most_s = command, most_s
         self._places = asyncio.Semaphore(PLACES)
         self._given: Counter[str] = Counter()
-        """Pieces by caller."""
+        """Number of pieces per caller."""
         self._turns: dict[str, asyncio.Lock] = {}
-        """By caller who has given any: one of its pieces at a time."""
+        """Per caller with pieces, its lock: one piece at a time."""
         self._free: list[Process] = []
         self._all: set[Process] = set()
 
     async def do(self, caller: str, work: Callable[[*Ts], T], *given: *Ts) -> T:
-        """Compute something in another process when it is its turn.
+        """Run a function in another process when its turn comes.
 
         Args:
-            caller: who asks for it.
-            work: a function of a module. It is written and read on the event loop, with what it is given and returns: bytes and texts cost
-                nothing there, trees of values do.
-            given: what it is called with.
+            caller: the caller.
+            work: a function of a module. It, its arguments and its result are pickled on the event loop:
+                bytes and texts cost nothing there, trees of values do.
+            given: its arguments.
 
         Raises:
-            Problem: 429, too much of this caller waits; 503, too much of all; 422, it takes more time or memory than it may.
-            whatever `work` raises.
+            Problem: 429, the caller has too many pieces; 503, there are too many in all; 422, it exceeds its
+                time or memory.
+            Exception: any exception of `work`.
         """
         if self._given[caller] >= EACH:
             raise _too_many(HTTPStatus.TOO_MANY_REQUESTS, f"{EACH} of yours are; wait for their answers")
@@ -107,7 +109,7 @@ class SideWork:
             ) from None
         finally:
             if outcome is None:
-                # It is in the middle of it, whether it is late or whoever asked has gone.
+                # Still busy: it is late, or the caller has gone.
                 await self._end(process)
         self._free.append(process)
         return outcome
@@ -128,11 +130,11 @@ class SideWork:
 
 
 async def _answered(process: Process, piece: bytes) -> Outcome:
-    """Give a process a piece, and wait for what comes of it.
+    """Send a piece to a process, and wait for its outcome.
 
     Raises:
         EOFError: the process has ended.
-        ConnectionError: likewise.
+        ConnectionError: the process has ended.
     """
     assert process.stdin is not None  # noqa: S101 - it was started with both
     assert process.stdout is not None  # noqa: S101

@@ -1,7 +1,8 @@
-"""Bodies that are as large as a file, and not read on the event loop: to parse a megabyte of JSON takes tenths of a second there.
+"""Bodies as large as a file, not parsed on the event loop: a megabyte of JSON takes tenths of a second.
 
-A router that has such routes gets `UnreadRoute`, and its routes a body of bytes that is called what it is to be read as:
-`body: Annotated[bytes, Body(), Unread(NewDraft)]`. Side work reads it (`read`), and refuses it as FastAPI would have.
+A router with such routes uses `UnreadRoute`. Its routes take the body as bytes with the model to read it as:
+`body: Annotated[bytes, Body(), Unread(NewDraft)]`. Side work reads it (`read`), and refuses it as FastAPI
+would.
 """
 
 from __future__ import annotations
@@ -23,10 +24,10 @@ M = TypeVar("M", bound=BaseModel)
 
 
 class Unread:
-    """Of a body: what it is to be read as, which OpenAPI tells.
+    """Names the model of a body, for OpenAPI.
 
     Args:
-        model: of the body.
+        model: the body's model.
     """
 
     def __init__(self, model: type[BaseModel]) -> None:
@@ -39,7 +40,7 @@ class Unread:
 
 
 class UnreadRoute(APIRoute):
-    """A route whose body, if it has one, is left as it came."""
+    """A route that leaves its body unparsed."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         handle = super().get_route_handler()
@@ -59,8 +60,8 @@ def read(model: type[M], body: bytes) -> M:
     """Read a body.
 
     Raises:
-        Problem: it is no JSON, or not of this shape.
-        HTTPException: 400, it is no text, or nested too deep.
+        Problem: it is not JSON, or has another shape.
+        HTTPException: 400, it is not text, or nested too deep.
     """
     try:
         value = json.loads(body)

@@ -1,8 +1,8 @@
-"""Versions of what people change: nobody writes over what he has not read (RFC 9110, 13.1.1).
+"""Versions of what people change: nobody overwrites a state they have not read (RFC 9110, 13.1.1).
 
-`ETag` of an answer to GET names two things, `"version/digest"`: the version that a change asks for, and a digest of all that the
-answer tells, by which `http.conditional` sees whether anything has changed. `If-Match` takes it whole, or the version alone, which
-is in the bodies and in the answers to changes.
+The `ETag` of an answer to GET has two parts, `"version/digest"`: the version needed for a change, and a
+digest of the whole answer, by which `http.conditional` detects changes. `If-Match` takes the whole tag, or
+the version alone, which is in bodies and in answers to changes.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ def version_tag(version: object) -> str:
     """The `ETag` of a version.
 
     Args:
-        version: without quotes and slashes.
+        version: the version, without quotes and slashes.
     """
     return f'"{version}"'
 
 
 def tag_with_digest(tag: str, digest: str) -> str:
-    """The `ETag` of an answer that tells a version.
+    """The `ETag` of an answer with a version.
 
     Args:
-        tag: of the version; empty for an answer that has none.
-        digest: of the body, in hexadecimal digits.
+        tag: the version's tag; empty if it has none.
+        digest: digest of the body, in hexadecimal digits.
     """
     return f'{tag.removesuffix(chr(34))}/{digest}"' if tag else f'"{digest}"'
 
 
 def tags_of(given: str) -> frozenset[str]:
-    """The tags of a line of `If-Match` or `If-None-Match`, compared weakly (13.1.2): `W/` makes no difference."""
+    """The tags in `If-Match` or `If-None-Match`, compared weakly (13.1.2): `W/` is ignored."""
     return frozenset(tag.strip().removeprefix("W/") for tag in given.split(","))
 
 
@@ -40,12 +40,12 @@ def check_version(version: object, if_match: str | None, otherwise: Problem) -> 
     """Refuse a change of a version that the caller has not read.
 
     Args:
-        version: what it has now; None where there is nothing yet.
-        if_match: the header of the call.
-        otherwise: refuses another version.
+        version: the present version; None if there is nothing yet.
+        if_match: the request's header.
+        otherwise: the problem for another version.
 
     Raises:
-        Problem: `otherwise`; 428 for none.
+        Problem: `otherwise`; 428 without a version.
     """
     if if_match is None:
         raise no_version("send If-Match with the ETag with which you have read it")
@@ -55,16 +55,16 @@ def check_version(version: object, if_match: str | None, otherwise: Problem) -> 
 
 
 def no_version(advice: str) -> Problem:
-    """Refuses a change that names no version."""
+    """The problem of a change without a version."""
     return Problem(HTTPStatus.PRECONDITION_REQUIRED, "no-version", "It is not said what is changed", advice)
 
 
 def changed_since(noun: str, name: str) -> Problem:
-    """Refuses a change of what somebody else has changed.
+    """The problem of a change of something that somebody else has changed.
 
     Args:
-        noun: what it is, as `order`.
-        name: which.
+        noun: the kind of thing, such as `order`.
+        name: its id.
     """
     return Problem(
         HTTPStatus.PRECONDITION_FAILED,

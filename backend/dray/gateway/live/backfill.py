@@ -1,4 +1,4 @@
-"""What the gateway recalls of the time before it was started: the news, out of the facts in SQL."""
+"""News from before the gateway's start, restored from the facts in SQL."""
 
 from __future__ import annotations
 
@@ -34,27 +34,27 @@ TELLING = (
     GoalWaits,
     MemoryLost,
 )
-"""Facts that are news by themselves."""
+"""Kinds of facts that are news by themselves."""
 
 ROWS = 4 * NEWS_KEPT
-"""Facts that are read: one piece of news takes two or three."""
+"""Maximum facts read: one piece of news takes two or three."""
 
 
 async def backfill_news(work: Work, news: News, time: TimeScale) -> None:
-    """Fold again what was news before.
+    """Restore earlier news.
 
     Args:
         work: a transaction.
-        news: where to; should be empty.
-        time: the clocks of now. An earlier life of the plant may have had others, so moments are taken
-            from the wall clock.
+        news: the news to fill; should be empty.
+        time: the current clocks. An earlier run of the plant may have had others, so times come from the wall
+            clock.
     """
     kinds = tuple(fact.__name__ for fact in TELLING)
     rows = await work.events.page(EventFilter(kinds=kinds), None, ROWS, newest_first=True)
     _fold(news, reversed(rows), time)
     for each in news.views():
         if not each.confirmed:
-            # Of the many contracts that ended only those of takeovers matter: they may have been refused.
+            # Contracts that ended matter only for takeovers: the coordinator may have refused them.
             wanted = EventFilter(kinds=(ContractEnded.__name__,), task=each.task)
             _fold(news, await work.events.page(wanted, None, ROWS, newest_first=False), time)
 

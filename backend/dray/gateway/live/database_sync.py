@@ -1,8 +1,8 @@
-"""The database sync: reads from SQL what panels show of people's decisions, at the start and while the gateway runs.
+"""The database sync: reads people's decisions from SQL, at the start and while the gateway runs.
 
-Agents are heard by every gateway, people by the one they speak to. What they decide there about orders and
-alerts is in SQL before it is answered, so the others look there. A look also mends what a gateway has missed of
-an order, as soon as the order's status changes.
+Every gateway hears the agents, but only one hears a given person. Decisions about orders and alerts are in
+SQL before they are answered, so the other gateways read them there. A look also repairs what a gateway missed
+about an order, as soon as the order's status changes.
 """
 
 from __future__ import annotations
@@ -20,27 +20,28 @@ from dray.store.work import Work
 from dray.supervision import keep_looking
 
 LOOK_EVERY_S = 2.0
-"""Wall seconds between two looks: about as long as it takes to call over to somebody at another panel. Each
-reads a few values per order that has changed lately."""
+"""Wall seconds between two looks: about as long as calling over to another panel takes. Each look reads a few
+values per order that changed lately."""
 
 OVERLAP_S = 5.0
-"""Wall seconds before the newest change that was seen, from which on a look reads: clocks of several gateways differ by
-less, and what was stamped before may have been committed after it."""
+"""Wall seconds that a look reads back before the newest change seen. Gateway clocks differ by less, and an
+earlier timestamp may be committed later."""
 
 WHOLE_EVERY = 300
-"""Looks between two that read all orders that have not ended: ten minutes. Clocks may differ by more."""
+"""Looks between two that read all open orders: ten minutes. This covers larger clock differences."""
 
 _log = logging.getLogger(__name__)
 
 
 class DatabaseSync:
-    """Looks for what others have written.
+    """Looks for changes that other gateways have written.
 
     Args:
-        store: where they write it.
-        projection: who shows it.
-        follow: told of orders that others have changed, since what is repeated about them may not hold any more.
-        learn: reads what others have defined, before orders for it are looked at.
+        store: the database.
+        projection: shows the changes.
+        follow: called with each order that another gateway changed, since repeated messages about it may be
+            outdated.
+        learn: reads definitions made elsewhere, before the orders that need them.
     """
 
     def __init__(
@@ -52,11 +53,11 @@ class DatabaseSync:
     ) -> None:
         self._store, self._projection, self._follow, self._learn_more = store, projection, follow, learn
         self._marks: dict[str, Mark] = {}
-        """Of the orders that had not ended at the last look."""
+        """Marks of the orders that were open at the last look."""
         self._looks, self._newest_s = 0, 0.0
 
     async def restore(self) -> None:
-        """Learn all orders that have not ended, and the last that have.
+        """Load all open orders and the last ended ones.
 
         Raises:
             UnavailableError: the database cannot be read.
@@ -72,7 +73,7 @@ class DatabaseSync:
         self._projection.orders.restore([(order, goals[order.id]) for order in reversed(orders)], totals)
 
     async def look(self) -> None:
-        """Show what has changed since the last look; what has come and ended since then, lists alone tell.
+        """Show changes since the last look; an order that came and ended in between appears in lists only.
 
         Raises:
             UnavailableError: the database cannot be read.
@@ -103,7 +104,7 @@ class DatabaseSync:
         return False
 
     async def run(self) -> None:
-        """Look from time to time, until cancelled."""
+        """Look every `LOOK_EVERY_S` until cancelled."""
         await keep_looking(
             self.look,
             LOOK_EVERY_S,
@@ -118,7 +119,7 @@ class DatabaseSync:
             goals = await work.goals.of_orders(order.id for order in orders)
         for order in orders:
             if shown.get(order.id) is not before[order.id]:
-                continue  # Something was heard of it meanwhile, and this may be older: the next look takes it.
+                continue  # An event changed it meanwhile, and this may be older: the next look takes it.
             shown.put(order, goals[order.id])
             self._follow(order)
             if order.status in ENDED:

@@ -1,6 +1,6 @@
 """The frames of `/api/stream`: a snapshot of everything, then differences.
 
-OpenAPI tells of them as `Snapshot` and `Delta`; the panels' TypeScript types are generated from that document.
+OpenAPI documents them as `Snapshot` and `Delta`; the panels' TypeScript types are generated from that.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from dray.gateway.live.views import (
 
 
 class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
-    """The first frame, and the answer to a gap: everything there is."""
+    """The first frame, and the answer to a gap: the complete state."""
 
     number: int
     at_s: float
@@ -35,31 +35,31 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     atvs: tuple[AtvView, ...]
     machines: tuple[MachineView, ...]
     stations: tuple[StationView, ...] = ()
-    """Of storages."""
+    """Stations of storages."""
     tasks: tuple[TaskView, ...]
-    """The open ones and the last 50 that closed; of many the first 20, and the others in the frames that follow."""
+    """Open tasks and the last 50 closed ones. At most 20 in this frame; later frames bring the rest."""
     orders: tuple[OrderView, ...]
-    """The open ones and the last 50 that ended; of many the first 20, and the others in the frames that follow."""
+    """Open orders and the last 50 ended ones. At most 20 in this frame; later frames bring the rest."""
     news: tuple[NewsView, ...] = ()
     """The last 50, oldest first."""
     alerts: tuple[AlertView, ...] = ()
-    """What is wrong now: alarms first, and of one kind the oldest first."""
+    """Present troubles: alarms first, and within a kind the oldest first."""
     fault_injection: bool = False
     """Whether faults can be begun by hand: the factory is simulated."""
     faults: tuple[FaultView, ...] = ()
-    """Those that were begun by hand and have not ended."""
+    """Faults begun by hand that have not ended."""
     commands: tuple[CommandView, ...] = ()
-    """The last ones, oldest first."""
+    """The latest commands, oldest first."""
     closures: tuple[ClosureView, ...] = ()
-    """Those that hold, oldest first."""
+    """Closures in force, oldest first."""
     obstacles: tuple[ObstacleView, ...] = ()
-    """What vehicles have met on lanes, oldest first."""
+    """Obstacles that vehicles met on lanes, oldest first."""
     waits: tuple[WaitView, ...] = ()
     """Vehicles that cannot drive on, by their ids."""
     scenarios: tuple[ScenarioView, ...] = ()
-    """The one that the factory plays, where it does; managers alone see it."""
+    """The scenario that the factory plays, if any; only managers see it."""
     audience: AudienceView | None = None
-    """Whoever reads this; None only in a snapshot that is nobody's."""
+    """The reader of this frame; None only in a snapshot without a reader."""
 
 
 COLLECTIONS = {
@@ -77,22 +77,22 @@ COLLECTIONS = {
     "wait": "waits",
     "scenario": "scenarios",
 }
-"""Kind of an entity, as in `Delta.gone` -> where a frame tells of them."""
+"""Kind of an entity, as in `Delta.gone` -> the frame's field for it."""
 
 
 MANY = "orders", "tasks"
-"""Collections of which there may be thousands: they are told in portions."""
+"""Collections that may hold thousands of entities: sent in portions."""
 
 PORTION = 20
-"""So many of each are in one frame at most: a snapshot is followed by others with the rest. An order of 50 lines and a task of 64 bids take some
-10 kB; what makes a frame of them takes some milliseconds."""
+"""Maximum entities of each such collection per frame; later frames bring the rest. An order of 50 lines and a
+task of 64 bids take some 10 kB, and a frame of them takes some milliseconds to make."""
 
 
 class Delta(View, kw_only=True, tag_field="type", tag="delta"):
-    """What has changed since the frame before, by kind: new entities whole, of others the id and the fields that have changed."""
+    """Changes since the frame before, by kind: new entities whole, known ones as id and changed fields."""
 
     number: int
-    """One more than the frame before it; a client that misses one asks for nothing: it gets a snapshot."""
+    """One more than the frame before. A client that misses one need not ask: it gets a snapshot."""
     at_s: float
     factory: FactoryView | None = None
     atvs: tuple[AtvView, ...] = ()
@@ -109,4 +109,4 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     waits: tuple[WaitView, ...] = ()
     scenarios: tuple[ScenarioView, ...] = ()
     gone: tuple[str, ...] = ()
-    """Ids that left the stream, as `task:M8-214` or `order:...`."""
+    """Ids of entities that left the stream, as `task:M8-214` or `order:...`."""

@@ -1,7 +1,7 @@
-"""Health: how each part of a gateway is. True, not hopeful.
+"""Health: the state of each part of a gateway.
 
-Ready is a gateway that can take orders: its database answers and can be written, and it is on the bus. The
-strategist may be away for a while, and a historian behind; that is told, and no reason to send nobody here.
+A gateway is ready when it can take orders: its database can be read and written, and it is on the bus. A
+missing strategist or a late historian is reported, but does not make the gateway unready.
 """
 
 from __future__ import annotations
@@ -17,29 +17,29 @@ from dray.gateway.live.strategist_probe import StrategistProbe
 from dray.store import Historian, Store
 
 PATIENCE_S = 2.0
-"""Longest wait for the database's answer: less than those wait who ask."""
+"""Maximum wait for the database's answer in seconds: shorter than the wait of those who ask."""
 
 BEHIND_S = 30.0
-"""From this lag on the historian counts as behind: a burst is written within a second or two."""
+"""Lag in seconds from which the historian counts as behind: a burst is written within a second or two."""
 
 DATABASE, BUS, HISTORIAN, STRATEGIST = "database", "bus", "historian", "strategist"
 
 NEEDED = frozenset({DATABASE, BUS})
-"""Without these no order can be taken."""
+"""Parts needed to take orders."""
 
 
 class Part(msgspec.Struct, frozen=True, omit_defaults=True):
-    """How one part is."""
+    """The state of one part."""
 
     ok: bool
     reason: str = ""
-    """What is wrong."""
+    """Reason why it is not ok."""
     behind_s: float | None = None
-    """Of a historian: how long the oldest event has waited that was heard and is not written."""
+    """Historian only: seconds that the oldest unwritten event has waited."""
     waiting: int | None = None
-    """How many of these there are."""
+    """Historian only: number of unwritten events."""
     silent_s: float | None = None
-    """Of the strategist, of several whichever spoke last: since it was heard."""
+    """Strategist only: seconds since any strategist was heard."""
 
 
 class Health:
@@ -47,12 +47,12 @@ class Health:
 
     Args:
         store: the database.
-        peer: the place on the bus.
-        strategist_probe: the strategist's.
+        peer: the connection to the bus.
+        strategist_probe: tells when the strategist was heard.
         historian: None where it runs elsewhere.
 
     Attributes:
-        database_s: how long the database's last answer took; None when there was none.
+        database_s: duration of the database's last answer; None when there was none.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""The gateway's place on the bus: whom it listens to, and how it speaks."""
+"""The gateway's connection to the bus: its subscriptions, and what it sends."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ class Peer:
     """Takes part in the bus.
 
     Args:
-        bus: where agents meet.
-        keys: the plant's.
-        name: its own on the bus.
-        life: its incarnation: the latest gateway of this name stays.
+        bus: the agents' bus.
+        keys: the plant's keys.
+        name: the gateway's name on the bus.
+        life: the gateway's incarnation; the bus keeps the latest gateway of this name.
     """
 
     def __init__(self, bus: Bus, keys: Keys, name: str, life: int) -> None:
         self._bus, self._keys, self._name, self._life = bus, keys, name, life
         self._session: Session | None = None
         self.ignored = 0
-        """Messages that nobody here waits for. Normal."""
+        """Messages that no part of the gateway wanted. Normal."""
 
     @property
     def joined(self) -> bool:
-        """Whether it takes part at this moment."""
+        """Whether the gateway is on the bus."""
         return self._session is not None
 
     def join(self, receive: Callable[[str, Message], bool]) -> None:
-        """Take part, and hand on what is heard.
+        """Join the bus, and hand on what is heard.
 
         Args:
-            receive: takes a message of a sender; returns whether anybody waited for it.
+            receive: takes a sender and its message; returns whether some part wanted it.
         """
 
         def counted(sender: str, message: Message) -> None:
@@ -47,12 +47,12 @@ class Peer:
         self._session.subscribe(self._keys.all_obstacles)
 
     def send(self, to: str, message: Message) -> None:
-        """Say it to one agent; lost while it does not take part."""
+        """Send a message to one agent; lost while the gateway is not on the bus."""
         if self._session is not None:
             self._session.send(to, message)
 
     def tell_all(self, said: ShutOut | Closures | Removals | ObstacleCleared) -> None:
-        """Say to everybody who is shut out, what is closed or cleared, or which vehicles were carried away; lost while it does not take part."""
+        """Publish exclusions, closures, removals or a cleared obstacle; lost while not on the bus."""
         keys = self._keys
         if self._session is not None:
             key = {
@@ -64,7 +64,7 @@ class Peer:
             self._session.publish(key, said)
 
     def leave(self) -> None:
-        """Take part no longer; harmless when done twice."""
+        """Leave the bus; harmless when done twice."""
         if self._session is not None:
             self._session.leave()
             self._session = None

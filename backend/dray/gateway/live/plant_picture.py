@@ -1,4 +1,4 @@
-"""A picture of the plant, as visibility and the scopes of the stream need it: the live projection, or a moment of the past."""
+"""A picture of the plant for visibility and stream scopes: the live projection, or a moment of the past."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ class Vehicles(Kind, Protocol):
     """The vehicles."""
 
     def __contains__(self, atv: object) -> bool:
-        """Whether there is one of this name."""
+        """Whether there is a vehicle of this name."""
         ...
 
     def place_m(self, atv: str) -> tuple[float, float] | None:
-        """Where one is; None for one that is not known."""
+        """The place of a vehicle; None for an unknown one."""
         ...
 
 
 class Many(Kind, Protocol):
-    """Entities of a kind of which there may be thousands."""
+    """Entities of a kind that may have thousands."""
 
     def ids(self) -> Collection[str]:
-        """Of all of them."""
+        """The ids of all of them."""
         ...
 
 
@@ -42,7 +42,7 @@ class Ordered(Many, Protocol):
     """The orders."""
 
     def view(self, order: str) -> OrderView | None:
-        """One of them, if it is there."""
+        """One order, if it is there."""
         ...
 
 
@@ -50,15 +50,15 @@ class Transports(Many, Protocol):
     """The tasks."""
 
     def view(self, task: str) -> TaskView | None:
-        """One of them, if it is there."""
+        """One task, if it is there."""
         ...
 
 
 class Given(Kind, Protocol):
-    """What people have asked of vehicles."""
+    """People's commands to vehicles."""
 
     def areas_of(self, command: str) -> frozenset[str]:
-        """Where its vehicle was when it was given."""
+        """The areas of its vehicle when the command was given."""
         ...
 
 
@@ -77,7 +77,7 @@ class PlantPicture(Protocol):
 
     @property
     def site(self) -> Site:
-        """What stands where."""
+        """The places of everything in the plant."""
         ...
 
     @property
@@ -104,5 +104,5 @@ class PlantPicture(Protocol):
     def waits(self) -> Kind: ...
 
     def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
-        """All of it; of `MANY` the first `most` each, where that is given."""
+        """The complete state; at most `most` entities of each collection in `MANY`, if given."""
         ...

@@ -110,19 +110,19 @@ HELD_UP: Mapping[WaitKind, str] = {
     "moving": "which is driving",
     "unanswered": "which makes room or has no answer yet",
 }
-"""What holds up the last one of a chain, unless it is at a dock."""
+"""What blocks the last vehicle of a chain, unless it is at a dock."""
 
 ALONE: Mapping[WaitKind, str] = {
     "closed": "has no way left by what is closed",
     "unanswered": "makes room or has no answer yet",
 }
-"""Of a vehicle that waits for nobody."""
+"""Words for a vehicle that waits for nobody."""
 
 ANOTHERS_KEY = "anothers_key"
-"""Instead of a reason of the wire: the fact `NameMisused`."""
+"""Reason for the fact `NameMisused`, which has none of its own."""
 
 ROBS_PLACES = "robs_places"
-"""Likewise: the fact `BookRefused`."""
+"""Reason for the fact `BookRefused`, which has none of its own."""
 
 _WORDS: Mapping[str, str] = {
     ANOTHERS_KEY: "requests places without this vehicle's signature",
@@ -133,12 +133,12 @@ _WORDS: Mapping[str, str] = {
 
 
 def reason_text(reason: str) -> str:
-    """A reason in words; what this version does not know stays as it is."""
+    """A reason in words; reasons unknown to this version stay as they are."""
     return _WORDS.get(reason, reason.replace("_", " "))
 
 
 def refusal_text(answer: CommandAnswered) -> str:
-    """Why a vehicle has not done what it was told; empty when it has."""
+    """Why a vehicle refused a command; empty when it obeyed."""
     if answer.reason is None:
         return answer.detail
     words = REFUSALS[answer.reason]
@@ -146,7 +146,7 @@ def refusal_text(answer: CommandAnswered) -> str:
 
 
 def wait_text(cause: WaitCauseView) -> str:
-    """For whom a vehicle waits: "waits for ATV3, which waits for ATV7 at the dock of M8"."""
+    """Which vehicles a vehicle waits for: "waits for ATV3, which waits for ATV7 at the dock of M8"."""
     if not cause.chain:
         return ALONE.get(cause.kind, "waits")
     *named, last = cause.chain
@@ -156,7 +156,7 @@ def wait_text(cause: WaitCauseView) -> str:
 
 
 def jam_text(vehicles: Sequence[str], cause: WaitCauseView) -> str:
-    """Who waits in a jam, and for whom in the end: "ATV5, ATV3, ATV2 wait for ATV7 at the dock of M8"."""
+    """The vehicles in a jam and what blocks them: "ATV5, ATV3, ATV2 wait for ATV7 at the dock of M8"."""
     names = ", ".join(vehicles)
     if cause.kind == "circle":
         return f"{names} wait in a circle: {', for '.join((*cause.chain, cause.chain[0]))}"
@@ -178,24 +178,24 @@ def _last(atv: str, cause: WaitCauseView) -> str:
 
 
 def detail_of(detail: str) -> CauseView | None:
-    """What an agent or a person says, in words of their own; None where there are none."""
+    """An agent's or person's own words as a cause; None without any."""
     return told(CauseView(detail=detail)) if detail else None
 
 
 def trouble_of(task: TaskBrief) -> CauseView | None:
-    """Why a transport does not go on, as its coordinator tells."""
+    """Why a transport does not go on, by its coordinator's word."""
     return None if task.trouble is None else told(CauseView(reason=task.trouble.value, detail=task.detail))
 
 
 def failures_of(fact: GoalWaits) -> CauseView:
-    """Why nobody makes a goal."""
+    """Why no machine makes a goal."""
     return told(
         CauseView(machines=tuple(FailureView(each.machine, each.reason.value) for each in fact.machines))
     )
 
 
 def told(cause: CauseView) -> CauseView:
-    """The same with its English words."""
+    """The same cause with its English words."""
     text = "; ".join(filter(None, (_what(cause), cause.detail)))
     cause.text = text if cause.times == 1 else f"{text} ({cause.times} times)"
     return cause
@@ -215,7 +215,7 @@ def _what(cause: CauseView) -> str:
         return f"says {load.said} of {load.item} to {load.where}, counted {load.counted}"
     if cause.clock_ahead_s:
         return f"clock wrong by {cause.clock_ahead_s:+.0f} s"
-    # What an agent reports says more than that it reports something.
+    # An agent's own words say more than the bare fact of a problem.
     return "" if cause.reason == Reason.PROBLEM and cause.detail else reason_text(cause.reason)
 
 

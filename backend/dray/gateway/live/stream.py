@@ -1,11 +1,11 @@
-"""The stream: a snapshot and then numbered deltas, to any number of browsers.
+"""The stream: a snapshot, then numbered deltas, to any number of browsers.
 
-Those who see the same at the same pace share a room: the whole plant is one, the plant without its orders, and each set of
-areas. A frame is made at most `rate_hz` times a second, in a calm room once a second, and encoded once per room, however many
-clients are in it. Of what there may be thousands of, orders and tasks, a frame holds `PORTION` at most, so that none of them holds the
-loop up; the frames after a snapshot tell what it left out. Each client has a bounded queue. When it is full the client is too slow: its queue is emptied, it gets a fresh
-snapshot when it can take one, and is in the calm room for a minute. So memory is bounded, the newest state wins, and nobody
-waits for anybody else.
+Clients that see the same at the same pace share a room: the whole plant, the plant without orders, or a set
+of areas. A room makes at most `rate_hz` frames a second, a calm room one, and encodes each frame once for all
+clients. A frame holds at most `PORTION` orders and tasks, so that none holds up the loop; later frames bring
+the rest of a snapshot. Each client has a bounded queue. A full queue means a slow client: its queue is
+emptied, it gets a fresh snapshot when ready, and moves to the calm room for a minute. So memory is bounded,
+the newest state wins, and no client delays another.
 """
 
 from __future__ import annotations
@@ -30,34 +30,35 @@ from dray.gateway.live.views import AudienceView, FactoryView
 from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility
 
 QUIET_S = 1.0
-"""A frame comes at least this often, if an empty one: panels turn amber after 3 s without. In a calm room it comes no more often."""
+"""Maximum seconds between frames, empty ones included: panels turn amber after 3 s without. In a calm room
+also the minimum."""
 
 CALM_S = 60.0
-"""So long a client that was too slow is in the calm room, before it is tried again whether it keeps up."""
+"""Seconds that a slow client stays in the calm room before it is tried in the live room again."""
 
 FACTORY_S = 1.0
-"""The figures of the factory are computed this often: a person cannot read them faster."""
+"""Seconds between two computations of the factory's figures: people cannot read faster."""
 
 NOBODYS = '"audience":null}'
-"""How a snapshot ends that is encoded for all in a room; for each of them its own audience is put there."""
+"""End of a room's encoded snapshot; each client's own audience replaces it."""
 
 _encoder = msgspec.json.Encoder()
 
 
 class Whole(Enum):
-    """What is seen by whoever is limited to no areas."""
+    """What callers who are not limited to areas see."""
 
     PLANT = "plant"
     FACTORY = "factory"
-    """All of it but its orders."""
+    """The plant without its orders."""
 
 
 Extent = frozenset[str] | Whole
-"""What those in a room see: some areas, or the whole."""
+"""What a room shows: some areas, or the whole."""
 
 
 class Pace(Enum):
-    """How often the clients of a room are told."""
+    """How often the clients of a room get frames."""
 
     LIVE = "live"
     CALM = "calm"
@@ -67,10 +68,10 @@ class Client:
     """One browser's queue.
 
     Args:
-        room: where its frames come from.
+        room: the source of its frames.
         owner: the caller, by kind and id.
-        audience: whose it is.
-        size: frames that wait at most.
+        audience: its reader.
+        size: maximum frames in the queue.
     """
 
     def __init__(self, room: Room, owner: str, audience: AudienceView, size: int) -> None:
@@ -78,14 +79,14 @@ class Client:
         self._audience = _encoder.encode(audience).decode()
         self._frames: deque[str] = deque()
         self._lost = True
-        """It needs a snapshot before anything else."""
+        """Whether it needs a snapshot next."""
         self._ready = asyncio.Event()
         self._ready.set()
         self.snapshots = 0
-        """How many it was given; more than one tells of a slow client."""
+        """Number of snapshots given; more than one means a slow client."""
 
     async def next_frame(self) -> str:
-        """The next frame for this client, as soon as there is one."""
+        """Wait for the next frame of this client."""
         await self._ready.wait()
         if self._lost:
             self._lost = False
@@ -98,7 +99,7 @@ class Client:
         return frame
 
     def offer(self, frame: str) -> bool:
-        """Put a frame into the queue, or give the queue up for a snapshot; False when it was full."""
+        """Queue a frame; if the queue is full, drop it for a snapshot and return False."""
         if self._lost:
             return True
         if len(self._frames) >= self._size:
@@ -109,7 +110,7 @@ class Client:
         return True
 
     def start_anew(self, room: Room) -> None:
-        """Give it a snapshot next, and then the frames of this room."""
+        """Send a snapshot next, then the frames of this room."""
         self.room = room
         self._frames.clear()
         self._lost = True
@@ -118,11 +119,11 @@ class Client:
 
 @dataclass(slots=True)
 class Made:
-    """What was made in all rooms so far, those that are empty again too.
+    """Totals of all rooms, including closed ones.
 
     Attributes:
-        frames: deltas.
-        snapshots: snapshots handed out; one per client, and more to slow ones.
+        frames: number of deltas.
+        snapshots: number of snapshots sent: one per client, more to slow ones.
     """
 
     frames: int = 0
@@ -130,13 +131,13 @@ class Made:
 
 
 class Room:
-    """Those who see the same.
+    """Clients that see the same.
 
     Args:
         scope: what they see.
         wall_s: the wall clock.
-        made: counts what is made.
-        pace: how often they are told.
+        made: the totals.
+        pace: how often they get frames.
     """
 
     def __init__(self, scope: StreamScope, wall_s: Callable[[], float], made: Made, pace: Pace) -> None:
@@ -147,12 +148,12 @@ class Room:
         self._told_s = -math.inf
         self._snapshot: str | None = None
         self._owed: dict[str, deque[str]] = {}
-        """What a snapshot left out and no frame has told yet, by collection: names in the scope."""
+        """Names that a snapshot left out and no frame has sent yet, by collection."""
         self.owes_figures = False
-        """A snapshot held figures that no delta has told: the next ones are told whatever they are."""
+        """Whether a snapshot held figures that no delta sent: the next figures are sent even if unchanged."""
 
     def snapshot(self) -> str:
-        """Everything, as of the newest frame: the next delta fits behind it. It is nobody's yet."""
+        """The state as of the newest frame, without an audience; the next delta follows it."""
         self._made.snapshots += 1
         if self._snapshot is None:
             snapshot = self._scope.snapshot(self._number, self._wall_s(), PORTION)
@@ -164,18 +165,18 @@ class Room:
 
     @property
     def has_more(self) -> bool:
-        """Whether there is something to tell that no frame had room for yet."""
+        """Whether there are changes that no frame had room for yet."""
         return self._updates.waiting or any(self._owed.values())
 
     def is_quiet(self, steady_s: float) -> bool:
-        """Whether it is time for a frame, whatever there is to tell."""
+        """Whether a frame is due even without changes."""
         return steady_s - self._told_s >= QUIET_S
 
     def tell(self, told: Delta, steady_s: float) -> list[Client]:
-        """Make a frame of what has changed in the plant, if it is time for one and there is something to see of it here.
+        """Make a frame of the plant's changes, if it is time and this room sees any of them.
 
         Args:
-            told: what has changed.
+            told: the changes.
             steady_s: now, on the clock of `is_quiet`.
 
         Returns:
@@ -196,7 +197,10 @@ class Room:
         return [client for client in self.clients if not client.offer(frame)]
 
     def _owe(self, rest: Mapping[str, Iterable[str]]) -> None:
-        """Tell the rest of a snapshot in later frames; what was owed before comes first, however often somebody needs a snapshot."""
+        """Queue the rest of a snapshot for later frames.
+
+        What was owed before comes first, even if snapshots are frequent.
+        """
         for collection, names in rest.items():
             left = dict.fromkeys(names)
             before = dict.fromkeys(name for name in self._owed.get(collection, ()) if name in left)
@@ -207,14 +211,14 @@ class Hub:
     """Makes frames and hands them out.
 
     Args:
-        projection: what is shown.
-        wall_s: the wall clock, whose moments are told.
-        steady_s: goes on whatever is done to the wall clock.
-        rate_hz: frames per second at most.
-        queue_frames: frames that wait for one client at most.
-        clients: how many there may be.
-        each: of one caller.
-        record: is told what the whole plant's panels are told, also when there are none.
+        projection: the live projection.
+        wall_s: the wall clock for the frames' times.
+        steady_s: a clock independent of changes to the wall clock.
+        rate_hz: maximum frames per second.
+        queue_frames: maximum frames in a client's queue.
+        clients: maximum clients.
+        each: maximum clients of one caller.
+        record: gets the whole plant's deltas, even without clients.
     """
 
     def __init__(
@@ -235,17 +239,17 @@ class Hub:
         self._pause_s, self._queue_frames = 1.0 / rate_hz, queue_frames
         self._most, self._each = clients, each
         self._of: Counter[str] = Counter()
-        """How many clients each caller has."""
+        """Number of clients per caller."""
         self._rooms: dict[tuple[Extent, Pace], Room] = {}
-        """By what is seen in them. Only those with somebody in them."""
+        """Rooms with clients, by what they show."""
         self._slow: dict[Client, tuple[Extent, float]] = {}
-        """Clients that are in a calm room because they were too slow -> what they see, and until when."""
+        """Slow clients in a calm room -> what they see, and until when they stay."""
         self._made = Made()
         self._figured_s = -math.inf
         self._factory: FactoryView | None = None
 
     def join(self, who: Principal, pace: Pace = Pace.LIVE) -> Client | None:
-        """A queue for a new client; None when there are too many, or too many of this caller."""
+        """Add a client; None when there are too many, or too many of this caller."""
         owner = f"{who.kind}:{who.id}"
         if self.joined >= self._most or self._of[owner] >= self._each:
             return None
@@ -257,21 +261,21 @@ class Hub:
 
     @property
     def joined(self) -> int:
-        """How many clients there are."""
+        """Number of clients."""
         return sum(len(room.clients) for room in self._rooms.values())
 
     @property
     def frames(self) -> int:
-        """How many frames were made, in all rooms."""
+        """Number of frames made, in all rooms."""
         return self._made.frames
 
     @property
     def snapshots(self) -> int:
-        """How many snapshots were handed out."""
+        """Number of snapshots handed out."""
         return self._made.snapshots
 
     def leave(self, client: Client) -> None:
-        """The client is gone; harmless when done twice."""
+        """Remove a client; harmless when done twice."""
         if client not in client.room.clients:
             return
         client.room.clients.remove(client)
@@ -282,7 +286,7 @@ class Hub:
         self._close_empty_rooms()
 
     def tick(self) -> None:
-        """Make a frame, if there is something to tell or it has been quiet for too long."""
+        """Make a frame, if anything changed or a frame is due."""
         if not self._rooms and self._record is None:
             self._projection.discard_changes()
             return
@@ -332,14 +336,14 @@ class Hub:
         self._close_empty_rooms()
 
     def _try_again(self, steady_s: float) -> None:
-        """Those that were too slow a while ago may keep up now."""
+        """Move slow clients back to the live room when their time is over."""
         for client, (extent, until_s) in list(self._slow.items()):
             if steady_s >= until_s:
                 del self._slow[client]
                 self._move(client, extent, Pace.LIVE)
 
     def _new_figures(self, now_s: float, steady_s: float) -> FactoryView | None:
-        """The factory's figures, when it is time for them, somebody sees them and they have changed."""
+        """The factory's figures, if they are due, changed and somebody sees them."""
         whole = [room for (extent, _), room in self._rooms.items() if isinstance(extent, Whole)]
         if not (whole or self._record) or steady_s - self._figured_s < FACTORY_S:
             return None
@@ -354,7 +358,7 @@ class Hub:
 
 
 def scope_of(seen: PlantPicture, who: Principal) -> StreamScope:
-    """What somebody is told of a picture."""
+    """The scope of a picture that a caller sees."""
     return _scope(seen, extent_of(who))
 
 
@@ -367,14 +371,14 @@ def _scope(seen: PlantPicture, extent: Extent) -> StreamScope:
 
 
 def extent_of(who: Principal) -> Extent:
-    """What somebody sees."""
+    """The extent that a caller sees."""
     if who.areas is not None:
         return who.areas
     return Whole.PLANT if who.may(Scope.ORDERS_READ) else Whole.FACTORY
 
 
 def audience_of(who: Principal) -> AudienceView:
-    """Who is shown the stream."""
+    """The reader of a stream, from its caller."""
     return AudienceView(
         role="" if who.role is None else who.role.value,
         name=who.name,

@@ -1,8 +1,8 @@
-"""Stream scopes: the frames of those who see the same, be it the whole plant or some of its areas.
+"""Stream scopes: the frames of clients that see the same: the whole plant or some of its areas.
 
-A scope makes its own delta of what has changed in the whole plant. That of the whole plant is that delta
-as it is. That of areas remembers what it has shown: what does not look otherwise from there is not told,
-and what has left is told as gone, once, and only when it had been shown.
+A scope derives its delta from the whole plant's delta. The whole plant's scope passes it on unchanged. An
+area scope remembers what it has shown: it leaves out what looks the same from there, and reports entities as
+gone once, if they had been shown.
 """
 
 from __future__ import annotations
@@ -18,32 +18,32 @@ from dray.gateway.live.views import FactoryView
 from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility, goal_alias, news_alias
 
 Show = Callable[[Any], Any]
-"""A view as it is seen from the areas; None when it is not."""
+"""Turns a view into its form in the areas; None when it is not seen."""
 
 
 class StreamScope(Protocol):
     """What a room of clients sees."""
 
     def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
-        """Everything, so that the delta after `number` fits behind it.
+        """The complete state; the delta after `number` follows it.
 
         Args:
-            number: of the frame.
+            number: the frame's number.
             wall_s: the wall clock.
-            most: so many of each of `MANY`, the first ones; None for all.
+            most: maximum entities of each collection in `MANY`, first ones first; None for all.
         """
         ...
 
     def rest(self, most: int) -> dict[str, Sequence[str]]:
-        """What such a snapshot left out: by collection, the names to ask `views` for."""
+        """The names that such a snapshot left out, by collection, for `views`."""
         ...
 
     def views(self, collection: str, names: Iterable[str]) -> tuple[Any, ...]:
-        """How these are seen now; those that have gone are left out."""
+        """The present views of these names, without those that have gone."""
         ...
 
     def delta(self, told: Delta) -> Delta:
-        """The part of a delta of the whole plant that is seen; its number is not set yet."""
+        """The visible part of a whole-plant delta; its number is not set yet."""
         ...
 
 
@@ -51,7 +51,7 @@ class WholeScope:
     """The whole plant.
 
     Args:
-        projection: of the plant.
+        projection: the plant's picture.
     """
 
     def __init__(self, projection: PlantPicture) -> None:
@@ -79,15 +79,15 @@ class WholeScope:
 
 
 OF_ORDERS = ("order:", "alert:order_", "news:waits-")
-"""How the names of what is about orders begin, where something is told as gone."""
+"""Prefixes of names in `Delta.gone` that belong to orders."""
 
 
 class FactoryScope:
     """The whole plant without its orders.
 
     Args:
-        projection: of the plant.
-        visibility: what is seen of it.
+        projection: the plant's picture.
+        visibility: filters it.
     """
 
     def __init__(self, projection: PlantPicture, visibility: FactoryVisibility) -> None:
@@ -128,7 +128,7 @@ class FactoryScope:
 
 
 def _alias(gone: str) -> str:
-    """What is gone, by the name under which it was told."""
+    """The name of a gone entity, as clients know it."""
     kind, _, name = gone.partition(":")
     return f"{kind}:{news_alias(name) if kind == 'news' else goal_alias(name)}"
 
@@ -137,8 +137,8 @@ class AreaScope:
     """Some areas of the plant.
 
     Args:
-        projection: of the whole plant.
-        visibility: what is seen of it.
+        projection: the whole plant's picture.
+        visibility: filters it.
     """
 
     def __init__(self, projection: PlantPicture, visibility: AreaVisibility) -> None:
@@ -154,15 +154,15 @@ class AreaScope:
             "obstacle": (visibility.obstacle, projection.obstacles.views),
             "wait": (visibility.wait, projection.waits.views),
         }
-        """Per kind but vehicles: how one is seen, and all of them."""
+        """Per kind except vehicles: the filter, and the source of all views."""
         self._shown: dict[str, dict[str, Any]] = {kind: {} for kind in ("atv", *self._others)}
-        """What has been told and still holds, by kind and id."""
+        """Entities shown and still valid, by kind and id."""
         self._show("atv", visibility.atv, projection.atvs.views())
         for kind, (show, views) in self._others.items():
             self._show(kind, show, views())
 
     def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
-        """See `StreamScope.snapshot`: what has been told so far, so that nothing else leaves as gone later."""
+        """See `StreamScope.snapshot`: everything shown so far, since only that is reported as gone later."""
         shown = {kind: tuple(views.values()) for kind, views in self._shown.items()}
         shown["task"] = shown["task"][:most]
         news = sorted(shown["news"], key=lambda each: each.at_s)
@@ -198,7 +198,7 @@ class AreaScope:
         """See `StreamScope.delta`."""
         before = set(self._shown["atv"])
         atvs, gone = self._show("atv", self._visibility.atv, told.atvs)
-        # Who comes or goes has a name or has none from here on, in everything that tells of it.
+        # A vehicle that enters or leaves gains or loses its name in everything that mentions it.
         crossed = bool(gone) or any(atv.id not in before for atv in atvs)
         changed = {
             "machine": told.machines,
@@ -233,10 +233,10 @@ class AreaScope:
         )
 
     def _show(self, kind: str, show: Show, views: Iterable[Any]) -> tuple[tuple[Any, ...], list[str]]:
-        """Look at some views.
+        """Filter some views.
 
         Returns:
-            Those that look otherwise than they were shown, and the names of those that are seen no longer.
+            Views that differ from those shown, and the names of those no longer seen.
         """
         shown, told, gone = self._shown[kind], [], []
         for view in views:
@@ -250,7 +250,7 @@ class AreaScope:
         return tuple(told), gone
 
     def _forget(self, gone: Iterable[str]) -> list[str]:
-        """What has left the plant's stream leaves this one, if it was there."""
+        """Forget entities gone from the plant's stream; returns those that were shown here."""
         left = []
         for name in gone:
             kind, _, entity = name.partition(":")

@@ -1,7 +1,7 @@
-"""Two clocks: the plant's, on which agents live, and the wall's, on which people do.
+"""Two clocks: the plant's clock for agents, and the wall clock for people.
 
-A simulated factory may run at many times real time. Everything outside of it (REST, SQL, panels) is
-on the wall clock; here, and nowhere else, one is turned into the other.
+A simulated factory may run at many times real time. Everything outside of it (REST, SQL, panels) uses the
+wall clock. Only this module converts between them.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ from dataclasses import dataclass
 from dray.plant.working_time import WorkingTime
 
 LOOK_S = 0.25
-"""The wall clock may be set, and need not run as the loop's does: whoever waits for a moment of it looks so often."""
+"""Seconds between two looks at the wall clock while waiting: it may be set, and may run at another rate than
+the loop's clock."""
 
 
 @dataclass(slots=True)
 class TimeScale:
-    """A straight line from the plant's clock to the wall clock. It moves where a simulated plant's clock stands (`stood`).
+    """A linear map from plant clock to wall clock. It shifts when a simulated plant's clock stops (`stood`).
 
     Attributes:
         plant_epoch_s: a moment on the plant's clock...
@@ -36,7 +37,7 @@ class TimeScale:
             raise ValueError(f"a speed is above 0: {self.speed}")
 
     def stood(self, stood_s: float) -> None:
-        """The plant's clock has stood for so long (wall seconds), since its computer could not keep up: what it shows is later on the wall."""
+        """Shift the map: the plant's clock stood still for these wall seconds (a slow computer)."""
         self.wall_epoch_s += stood_s
 
     def to_wall_s(self, plant_s: float) -> float:
@@ -49,12 +50,12 @@ class TimeScale:
 
 
 async def wait_until(at_s: float, wall_s: Callable[[], float], news: asyncio.Event | None = None) -> None:
-    """Return when the wall clock shows `at_s`, or before, when `news` is set.
+    """Return when the wall clock shows `at_s`, or when `news` is set before.
 
     Args:
         at_s: a moment on the wall clock; infinite for never.
         wall_s: the wall clock.
-        news: what ends the wait, too.
+        news: also ends the wait.
     """
     while (left_s := at_s - wall_s()) > 0 and not (news is not None and news.is_set()):
         if news is None:
@@ -66,22 +67,22 @@ async def wait_until(at_s: float, wall_s: Callable[[], float], news: asyncio.Eve
 
 
 class WallWorkingTime:
-    """When a machine works, on the wall clock.
+    """A machine's working time on the wall clock.
 
     Args:
-        working_time: by the plant's clock.
-        time: of the plant.
+        working_time: on the plant's clock.
+        time: the plant's clocks.
     """
 
     def __init__(self, working_time: WorkingTime, time: TimeScale) -> None:
         self._working_time, self._time = working_time, time
 
     def between_s(self, start_s: float, end_s: float) -> float:
-        """Working time from one moment to another one (wall seconds)."""
+        """Working time between two moments (wall seconds)."""
         time = self._time
         return self._working_time.between_s(time.to_plant_s(start_s), time.to_plant_s(end_s)) / time.speed
 
     def after_s(self, start_s: float, work_s: float) -> float:
-        """When so much working time has passed (wall clock); infinite for never."""
+        """The moment when so much working time has passed (wall clock); infinite for never."""
         time = self._time
         return time.to_wall_s(self._working_time.after_s(time.to_plant_s(start_s), work_s * time.speed))

@@ -1,7 +1,7 @@
-"""Updates: what the clients of one room know, what has changed since they were told, and the difference as a frame.
+"""Updates: the difference between what a room's clients know and the present, as a frame.
 
-Of an entity that was told before, a frame tells its id and the fields that are different now: of a vehicle's 30 fields a
-heartbeat changes five. What the clients know is kept by entity, as the view that was told last.
+For a known entity, a frame has its id and the changed fields: a heartbeat changes five of a vehicle's 30
+fields. The last view sent is kept per entity.
 """
 
 from __future__ import annotations
@@ -19,26 +19,27 @@ _encoder = msgspec.json.Encoder()
 
 
 class Updates:
-    """Gathers what has changed until it is told."""
+    """Gathers changes until they are sent."""
 
     def __init__(self) -> None:
         self._told: dict[str, dict[str, Any]] = {collection: {} for collection in COLLECTIONS.values()}
-        """Per collection and id, the view as it was told last, by field."""
+        """Per collection and id, the last view sent, by field."""
         self._changed: dict[str, dict[str, Any]] = {collection: {} for collection in COLLECTIONS.values()}
-        """The same of what is to be told."""
+        """Per collection and id, the changed view to send."""
         self._gone: dict[str, None] = {}
         """Names, as in `Delta.gone`; a dict for its order."""
         self._factory: FactoryView | None = None
         self._is_whole = False
-        """The next frame tells whole entities: somebody may know something that `_told` does not say."""
+        """Whether the next frame sends whole entities, because a client may know another state than
+        `_told`."""
 
     @property
     def waiting(self) -> bool:
-        """Whether there is anything to tell."""
+        """Whether there are changes to send."""
         return self._factory is not None or bool(self._gone) or any(self._changed.values())
 
     def note(self, delta: Delta) -> None:
-        """Something has changed."""
+        """Take in changes."""
         if delta.factory is not None:
             self._factory = delta.factory
         for name in delta.gone:
@@ -55,38 +56,42 @@ class Updates:
                     self._gone.pop(f"{kind}:{view.id}", None)
 
     def tell(self, collection: str, views: Iterable[Any]) -> None:
-        """Tell these in the next frame, whole: somebody does not know them."""
+        """Send these whole in the next frame, because some client does not know them."""
         self._changed[collection] |= {view.id: view for view in views}
         self._is_whole = True
 
     def begin(self, snapshot: Snapshot) -> None:
-        """All clients know this snapshot, and nothing else."""
+        """Start: all clients know exactly this snapshot."""
         for collection in COLLECTIONS.values():
             views = getattr(snapshot, collection)
             self._told[collection] = {view.id: _fields(view) for view in views}
 
     def known(self) -> dict[str, list[dict[str, Any]]]:
-        """What the clients know, per collection: entities by field, as `whole` encodes them. They are never changed: others take their places."""
+        """What the clients know: entities by field, as `whole` encodes them.
+
+        They never change in place; new ones replace them.
+        """
         return {collection: list(told.values()) for collection, told in self._told.items()}
 
     def tell_whole(self) -> None:
-        """Somebody was given a snapshot, which may be newer than what the others know."""
+        """Send whole entities next: a client got a snapshot that may be newer than what others know."""
         self._is_whole = True
 
     def frame(self, number: int, at_s: float, most: int | None = None) -> dict[str, Any]:
-        """The next frame; from here on its content is known.
+        """The next frame; its content counts as known from here on.
 
         Args:
-            number: of the frame.
+            number: the frame's number.
             at_s: the wall clock.
-            most: so many of each of `MANY`, those that changed first; the others wait for the frame after it. None for all.
+            most: maximum entities of each collection in `MANY`, first changed first; the others wait for the
+                next frame. None for all.
         """
         frame: dict[str, Any] = {"type": "delta", "number": number, "at_s": at_s, "factory": self._factory}
         are_left = False
         for collection, views in self._changed.items():
             told = self._told[collection]
             these = tuple(islice(views, most if collection in MANY else None))
-            # Views go on changing in place: what was told is kept as it was.
+            # Views go on changing in place, so a copy of what was sent is kept.
             now = {entity: _fields(views.pop(entity)) for entity in these}
             are_left |= bool(views)
             frame[collection] = [
@@ -103,13 +108,13 @@ class Updates:
             kind, _, entity = name.partition(":")
             self._told[COLLECTIONS[kind]].pop(entity, None)
         self._gone.clear()
-        # Whoever knows more than was told here may know more of those that are left, too.
+        # A client with a newer snapshot may also know more of the entities left over.
         self._factory, self._is_whole = None, self._is_whole and are_left
         return frame
 
 
 def _fields(view: Any) -> dict[str, Any]:
-    """A view as it is told, by field: what has parts as JSON, else what is kept of thousands of bids keeps the collector of garbage busy."""
+    """A view by field, nested fields as JSON: kept bids as objects would burden the garbage collector."""
     fields: dict[str, Any] = msgspec.to_builtins(view)
     for field, value in fields.items():
         if isinstance(value, list | tuple | dict):
@@ -118,10 +123,10 @@ def _fields(view: Any) -> dict[str, Any]:
 
 
 def whole(head: dict[str, Any], known: dict[str, list[dict[str, Any]]]) -> bytes:
-    """A snapshot as JSON, entity by entity: made in another thread, it holds the loop's up no longer than one of them takes.
+    """A snapshot as JSON, entity by entity: in another thread, it blocks the loop for one entity at most.
 
     Args:
-        head: what it says beside its entities.
+        head: its fields other than entities.
         known: see `Updates.known`.
     """
     return _encoder.encode(
@@ -130,7 +135,7 @@ def whole(head: dict[str, Any], known: dict[str, list[dict[str, Any]]]) -> bytes
 
 
 def array(entities: Iterable[Any]) -> msgspec.Raw:
-    """Entities as JSON, one after the other."""
+    """Entities as a JSON array."""
     return msgspec.Raw(b"[" + b",".join(map(_encoder.encode, entities)) + b"]")
 
 
@@ -147,5 +152,5 @@ def _raw(fields: dict[str, Any]) -> dict[str, Any]:
 
 
 def _difference(before: dict[str, Any], view: dict[str, Any]) -> dict[str, Any]:
-    """What of an entity is different from before, and its id."""
+    """The changed fields of an entity, and its id."""
     return {"id": view["id"]} | {field: value for field, value in view.items() if value != before[field]}

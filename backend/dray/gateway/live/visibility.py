@@ -1,9 +1,9 @@
-"""Visibility: what somebody sees who is limited to areas of the plant.
+"""Visibility: what a caller limited to areas sees of the plant.
 
-Seen are the vehicles that stand in the areas at this moment, the machines whose docks lie there, the
-transports that concern these, and what is wrong with them. Of a transport its way through the plant is
-seen, and of its auction only who has not bid and why: no bids, no prices, no orders. A vehicle that stands elsewhere is never
-named: where there is one it says `ELSEWHERE`. Only commands that were given to it in the areas stay seen.
+Such a caller sees vehicles inside the areas now, machines with docks there, their transports, and what is
+wrong with them. It sees a transport's way through the plant, but of its auction only the refusals with
+reasons: no bids, prices or orders. A vehicle elsewhere is never named, but shown as `ELSEWHERE`. Commands
+stay visible only if given to a vehicle inside the areas.
 """
 
 from __future__ import annotations
@@ -45,41 +45,41 @@ from dray.plant.floor.doors import doors_along
 from dray.plant.model import PlantFile
 
 ELSEWHERE = "*"
-"""Stands for a vehicle outside of the areas: that there is one is seen, which one is not."""
+"""Stands for a vehicle outside the areas: its existence is seen, its name is not."""
 
 OF_TAKEOVERS = frozenset({"took_over", "takeover_refused", "announced_anew"})
 OF_VEHICLES = frozenset({"link_lost", "link_back", "help_asked", "help_promised"})
 """Kinds of news that are seen; the others are about orders."""
 
 _WORDS = re.compile(r"\w[\w.-]*")
-"""Ids of a plant file, with the full stop after them when they end a sentence."""
+"""Ids in a text, including a full stop that ends the sentence."""
 
 
 _GOAL = re.compile(r"O-.+\.\d+")
-"""A goal of an order that was placed here: the order's name, and where in it the goal stands."""
+"""A goal of an order placed here: the order's name and the goal's position in it."""
 
 _OF_ORDERS = re.compile(rb"(?<![\w.])O-(?:[\w-]+(?:\.\d+)+|[0-9A-Z]{9}-[0-9A-Z]{4}(?![\w-]))")
-"""The same in the midst of JSON, or an order that was placed here."""
+"""A goal or an order placed here, inside JSON."""
 
 _LOST = "lost-"
-"""How the names of news about lost goals begin."""
+"""Prefix of the names of news about lost goals."""
 
 _SECRET = secrets.token_bytes(16)
-"""Orders' names follow from the time: without it whoever tries them all finds the one behind an alias."""
+"""Key of aliases: order names follow from the time, so an unkeyed hash could be reversed by trying all."""
 
 
 def goal_alias(name: str) -> str:
-    """What a goal is called before who may not read orders, the same while this process lives; any other name stays as it is."""
+    """A goal's alias for callers who may not read orders, stable in this process; other names stay."""
     return _alias("goal", name.encode()) if _GOAL.fullmatch(name) else name
 
 
 def order_alias(name: str) -> str:
-    """The same for an order."""
+    """An order's alias."""
     return _alias("order", name.encode())
 
 
 def words_alias(json: bytes) -> bytes:
-    """The same for all goals and orders that are named in a JSON document, by `goal_alias` and `order_alias`."""
+    """A JSON document in which all goals and orders have their aliases."""
     return _OF_ORDERS.sub(
         lambda found: _alias("goal" if b"." in found[0] else "order", found[0]).encode(), json
     )
@@ -90,12 +90,12 @@ def _alias(kind: str, name: bytes) -> str:
 
 
 def news_alias(name: str) -> str:
-    """The same for the name of news."""
+    """The alias of a news name."""
     return _LOST + goal_alias(name.removeprefix(_LOST)) if name.startswith(_LOST) else name
 
 
 class WholeVisibility:
-    """What is seen by whoever sees the whole plant: everything, as it is.
+    """Visibility of the whole plant: everything, unchanged.
 
     Args:
         site: the plant.
@@ -105,7 +105,7 @@ class WholeVisibility:
         self._site = site
 
     def plant(self) -> PlantFile:
-        """The plant file, with the lanes that are driven."""
+        """The plant file, with the lanes in use."""
         return self._site.plant.driven
 
     def atv(self, view: AtvView) -> AtvView | None:
@@ -146,28 +146,29 @@ class WholeVisibility:
 
 
 class FactoryVisibility(WholeVisibility):
-    """What is seen of the whole plant by whoever may not read orders: how the factory does, and not for whom.
+    """Visibility of the whole plant without orders: how the factory does, not for whom.
 
-    Goals carry the name of their order, which tells when it was placed: they have other names here (`goal_alias`).
+    Goals carry the name of their order, which reveals when it was placed. They get aliases here
+    (`goal_alias`).
     """
 
     def machine(self, view: MachineView) -> MachineView | None:
-        """A machine, whose goals have other names."""
+        """A machine, with aliases for its goals."""
         goals = tuple(replace(goal, goal=goal_alias(goal.goal)) for goal in view.goals)
         return replace(view, goals=goals) if goals else view
 
     def station(self, view: StationView) -> StationView | None:
-        """The station of a storage, or the gate, to which goals of other names are to come."""
+        """The station of a storage, or the gate, with aliases for the goals to come."""
         to_come = tuple(replace(each, goal=goal_alias(each.goal)) for each in view.to_come)
         return replace(view, to_come=to_come) if to_come else view
 
     def task(self, view: TaskView) -> TaskView | None:
-        """A task, without the order that it is for."""
+        """A task without its order."""
         stranded = view.stranded and replace(view.stranded, order="")
         return replace(view, id=goal_alias(view.id), goal=goal_alias(view.goal), order="", stranded=stranded)
 
     def news(self, view: NewsView) -> NewsView | None:
-        """News, unless it is of an order."""
+        """News, except about orders."""
         if view.order:
             return None
         return replace(
@@ -179,16 +180,16 @@ class FactoryVisibility(WholeVisibility):
         )
 
     def alert(self, view: AlertView) -> AlertView | None:
-        """What is wrong, unless it is with an order; of goods, without the order that they are for."""
+        """An alert, except about orders; one about goods comes without its order."""
         return replace(view, order="") if view.goods is not None else None if view.order else view
 
 
 class AreaVisibility:
-    """What is seen in some areas.
+    """Visibility of some areas.
 
     Args:
-        projection: the whole plant as it is now.
-        areas: ids of areas; those that the plant does not have hold nothing.
+        projection: the present plant.
+        areas: ids of areas; unknown ones are empty.
     """
 
     def __init__(self, projection: PlantPicture, areas: frozenset[str]) -> None:
@@ -198,7 +199,7 @@ class AreaVisibility:
         self._here = self._within(plant)
         inside = {node.id for node in plant.nodes.values() if self.reaches(node.x_m, node.y_m)}
         self._lanes = tuple(lane for lane in plant.driven.lanes if lane.start in inside or lane.end in inside)
-        # A lane that crosses the border is seen with both of its ends.
+        # A lane across the border is seen with both of its ends.
         self._nodes = inside.union(*((lane.start, lane.end) for lane in self._lanes))
 
     def reaches(self, x_m: float, y_m: float) -> bool:
@@ -206,14 +207,14 @@ class AreaVisibility:
         return self._plant.is_in(x_m, y_m, self._areas)
 
     def has(self, agent: str) -> bool:
-        """Whether a machine, the station of a storage, the gate or a vehicle is there at this moment."""
+        """Whether a machine, a station, the gate or a vehicle is in the areas now."""
         if places := places_of(self._projection.site.plant, agent):
             return not self._places.isdisjoint(places)
         place_m = self._projection.atvs.place_m(agent)
         return place_m is not None and self.reaches(*place_m)
 
     def plant(self) -> PlantFile:
-        """The part of the plant file that lies in the areas, with the lanes that are driven."""
+        """The part of the plant file inside the areas, with the lanes in use."""
         file, seen = self._projection.site.plant.driven, self._places
         machines = tuple(each for each in file.machines if each.id in seen)
         stations = {machine.station for machine in machines}
@@ -233,7 +234,7 @@ class AreaVisibility:
         )
 
     def atv(self, view: AtvView) -> AtvView | None:
-        """A vehicle, where it is seen."""
+        """A vehicle inside the areas."""
         if not self.reaches(view.x_m, view.y_m):
             return None
         return replace(
@@ -254,7 +255,7 @@ class AreaVisibility:
         )
 
     def machine(self, view: MachineView) -> MachineView | None:
-        """A machine, where it is seen; its goals are numbered, for their names tell of orders."""
+        """A machine inside the areas; its goals are numbered, since their names reveal orders."""
         if view.id not in self._places:
             return None
         goals = tuple(replace(goal, goal=str(number)) for number, goal in enumerate(view.goals, 1))
@@ -267,13 +268,13 @@ class AreaVisibility:
         )
 
     def station(self, view: StationView) -> StationView | None:
-        """The station of a storage, where it is seen; or the gate whose people say what has arrived, who read goals on labels."""
+        """A station inside the areas; or the gate, if its people confirm arrivals by the labels."""
         if not self.has(view.id) or (view.id == GATE and view.unconfirmed is None):
             return None
         return replace(view, shut_out=self._shut_out(view.shut_out))
 
     def task(self, view: TaskView) -> TaskView | None:
-        """A transport that concerns the areas: from, to or on board of what is seen."""
+        """A transport from, to or on board of something inside the areas."""
         if not self._concerns(view):
             return None
         return replace(
@@ -286,20 +287,20 @@ class AreaVisibility:
             stranded=view.stranded and replace(view.stranded, atv=self._who(view.stranded.atv), order=""),
             carriers=(),
             bids=(),
-            # Who waits for it is told why nobody comes, by name only of whom the areas see.
+            # People who wait for it see why nobody comes; only agents inside the areas are named.
             refusals=tuple(replace(each, agent=self._who(each.agent), detail="") for each in view.refusals),
             why=WhyView(kind="unknown"),
         )
 
     def news(self, view: NewsView) -> NewsView | None:
-        """News of what is seen."""
+        """News about agents inside the areas."""
         is_seen = self.has(view.agent)
         if is_seen and view.kind in OF_TAKEOVERS:
             return self._takeover(view)
         return replace(view, cause=self._cause(view.cause)) if is_seen and view.kind in OF_VEHICLES else None
 
     def alert(self, view: AlertView) -> AlertView | None:
-        """What is wrong with a machine, a station, a vehicle or a transport that is seen, and that nothing new is heard at all."""
+        """An alert about something inside the areas, or that the whole plant is behind."""
         if view.kind == "plant_behind":
             return view
         if view.kind in OF_MANY:
@@ -315,17 +316,17 @@ class AreaVisibility:
         return replace(view, cause=self._cause(view.cause), agents=over)
 
     def command(self, view: CommandView) -> CommandView | None:
-        """A command to a vehicle that was there when it was given."""
+        """A command to a vehicle that was inside the areas when it was given."""
         was_here = not self._projection.commands.areas_of(view.id).isdisjoint(self._areas)
         return replace(view, detail=self.words(view.detail), text=self.words(view.text)) if was_here else None
 
     def obstacle(self, view: ObstacleView) -> ObstacleView | None:
-        """What lies on a lane of which both ends are seen."""
+        """An obstacle on a lane with both ends visible."""
         is_here = view.start in self._nodes and view.end in self._nodes
         return replace(view, by=self._who(view.by)) if is_here else None
 
     def closure(self, view: ClosureView) -> ClosureView | None:
-        """A closure of which some lane is seen, with the lanes that are."""
+        """A closure with a visible lane, reduced to the visible lanes."""
         lanes = tuple(lane for lane in view.lanes if lane.start in self._nodes and lane.end in self._nodes)
         if not lanes:
             return None
@@ -336,21 +337,21 @@ class AreaVisibility:
         )
 
     def wait(self, view: WaitView) -> WaitView | None:
-        """A vehicle that waits, where it is seen."""
+        """A wait of a vehicle inside the areas."""
         if not self.has(view.id):
             return None
         place, cause = view.place if self._is_seen(view.place) else "", self._wait_cause(view.cause)
         return replace(view, place=place, cause=cause, text=wait_text(cause))
 
     def words(self, text: str) -> str:
-        """Words for people, in which no vehicle is named that stands elsewhere."""
+        """A text in which vehicles elsewhere are not named."""
         return _WORDS.sub(self._word, text) if text else text
 
     # --- places ---
 
     @property
     def _places(self) -> frozenset[str]:
-        """Those in the areas; machines may have come since."""
+        """The places inside the areas, recomputed after a machine has joined."""
         plant = self._projection.site.plant
         if plant is not self._plant:
             self._plant, self._here = plant, self._within(plant)
@@ -387,20 +388,20 @@ class AreaVisibility:
         )
 
     def _cause(self, view: CauseView | None) -> CauseView | None:
-        """Vehicles are named in words only: its parts are of machines and storages."""
+        """A cause filtered: only its texts and its wait can name vehicles."""
         if view is None:
             return None
         wait = None if view.wait is None else self._wait_cause(view.wait)
         return replace(view, detail=self.words(view.detail), wait=wait, text=self.words(view.text))
 
     def _wait_cause(self, view: WaitCauseView) -> WaitCauseView:
-        """Those elsewhere, one behind the other, are one: how many there are is not said."""
+        """A wait filtered: neighbours elsewhere in the chain become one, which hides their number."""
         place = view.place if view.place in self._places else ""
         chain = tuple(who for who, _ in groupby(self._who(atv) for atv in view.chain))
         return replace(view, chain=chain, place=place)
 
     def _of_many(self, view: AlertView) -> AlertView | None:
-        """A jam, or what many have lost, where one of them is seen."""
+        """An alert about several agents, if one of them is inside the areas."""
         if not any(self.has(agent) for agent in view.agents):
             return None
         return replace(
@@ -412,12 +413,12 @@ class AreaVisibility:
         )
 
     def _is_seen(self, place: str) -> bool:
-        """Whether a node is seen, or the middle of a crossing."""
+        """Whether a node, or the middle of a crossing, is visible."""
         crossing = self._plant.crossings.get(place)
         return place in self._nodes if crossing is None else self.reaches(crossing.x_m, crossing.y_m)
 
     def _removal(self, removal: RemovalView | None) -> RemovalView | None:
-        """Of what is free again only what lies in the areas."""
+        """A removal with only the visible freed places."""
         if removal is None:
             return None
         freed = tuple(place for place in removal.freed if self._is_seen(place))
@@ -430,7 +431,7 @@ class AreaVisibility:
         return agent if not agent or self.has(agent) else ELSEWHERE
 
     def _way(self, way: tuple[str, ...]) -> tuple[str, ...]:
-        """As far as it is seen."""
+        """The visible begin of a way."""
         return tuple(takewhile(self._nodes.__contains__, way))
 
     def _word(self, found: re.Match[str]) -> str:
@@ -445,12 +446,12 @@ Visibility = WholeVisibility | FactoryVisibility | AreaVisibility
 def visibility_of(
     projection: PlantPicture, areas: frozenset[str] | None, *, orders: bool = True
 ) -> Visibility:
-    """What somebody sees.
+    """The visibility of a caller.
 
     Args:
-        projection: the whole plant.
-        areas: in which areas; None for the whole plant.
-        orders: whether orders may be read; in areas they are not seen anyhow.
+        projection: the whole plant's picture.
+        areas: ids of the caller's areas; None for the whole plant.
+        orders: whether the caller may read orders; ignored with areas, which never show orders.
     """
     if areas is not None:
         return AreaVisibility(projection, areas)

@@ -1,11 +1,11 @@
-"""Metrics: what the gateway counts and measures, in Prometheus' words.
+"""Metrics: the gateway's counts and measurements, in Prometheus' terms.
 
-Names end in their unit, or in `_total` where they only grow. Labels are words of ours (a kind, a status, a
-reason, a route's template), never ids or what a peer has written, so that there are few series. Times of
-the factory are seconds of the plant's clock.
+Names end in their unit, or in `_total` for counters. Labels are our own words (a kind, a status, a reason, a
+route's template), never ids or a peer's text, which bounds the number of series. Factory times are seconds of
+the plant's clock.
 
-`meter` counts what is heard on the bus, `stopwatch` how long requests take; `state` and `history` read what
-the other parts know anyway when somebody asks.
+`meter` counts messages on the bus, `stopwatch` measures requests; `state` and `history` read other parts'
+data on request.
 """
 
 from __future__ import annotations

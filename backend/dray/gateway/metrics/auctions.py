@@ -1,4 +1,4 @@
-"""Auctions and tasks: how many, how long, with how many rounds and bids."""
+"""Auctions and tasks: counts, durations, rounds and bids."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ K = TypeVar("K")
 V = TypeVar("V")
 
 OPEN = 10_000
-"""Tasks and auctions that are followed at once; beyond that the oldest are forgotten and not measured."""
+"""Maximum tasks and auctions followed at once; beyond that the oldest are dropped unmeasured."""
 
 AUCTION_BUCKETS_S = (1.0, 2.0, 3.0, 5.0, 8.0, 15.0, 30.0, 60.0, 120.0, 300.0)
-"""One round takes some 3 s; a machine that finds nobody asks for minutes."""
+"""One round takes some 3 s; a machine without bidders asks for minutes."""
 
 TRANSPORT_BUCKETS_S = (30.0, 60.0, 90.0, 120.0, 180.0, 240.0, 360.0, 600.0, 1200.0, 3600.0)
 """The default plant takes two or three minutes; with a takeover, twice as long."""
@@ -40,15 +40,15 @@ class _Auction:
 
 
 class Auctions:
-    """Measures auctions and tasks whose beginning was heard here.
+    """Measures auctions and tasks whose begin was heard here.
 
     Args:
-        registry: where the metrics are told.
+        registry: registry of the metrics.
     """
 
     def __init__(self, registry: CollectorRegistry) -> None:
         self._opened_s: dict[str, float] = {}
-        """Open transports, and when they were announced (plant clock)."""
+        """Open transports -> time of their announcement (plant clock)."""
         self._auctions: dict[tuple[str, Role], _Auction] = {}
 
         def counter(name: str, what: str, *labels: str) -> Counter:
@@ -70,7 +70,7 @@ class Auctions:
         self._failed = counter("auction_rounds_failed", "Rounds in which nobody was contracted.", "role")
 
     def count(self, event: Event) -> None:
-        """Take in what a coordinator tells."""
+        """Take in a coordinator's event."""
         match event.fact:
             case TaskOpened() as fact:
                 self._open(fact, event.at_s)
@@ -119,7 +119,7 @@ class Auctions:
 
 
 def _put(there: dict[K, V], key: K, value: V) -> None:
-    """Keep something, and forget the oldest when there is too much."""
+    """Store an entry, and drop the oldest if there are too many."""
     if len(there) >= OPEN:
         del there[next(iter(there))]
     there[key] = value

@@ -1,4 +1,4 @@
-"""History: how far the historian has come with writing it."""
+"""History: the historian's progress."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from dray.store import Historian
 
 
 class History(Collector):
-    """Reads a historian, wherever it runs.
+    """Reads a historian's figures.
 
     Args:
-        historian: in this process.
+        historian: the historian in this process.
     """
 
     def __init__(self, historian: Historian) -> None:
         self._historian = historian
 
     def collect(self) -> Iterator[Metric]:
-        """Everything as of now."""
+        """The present values."""
         historian = self._historian
         yield gauge("historian_up", "Whether the historian can write.", not historian.failing)
         yield counters(

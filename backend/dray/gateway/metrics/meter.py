@@ -1,7 +1,7 @@
-"""The meter: counts what is heard on the bus.
+"""The meter: counts messages on the bus.
 
-Facts are numbered by who tells them; one that comes twice, or late, is counted once or not at all. What is
-fetched again after it was lost is for the history, not for rates of now.
+Facts are numbered by their agents; duplicates and late ones are counted once or not at all. Facts fetched
+again after a loss are for the history, not for present rates.
 """
 
 from __future__ import annotations
@@ -27,22 +27,21 @@ from dray.messages.fact import (
 )
 
 AGENTS = 10_000
-"""Agents whose numbers are remembered: ten times those of the largest plant. A peer that invents ids ends
-here."""
+"""Maximum agents remembered: ten times those of the largest plant. It bounds invented ids."""
 
 
 ORDERS = 50_000
-"""Orders of which is known that they were counted, some 10 MB: many times those that end while a strategist is away."""
+"""Maximum orders remembered as counted, some 10 MB: many times those that end while a strategist is away."""
 
 GOALS = 50_000
-"""Goals of which is known how much was counted, likewise."""
+"""Maximum goals whose count is remembered, likewise."""
 
 K = TypeVar("K")
 V = TypeVar("V")
 
 
 def _keep(known: dict[K, V], key: K, value: V, most: int) -> None:
-    """Note it as the newest, and forget the oldest that is too many."""
+    """Note an entry as the newest, and drop the oldest beyond the maximum."""
     known.pop(key, None)
     known[key] = value
     if len(known) > most:
@@ -53,16 +52,16 @@ class Meter:
     """Counts.
 
     Args:
-        registry: where the metrics are told.
+        registry: registry of the metrics.
     """
 
     def __init__(self, registry: CollectorRegistry) -> None:
         self._last: dict[str, tuple[int, int]] = {}
-        """By agent, the life and the number of its newest fact that was counted."""
+        """Per agent, incarnation and number of its newest counted fact."""
         self._orders: dict[tuple[type[AnyFact], str], None] = {}
-        """What was counted of which orders: of several strategists more than one may tell it."""
+        """Order facts already counted, since several strategists may report them."""
         self._arrived: dict[str, int] = {}
-        """By goal, pieces that were counted: whoever takes an order over tells all that had arrived."""
+        """Per goal, pieces already counted, since a new holder of an order reports all arrivals again."""
         self._auctions = Auctions(registry)
 
         def counter(name: str, what: str, *labels: str) -> Counter:

@@ -11,19 +11,19 @@ from dray.adapters.telemetry.metrics_port import new_registry
 from dray.gateway.metrics.meter import Meter
 
 REQUEST_BUCKETS_S = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0)
-"""From an answer out of memory to one that waits for a vehicle's word."""
+"""From an answer out of memory to one that waits for a vehicle."""
 
 
 class Metrics:
-    """What is counted and measured.
+    """The metrics.
 
     Args:
-        collectors: of others in this process, who know what the gateway does not.
+        collectors: metrics of other parts of this process.
 
     Attributes:
-        registry: all of it.
-        meter: of what is heard on the bus.
-        requests: how long requests took.
+        registry: registry of all metrics.
+        meter: counts messages on the bus.
+        requests: durations of requests.
     """
 
     def __init__(self, collectors: Iterable[Collector] = ()) -> None:
@@ -40,9 +40,9 @@ class Metrics:
             self.add(collector)
 
     def add(self, collector: Collector) -> None:
-        """Tell what this one knows, too."""
+        """Add a collector."""
         self.registry.register(collector)
 
     def text(self) -> bytes:
-        """Everything as of now, in Prometheus' text format."""
+        """All present values in Prometheus' text format."""
         return generate_latest(self.registry)

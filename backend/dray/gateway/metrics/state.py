@@ -1,4 +1,4 @@
-"""State: what others in a gateway know anyway, read when Prometheus asks."""
+"""State: values of other parts, read when Prometheus asks."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from dray.supervision import Supervisor
 
 
 class State(Collector):
-    """Reads what others know.
+    """Reads other parts' values.
 
     Args:
         projection: the factory as panels see it.
         hub: the open panels.
-        peer: the place on the bus.
-        strategist_probe: when the strategist was heard.
-        health: how the database answers.
+        peer: the connection to the bus.
+        strategist_probe: tells when the strategist was heard.
+        health: tells how the database answers.
         store: the database.
-        supervisor: of the gateway's tasks.
+        supervisor: supervises the gateway's tasks.
         wall_s: the wall clock.
     """
 
@@ -50,7 +50,7 @@ class State(Collector):
         self._store, self._supervisor, self._wall_s = store, supervisor, wall_s
 
     def collect(self) -> Iterator[Metric]:
-        """Everything as of now."""
+        """The present values."""
         yield from self._factory()
         yield from self._gateway()
         yield from self._database(self._health)

@@ -1,4 +1,4 @@
-"""The stopwatch: takes the time of every request."""
+"""The stopwatch: measures every request."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from dray.gateway.http.provided import provided
 from dray.gateway.metrics.metrics import Metrics
 
 FILES = f"{PREFIX}*"
-"""The route of the panels' files."""
+"""Route label of the panels' files."""
 
 UNKNOWN = "unknown"
-"""The route of what is nowhere: its paths are of others' making, and endless."""
+"""Route label of unknown paths, which are unlimited in number."""
 
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 
 
 class Stopwatch:
-    """Observes how long answers took, by route. It stands outside of everything that could answer."""
+    """Measures durations of answers by route; the outermost layer."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

@@ -1,6 +1,6 @@
-"""Orders of customers, from a draft to the strategist's last word on them (paper, 3.2, strategical layer).
+"""Customers' orders, from a draft to the strategist's last answer (paper, 3.2, strategical layer).
 
-In: `drafts`, `csv_import`, `feasibility`, `placement` under an `idempotency` key. Later: `actions` of people. To the
-strategist: `outbox`; what it answers: `completions`; what may have been missed: `reconciliation`. All of it is in SQL
-before anybody is told.
+In: `drafts`, `csv_import`, `feasibility`, `placement` under an `idempotency` key. Later: people's `actions`.
+To the strategist: `outbox`; its answers: `completions`; possibly lost messages: `reconciliation`. Everything
+is in SQL before it is announced.
 """

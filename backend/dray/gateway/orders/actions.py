@@ -1,6 +1,6 @@
-"""Order actions: what people do with an order after it was placed.
+"""Order actions: people's actions on an order after it was placed.
 
-Each is on disk before panels and the strategist hear of it.
+Each action is on disk before panels and the strategist hear of it.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ class OrderActions:
     """Releases, revokes and cancels orders.
 
     Args:
-        store: where orders are kept.
-        projection: shows them.
+        store: the database with the orders.
+        projection: shows the orders.
         outbox: tells the strategist.
         wall_s: the wall clock.
     """
@@ -33,13 +33,13 @@ class OrderActions:
         self._store, self._projection, self._outbox, self._wall_s = store, projection, outbox, wall_s
 
     async def release(self, order_id: str) -> Order | None:
-        """Hand a stored order to the factory; one that is there already stays as it is.
+        """Release a stored order to the factory; an order released already stays as it is.
 
         Returns:
-            The order as it is now; None when there is none.
+            The order now; None if it does not exist.
 
         Raises:
-            Problem: 409, it has ended.
+            Problem: 409, it was cancelled or is being taken back.
         """
         async with self._store.write() as work:
             before = await work.orders.get(order_id)
@@ -66,13 +66,13 @@ class OrderActions:
         return after
 
     async def revoke(self, order_id: str) -> Order | None:
-        """Take the start of an order back; one that is stored, or being taken back, stays as it is.
+        """Take back an order's release; a stored order, or one being taken back, stays as it is.
 
         Returns:
-            The order as it is now: stored only when the factory has confirmed; None when there is none.
+            The order now: stored only once the factory has confirmed; None if it does not exist.
 
         Raises:
-            Problem: 409, it has ended.
+            Problem: 409, it has ended or is being changed.
         """
         async with self._store.write() as work:
             before = await work.orders.get(order_id)
@@ -96,10 +96,10 @@ class OrderActions:
         return after
 
     async def cancel(self, order_id: str) -> Order | None:
-        """Cancel an order; one that is cancelled already stays so.
+        """Cancel an order; a cancelled one stays so.
 
         Returns:
-            The order as it is now; None when there is none.
+            The order now; None if it does not exist.
 
         Raises:
             Problem: 409, it is delivered.

@@ -1,7 +1,7 @@
-"""What a key may not call for, and when it has called for enough.
+"""Limits of a key for transports: what it may call for, and how much at once.
 
-Whoever has the key of a call button can do what its button can, and no more: something is brought to its places or taken away from them,
-of its materials, no sooner than its priority allows, and only so much at once.
+A stolen call button's key can do no more than the button: transports to or from its places, of its materials,
+no sooner than its priority allows, and a limited number at once.
 """
 
 from __future__ import annotations
@@ -18,27 +18,28 @@ from dray.gateway.orders.transport_draft import TransportDraft
 from dray.priorities import TRANSPORT_WITHIN_S, Priority
 
 AGAIN_S = 60
-"""Seconds after which it is worth while to call again: a transport takes some minutes."""
+"""Seconds after which a new call is worth while: a transport takes some minutes."""
 
 LATE_S = 30.0
-"""By which a due time may be sooner than the priority allows: a request is on its way for some seconds, and clocks differ."""
+"""Tolerance in seconds for a due time sooner than the priority allows: requests take seconds, and clocks
+differ."""
 
 
 def refuse_beyond(
     limits: CallLimits, draft: TransportDraft, source: str, destination: str, begin_s: float, speed: float
 ) -> None:
-    """Refuse what a key may not call for.
+    """Refuse a call beyond a key's limits.
 
     Args:
-        limits: of the key.
-        draft: what it calls for.
-        source: from where, also where the draft leaves that open.
-        destination: to where, likewise.
-        begin_s: when it begins; wall clock.
-        speed: plant seconds in a wall second.
+        limits: the key's limits.
+        draft: the call.
+        source: its source, even if the draft leaves it open.
+        destination: its destination, likewise.
+        begin_s: its begin, wall clock.
+        speed: plant seconds per wall second.
 
     Raises:
-        Problem: 403; it names each field, and what the key may.
+        Problem: 403; names each field and its limit.
     """
     errors = []
     if limits.places and limits.places.isdisjoint((source, destination)):
@@ -66,16 +67,16 @@ def refuse_beyond(
 def refuse_full(
     limits: CallLimits, source: str, destination: str, open_ends: Sequence[tuple[str, str]]
 ) -> None:
-    """Refuse a call of a key of which as much is open as may be.
+    """Refuse a call of a key that has reached its maximum of open calls.
 
     Args:
-        limits: of the key.
-        source: from where.
-        destination: to where.
-        open_ends: source and destination of what it has open.
+        limits: the key's limits.
+        source: the call's source.
+        destination: the call's destination.
+        open_ends: source and destination of each open call.
 
     Raises:
-        Problem: 429; it names the bound.
+        Problem: 429; names the limit.
     """
     errors = []
     if len(open_ends) >= limits.open_max:
@@ -97,6 +98,6 @@ def refuse_full(
 
 
 def _counted(limits: CallLimits, ends: Iterable[str]) -> set[str]:
-    """The places at which a transport counts: those of the key; of a key of all places the one to which it goes."""
+    """A transport's places that count: the key's, or the destination if the key has all."""
     source, destination = ends
     return {source, destination} & limits.places if limits.places else {destination}

@@ -1,6 +1,7 @@
-"""The change feed: what has changed of orders and transports, for systems that follow them, and waiting for the next change.
+"""The change feed: changes of orders and transports for other systems, and waiting for the next one.
 
-Whoever waits holds neither a connection to the database nor a thread: one look at the newest position serves all who wait.
+A waiting request holds neither a database connection nor a thread: one look at the newest position serves
+all.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ from dray.store import Store
 from dray.store.orders.change_log import Change, Seen
 
 LOOK_EVERY_S = 0.5
-"""Wall seconds between two looks at what is new while somebody waits: what another gateway on the database does is seen no sooner."""
+"""Wall seconds between two looks while a request waits: the delay for changes by another gateway."""
 
 WAITING_MOST = 200
-"""Requests that may wait at once. Each costs some kilobytes."""
+"""Maximum waiting requests. Each costs some kilobytes."""
 
 WAIT_S = 30.0
-"""The longest wait: shorter than what proxies on the way grant an answer."""
+"""Maximum wait in seconds: shorter than proxies' timeouts."""
 
 
 class Changes(msgspec.Struct, frozen=True):
@@ -30,21 +31,22 @@ class Changes(msgspec.Struct, frozen=True):
 
     rows: Sequence[Change]
     until: int
-    """All changes up to this position are among these, or before them."""
+    """Position up to which all changes are here or came before."""
     more: bool
-    """Whether there are some behind it."""
+    """Whether more changes follow."""
     is_forgotten: bool = False
-    """What comes after the position that was asked for is not kept any more, or never was there: the log is another one."""
+    """Whether the log no longer has the changes after the requested position, or the position is from another
+    log."""
 
 
 class ChangeFeed:
-    """Tells what has changed.
+    """Returns changes.
 
     Args:
-        store: where it is kept.
+        store: the database with the log.
 
     Attributes:
-        waiting: by caller, how many of its requests wait.
+        waiting: number of waiting requests per caller.
     """
 
     def __init__(self, store: Store) -> None:
@@ -59,17 +61,17 @@ class ChangeFeed:
             return (await work.change_log.ends())[1]
 
     async def after(self, since: int, seen: Seen, limit: int, *, caller: str, wait_s: float = 0.0) -> Changes:
-        """What has changed since a position; where nothing has, the next change is waited for.
+        """The changes after a position; if there are none, wait for the next.
 
         Args:
-            since: the position up to which all is known.
+            since: the last position known.
             seen: which changes are shown.
-            limit: how many at most.
-            caller: who asks.
-            wait_s: for how long it waits at most; 0 for not at all.
+            limit: maximum changes.
+            caller: the caller.
+            wait_s: maximum wait in seconds; 0 for no wait.
 
         Raises:
-            Problem: the caller waits in as many requests as one may.
+            Problem: the caller has its maximum of waiting requests.
             UnavailableError: the database cannot be read.
         """
         found = await self._read(since, seen, limit)
@@ -103,11 +105,11 @@ class ChangeFeed:
         return Changes(rows[:limit], rows[limit - 1].position if more else newest, more)
 
     async def _changed(self, known: int) -> None:
-        """Return when there is a change behind a position."""
+        """Return once there is a change after a position."""
         while self._newest <= known:
             if self._look is None or self._look.done():
                 self._look = asyncio.create_task(self._look_soon())
-            # Who gives up waiting must not take the look from the others.
+            # A cancelled waiter must not cancel the look of the others.
             await asyncio.shield(self._look)
 
     async def _look_soon(self) -> None:

@@ -1,7 +1,7 @@
-"""Changing an order: what is still possible, and what it becomes.
+"""Changing an order: what is still possible, and what results.
 
-What is too late is refused at once, as far as it is known here; the strategist and the machines have the last word, and a change that
-they cannot follow in full becomes what they keep.
+Changes known to be too late are refused at once. The strategist and the machines decide in the end: a change
+that they cannot follow in full becomes what they keep.
 """
 
 from __future__ import annotations
@@ -28,31 +28,31 @@ from dray.store.orders.progress import ENDED, OPEN
 from dray.store.work import Work
 
 STEP_S = 1.0
-"""So much before another order one is wanted that is to go before it, where nothing stands between."""
+"""Seconds by which an order is wanted before another, if it goes before the first one."""
 
 
 class OrderChangeDraft(BaseModel):
-    """What of an order is to change; what is left out stays as it is."""
+    """Changes to an order; fields left out stay as they are."""
 
     model_config = ConfigDict(extra="forbid")
 
     quantities: Annotated[
         list[Annotated[int, Field(strict=True, ge=1, le=MAX_QUANTITY)]] | None, Field(max_length=MAX_ITEMS)
     ] = None
-    """Pieces of each of its items, in their order. No less than is made."""
+    """Pieces per item, in order; at least those made."""
     due_at: DueMoment | None = None
     """Null for none."""
     priority: Priority | None = None
     reference: Line | None = None
     """Null for none."""
     before: Annotated[str, Field(max_length=128, pattern=r"^[^\x00]*$")] | None = None
-    """The id of an order before which it is to be wanted; nobody's queue is edited, agents are told another time."""
+    """Id of an order before which it is to be wanted; no queue is edited, agents get another wanted time."""
 
 
 def order_version(order: Order) -> str:
-    """The version of an order: it changes with what people may change, and not with how far the order is.
+    """The version of an order: it follows people's changes, not the progress.
 
-    That the factory takes a change as it was asked for is how far it is; that it takes less of it is another version.
+    A change that the factory accepts in full is progress; one accepted in part gives another version.
     """
     return "-".join(map(str, (order.releases, order.change, *order.wanted)))
 
@@ -61,8 +61,8 @@ class OrderChanging:
     """Changes orders.
 
     Args:
-        store: where they are kept.
-        projection: shows them.
+        store: the database with the orders.
+        projection: shows the orders.
         outbox: tells the strategist.
         wall_s: the wall clock.
     """
@@ -73,13 +73,14 @@ class OrderChanging:
         self._store, self._projection, self._outbox, self._wall_s = store, projection, outbox, wall_s
 
     async def change(self, order_id: str, draft: OrderChangeDraft, if_match: str | None) -> Order | None:
-        """Change an order; one that is as it is to be stays so, whatever was read before.
+        """Change an order; an order that already matches stays as it is, even if an older version was read.
 
         Returns:
-            The order as it is now; None when there is none.
+            The order now; None if it does not exist.
 
         Raises:
-            Problem: 409, it is too late; 412 and 428, another state was read, or none; 422, it means nothing.
+            Problem: 409, it is too late; 412 and 428, another version was read, or none was given; 422, the
+                change is invalid.
         """
         async with self._store.write() as work:
             before = await work.orders.get(order_id)
@@ -87,7 +88,7 @@ class OrderChanging:
                 return None
             now_s = self._wall_s()
             if before.status in OPEN:
-                # Facts may have told more than SQL knows yet.
+                # The projection may know more from facts than SQL.
                 before = _newer(before, self._projection.orders.get(order_id))
             self._refuse_nonsense(before, draft, now_s)
             change = await self._wanted(work, before, draft)
@@ -139,7 +140,7 @@ class OrderChanging:
         )
 
     async def _before(self, work: Work, order: Order, other: str) -> float:
-        """When an order is to be wanted that goes before another one: halfway to what stands before that."""
+        """The wanted time that puts an order before another one: halfway to the order ahead of that."""
         queue = sorted(
             (each.wanted_at_s, each.id)
             for each in await work.orders.open()
@@ -153,7 +154,7 @@ class OrderChanging:
 
 
 def least(order: Order) -> tuple[int, ...]:
-    """Per item, as few pieces as are still possible."""
+    """Minimum pieces still possible, per item."""
     return tuple(max(1, item.made, item.delivered) for item in order.items)
 
 
@@ -169,7 +170,7 @@ def _newer(order: Order, shown: Order | None) -> Order:
 
 
 def _is(order: Order, change: Change) -> bool:
-    """Whether an order is as a change would make it, or is on its way to that."""
+    """Whether an order already matches a change, or is on its way to it."""
     now = Change(
         quantities=order.wanted,
         reference=order.reference,

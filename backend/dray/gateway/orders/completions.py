@@ -1,8 +1,8 @@
-"""How orders have ended with the strategist, fulfilled or given back: written down, and only then not asked for.
+"""Orders ended by the strategist, fulfilled or given back: stored, and only then no longer asked for.
 
-Whatever dies in between, nothing is lost: the outbox asks until the answer is on disk, and the strategist gives
-the same answer as often as it is asked. Most orders are delivered in SQL by then, by the facts about their last
-pieces. The strategist's word ends those whose facts are late, or will never come.
+A crash in between loses nothing: the outbox asks until the answer is on disk, and the strategist repeats its
+answer each time. By then, facts about the last pieces have marked most orders as delivered. The strategist's
+answer ends orders whose facts are late or lost.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from dray.store.orders.progress import Goal, progress
 from dray.store.work import Work
 
 Ending = OrderTaken | RevocationTaken
-"""What the strategist answers about an order at which it does not work any more, or that was changed."""
+"""The strategist's answer about an order that it has ended or changed."""
 
 _log = logging.getLogger(__name__)
 
 
 class Completions:
-    """Writes down what the strategist answers.
+    """Stores the strategist's answers.
 
     Args:
-        store: where to.
-        outbox: who has asked.
-        projection: who shows it.
+        store: the database.
+        outbox: asks the strategist.
+        projection: shows the orders.
         wall_s: the wall clock.
     """
 
@@ -40,16 +40,16 @@ class Completions:
     ) -> None:
         self._store, self._outbox, self._projection, self._wall_s = store, outbox, projection, wall_s
         self._heard: dict[str, Ending] = {}
-        """By order, what is to be written: bounded by the orders that are asked for."""
+        """Answers to write, by order: bounded by the orders asked for."""
         self._news, self._written = asyncio.Event(), asyncio.Event()
         self._written.set()
 
     async def written(self) -> None:
-        """Wait until everything that has been heard is written, or has failed to be."""
+        """Wait until every answer is written, or has failed to be."""
         await self._written.wait()
 
     def on_answer(self, answer: Ending) -> bool:
-        """Take an answer; returns whether the outbox has asked for it and it is not written yet."""
+        """Take an answer; returns whether the outbox still awaits it."""
         if not self._outbox.awaits(answer):
             return False
         self._heard[answer.order] = answer
@@ -87,7 +87,7 @@ class Completions:
         self._outbox.answered(answer)
 
     async def _settle(self, work: Work, answer: OrderTaken, now_s: float) -> list[Goal]:
-        """Write down what has become of a change, and how far the order is with that; returns its goals if it was one."""
+        """Store the outcome of a change and the order's progress; returns its goals, if it was one."""
         about = (answer.order, answer.release, answer.change, answer.quantities)
         if not await work.order_changes.settle(*about, now_s):
             return []

@@ -1,7 +1,7 @@
-"""Orders out of a spreadsheet: rows of CSV read as drafts, with every fault named by its row. Pure.
+"""Orders from a spreadsheet: CSV rows read as drafts, with every fault named by its row. Pure.
 
-Rows that follow one another with the same customer and reference are the items of one order; a row without a reference is an
-order of its own.
+Successive rows with the same customer and reference are the items of one order; a row without a reference is
+an order of its own.
 """
 
 from __future__ import annotations
@@ -25,39 +25,39 @@ COLUMNS = ("customer", "reference", "product", "quantity", "due_at", "priority",
 NEEDED = ("customer", "product", "quantity")
 
 WORDS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
-"""What may stand in `release`."""
+"""Values allowed in `release`."""
 
 
 class ReadOrder(msgspec.Struct, frozen=True):
-    """One order, and the row with which it begins."""
+    """One order and its first row."""
 
     row: int
     draft: OrderDraft
 
 
 class ReadFile(msgspec.Struct, frozen=True):
-    """A file of orders as it came."""
+    """A file of orders as read."""
 
     dry_run: bool
     orders: list[ReadOrder] = []
     faults: list[RowFault] = []
-    """What is wrong with its form, by row; the first `MAX_FIELD_ERRORS`."""
+    """Faults of form, by row; at most `MAX_FIELD_ERRORS`."""
     senseless: list[RowFault] = []
-    """What has the right form and cannot be done here, or any more, likewise. It is no matter of a file that was answered before."""
+    """Faults of content here or now, likewise. They do not matter for a file that was answered before."""
     hints: list[RowFault] = []
-    """What is odd in it; as many."""
+    """Oddities; as many."""
 
 
 def read_file(body: bytes, products: Collection[str], now_s: float) -> ReadFile:
-    """Read a body that holds a file. Takes its time: side work.
+    """Read a request with a file. Slow: run as side work.
 
     Args:
         body: a `RowsFile`.
-        products: ids of what can be ordered.
-        now_s: the wall clock, by which due times are judged.
+        products: ids of the products that can be ordered.
+        now_s: the wall clock, for checking due times.
 
     Raises:
-        Problem: the body is not of this shape, or there is no file in it.
+        Problem: the body has another shape, or no file.
     """
     request = read(RowsFile, body)
     file = text_of_file(request.csv, request.base64)
@@ -78,7 +78,7 @@ def read_orders(text: str) -> tuple[list[ReadOrder], list[RowFault]]:
     """Read a file.
 
     Returns:
-        The orders whose rows have the right shape, and what is wrong with the others.
+        The orders of valid rows, and the faults of the others.
     """
     rows, faults = read_rows(text, COLUMNS, NEEDED)
     orders: list[ReadOrder] = []
@@ -97,14 +97,14 @@ def read_orders(text: str) -> tuple[list[ReadOrder], list[RowFault]]:
 
 
 def place(error: FieldError, row: int) -> RowFault:
-    """Where in a file something is wrong that was found in the draft that begins at `row`."""
+    """A fault of the draft that begins at `row`, with its place in the file."""
     first, _, column = error.field.rpartition(".")
     index = int(first[6:-1]) if first.startswith("items[") else 0
     return RowFault.at(row + index, column or first, error)
 
 
 def twice_in_file(orders: Sequence[ReadOrder]) -> list[RowFault]:
-    """Orders that have the customer and reference of another one further up in the file."""
+    """Orders that repeat a customer and reference from further up in the file."""
     hints: list[RowFault] = []
     first_rows: dict[tuple[str, str], int] = {}
     for each in orders:
@@ -119,11 +119,11 @@ def twice_in_file(orders: Sequence[ReadOrder]) -> list[RowFault]:
 def placed_already(
     orders: Sequence[ReadOrder], lately: Sequence[Referred], now_s: float
 ) -> Iterator[RowFault]:
-    """Orders that have the customer and reference of one that was placed a short while ago, by row.
+    """Orders that repeat the customer and reference of one placed lately, by row.
 
     Args:
-        orders: of the file.
-        lately: orders that were placed; of one reference oldest first.
+        orders: the orders of the file.
+        lately: recent orders; within a reference oldest first.
         now_s: wall clock.
     """
     placed = {(order.customer, order.reference): order for order in lately}
@@ -141,7 +141,7 @@ def _order_of(line: Row) -> tuple[str, str, int]:
 
 
 def _differing(members: list[Row]) -> Iterator[RowFault]:
-    """What stands in every row of an order, and is of the whole order."""
+    """Faults of rows that contradict the first row of their order."""
     (first_row, first), *others = members
     for row, cells in others:
         for column in ("due_at", "priority", "release"):

@@ -1,4 +1,4 @@
-"""Drafts: what an order must look like before it is taken, and what it must not ask for."""
+"""Drafts: the shape of an order, and what it must not ask for."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from dray.gateway.http.request_bodies import Line
 from dray.priorities import Priority
 
 MAX_ITEMS = 50
-"""Lines of one order: more than a person reads; larger orders come as several."""
+"""Maximum lines of one order: more than a person reads; larger orders come as several."""
 
 MAX_QUANTITY = 10_000
-"""Pieces of one line: some weeks of the default plant; a slip of the keyboard should not block it."""
+"""Maximum pieces per line: some weeks of the default plant; a typing error should not block it."""
 
 
 def _written_moment(value: Any) -> datetime:
@@ -42,7 +42,7 @@ def _in_utc(moment: datetime) -> datetime:
 
 
 LATEST = datetime(2100, 1, 1, tzinfo=UTC)
-"""A later due time is a slip of the keyboard, and reckoning with it leaves the calendar."""
+"""Limit for due times: a later one is a typing error, and calculations would leave the calendar."""
 
 
 def _before_latest(moment: datetime) -> datetime:
@@ -58,10 +58,10 @@ Moment = Annotated[
     AfterValidator(_in_utc),
     WithJsonSchema({"type": "string", "format": "date-time"}),
 ]
-"""A moment with its time zone, as ISO 8601 writes it; numbers are refused, for nobody knows their unit."""
+"""An ISO 8601 time with a time zone; numbers are refused, because their unit is unknown."""
 
 DueMoment = Annotated[Moment, AfterValidator(_before_latest)]
-"""A moment for which something may be due."""
+"""A time at which something may be due."""
 
 
 class ItemDraft(BaseModel):
@@ -76,13 +76,16 @@ class ItemDraft(BaseModel):
 
 
 class WorkDraft(BaseModel):
-    """What is to be made. One product may stand in several lines; they are delivered as they are written."""
+    """The products to make.
+
+    One product may stand in several lines; they are delivered in the order written.
+    """
 
     model_config = ConfigDict(extra="forbid")
 
     items: Annotated[list[ItemDraft], Field(min_length=1, max_length=MAX_ITEMS)]
     due_at: DueMoment | None = None
-    """When all of it should be in the delivery warehouse, with a time zone; not in the past."""
+    """When all should be in the delivery warehouse, with a time zone; not in the past."""
 
 
 class OrderDraft(WorkDraft):
@@ -92,13 +95,14 @@ class OrderDraft(WorkDraft):
     reference: Line | None = None
     """The customer's own number."""
     priority: Priority = Priority.NORMAL
-    """What is urgent is wanted within a quarter of an hour of the plant's clock, high within three quarters; low stands back for a shift."""
+    """An urgent order is wanted within a quarter of an hour of the plant's clock, a high one within three
+    quarters; a low one waits up to a shift."""
     release: Annotated[bool, Field(strict=True)] = True
-    """False: only store it; `POST /api/orders/{id}/release` starts it."""
+    """False to store the order only; `POST /api/orders/{id}/release` starts it."""
 
 
 def nonsense(draft: WorkDraft, known: Collection[str], now_s: float) -> list[FieldError]:
-    """What has the right shape and still means nothing in a plant where these products are known, or at this time."""
+    """Faults of a well-formed draft: unknown products, or a due time in the past."""
     errors = [
         FieldError.of(
             f"items[{index}].product", "not_made", product=item.product, products=", ".join(sorted(known))

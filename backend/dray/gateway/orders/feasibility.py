@@ -1,9 +1,8 @@
-"""What an order would need, before it is published: machines, material, and time. Pure.
+"""The needs of an order before it is published: machines, material, and time. Pure.
 
-The estimate does what the factory will do: every item is split among the machines that can make it, in
-whole containers, and each part goes to the machine that would be done with it first, after the goals that
-it has and those that nobody has taken yet. From the promises that come of that, the range is made as for
-orders that run (`tracking.eta`).
+The estimate follows the factory: every item is split among capable machines in whole containers. Each part
+goes to the machine that would finish it first, after its own goals and unclaimed ones. The resulting promises
+give a range as for running orders (`tracking.eta`).
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from dray.gateway.tracking.eta import History, Running, eta, rounded
 from dray.plant.model import MachineSpec, PlantFile, Product
 
 ENDED = ("delivered", "cancelled", "stored")
-"""Orders of which nothing is being made."""
+"""Statuses of orders of which nothing is being made."""
 
 
 class StorageShare(msgspec.Struct, frozen=True):
@@ -27,7 +26,7 @@ class StorageShare(msgspec.Struct, frozen=True):
 
     storage: str
     capacity: int
-    """Pieces that it holds when it is full; storages do not tell how full they are."""
+    """Pieces when full; storages do not report their level."""
 
 
 class MaterialNeed(msgspec.Struct, frozen=True, kw_only=True):
@@ -35,16 +34,16 @@ class MaterialNeed(msgspec.Struct, frozen=True, kw_only=True):
 
     material: str
     needed: int
-    """Pieces that this order takes."""
+    """Pieces that this order needs."""
     loads: int
-    """Containers that have to be brought to machines for them."""
+    """Containers to bring to machines for them."""
     wanted: int
-    """Pieces that other open orders still take."""
+    """Pieces that other open orders still need."""
     at_machines: int
     """Pieces in the buffers of machines that can make the products."""
     storages: tuple[StorageShare, ...]
     refills: bool
-    """Whether all of it together is more than buffers and storages hold: the source has to send more."""
+    """Whether the total need exceeds buffers and storages, so that the source must send more."""
 
 
 class MachineOffer(msgspec.Struct, frozen=True, kw_only=True):
@@ -52,48 +51,48 @@ class MachineOffer(msgspec.Struct, frozen=True, kw_only=True):
 
     machine: str
     status: str
-    """`silent` when nothing is heard of it."""
+    """`silent` when the machine is not heard."""
     available: bool
-    """False for one that is silent or in error."""
+    """False when silent or in error."""
     queue_s: float
-    """Factory seconds of work that it has before."""
+    """Factory seconds of work before this order."""
     pieces: int
-    """Of this order, as this estimate shares it out."""
+    """Pieces of this order that the estimate gives it."""
 
 
 class OrderPreview(msgspec.Struct, frozen=True, kw_only=True):
-    """What an order would need if it were published now."""
+    """The needs of an order if it were published now."""
 
     materials: tuple[MaterialNeed, ...]
     machines: tuple[MachineOffer, ...]
     cannot: tuple[str, ...]
-    """Products that no machine can make at this moment."""
+    """Products that no machine can make now."""
     earliest_at_s: float | None
-    """Wall clock. When it would be delivered: from here..."""
+    """Earliest delivery, wall clock; null if unknown."""
     latest_at_s: float | None
-    """...to here; null when nothing can be said."""
+    """Latest delivery, wall clock; null if unknown."""
     late: str
-    """Against when it is due: empty, `maybe` or `yes`."""
+    """Lateness against the due time: empty, `maybe` or `yes`."""
 
 
 class Wanted(msgspec.Struct, frozen=True):
-    """Pieces of one product that somebody has to make."""
+    """Pieces of one product to make."""
 
     product: str
     quantity: int
 
 
 class Situation(msgspec.Struct, frozen=True, kw_only=True):
-    """How things stand in the factory."""
+    """The present state of the factory."""
 
     machines: Mapping[str, MachineView]
-    """By id, those that were heard."""
+    """Machines that were heard, by id."""
     orders: Sequence[OrderView]
     history: History
     now_s: float
     """Wall clock."""
     heard_since_s: float
-    """Who has not been heard since then is silent."""
+    """Machines last heard before this are silent."""
     speed: float
     """Factory seconds per real second."""
 
@@ -101,13 +100,13 @@ class Situation(msgspec.Struct, frozen=True, kw_only=True):
 def preview(
     plant: PlantFile, wanted: Sequence[Wanted], due_at_s: float | None, situation: Situation
 ) -> OrderPreview:
-    """What these pieces would need.
+    """The needs of these pieces.
 
     Args:
-        plant: what can be made where, and of what.
+        plant: machines, products and bills of materials.
         wanted: known products.
-        due_at_s: wall clock; None for whenever.
-        situation: how things stand.
+        due_at_s: wall clock; None for no due time.
+        situation: the present state.
     """
     shop = _Shop(plant, situation)
     for work in _unclaimed(situation):
@@ -160,13 +159,13 @@ class _Part(msgspec.Struct, frozen=True):
 
 
 class _Shop:
-    """The machines and their queues, which grow with everything that is taken."""
+    """The machines and their queues, which grow with all work taken."""
 
     def __init__(self, plant: PlantFile, situation: Situation) -> None:
         self._plant, self._situation = plant, situation
         self._products = {product.id: product for product in plant.products}
         self.queue_s = {spec.id: self._queue_s(spec) for spec in plant.machines}
-        """By machine: factory seconds of work before anything new."""
+        """Per machine, factory seconds of work before anything new."""
 
     def status(self, machine: str) -> str:
         view = self._situation.machines.get(machine)
@@ -177,17 +176,17 @@ class _Shop:
         return self.status(machine) not in {"silent", "error"}
 
     def makers(self, product: str) -> list[tuple[str, float]]:
-        """Machines that can make it now, and their cycles (s)."""
+        """Machines that can make it now, and their cycle times (s)."""
         found = ((spec.id, _cycle_s(spec, product)) for spec in self._plant.machines)
         return [(machine, cycle_s) for machine, cycle_s in found if cycle_s and self.is_available(machine)]
 
     def take(self, work: Wanted) -> list[_Part]:
-        """Share work out; empty when nobody can make it."""
+        """Share work out; empty when no machine can make it."""
         makers = self.makers(work.product)
         return [self._give(makers, quantity) for quantity in self._split(work, len(makers))]
 
     def _give(self, makers: Sequence[tuple[str, float]], quantity: int) -> _Part:
-        """To the one that is done first, as its bid would win."""
+        """Give pieces to the machine that finishes first, since its bid would win."""
         finish_s, machine = min(
             (self.queue_s[machine] + quantity * cycle_s, machine) for machine, cycle_s in makers
         )
@@ -195,7 +194,7 @@ class _Shop:
         return _Part(machine, quantity, finish_s)
 
     def _split(self, work: Wanted, makers: int) -> list[int]:
-        """In whole containers, in as many parts as there are machines."""
+        """Split work in whole containers, into at most as many parts as machines."""
         if not makers or not work.quantity:
             return []
         lot = self._products[work.product].lot
@@ -216,7 +215,7 @@ def _cycle_s(spec: MachineSpec, product: str) -> float | None:
 
 
 def _to_make(orders: Iterable[OrderView]) -> Counter[str]:
-    """By product: pieces that open orders still need."""
+    """Per product, the pieces that open orders still need."""
     pieces: Counter[str] = Counter()
     for order in orders:
         if order.status not in ENDED:
@@ -226,7 +225,7 @@ def _to_make(orders: Iterable[OrderView]) -> Counter[str]:
 
 
 def _unclaimed(situation: Situation) -> list[Wanted]:
-    """What is ordered and no machine has taken yet: it comes before anything new."""
+    """Ordered work that no machine has taken yet: it comes before anything new."""
     pieces = _to_make(situation.orders)
     for view in situation.machines.values():
         for goal in view.goals:
@@ -281,7 +280,7 @@ def _need(
 
 
 def _taken(products: Mapping[str, Product], works: Iterable[Wanted]) -> Counter[str]:
-    """By material and part: pieces that this work takes, on all levels."""
+    """Per material and part, the pieces that this work needs on all levels."""
     pieces: Counter[str] = Counter()
     ahead = list(works)
     while ahead:

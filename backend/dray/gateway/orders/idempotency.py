@@ -1,4 +1,4 @@
-"""Idempotency: the key under which a request may be sent again until it is answered."""
+"""Idempotency: the key under which a request may be repeated until it is answered."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from dray.store.access.digest import digest
 from dray.store.orders.idempotency_keys import KeptAnswer
 
 KEYS_KEPT_S = 7 * 86_400.0
-"""How long an Idempotency-Key is remembered: longer than any client tries again."""
+"""Seconds for which an Idempotency-Key is remembered: longer than any client retries."""
 
 AT_WORK = "key-at-work"
-"""The problem of a request whose key is just being answered."""
+"""Problem of a request whose key is in use."""
 
 Key = Annotated[
     str | None,
@@ -35,25 +35,25 @@ Key = Annotated[
 
 
 def own_key(caller: Principal, key: str) -> str:
-    """Each caller has its own keys: another one's order is not to be had by guessing."""
+    """A caller's own form of a key, so that nobody gets another caller's order by guessing."""
     return digest(f"{caller.kind} {caller.id} {key}")
 
 
 AtWork = dict[str, asyncio.Event]
-"""Keys whose requests are being answered, and what tells that one has been."""
+"""Keys in use -> event set when the request has been answered."""
 
 
 @asynccontextmanager
 async def alone(at_work: AtWork, key: str, *, waits: bool = False) -> AsyncIterator[None]:
-    """Let only one request at a time work under a key.
+    """Let only one request at a time use a key.
 
     Args:
-        at_work: keys whose requests are being answered.
-        key: of this request.
-        waits: wait until the key is free, for a person who cannot send again what a program can.
+        at_work: keys in use.
+        key: this request's key.
+        waits: whether to wait for the key, for a person, who cannot retry like a program.
 
     Raises:
-        Problem: 409, another request works under the key, and this one does not wait.
+        Problem: 409, another request uses the key, and this one does not wait.
     """
     while key in at_work:
         if not waits:
@@ -85,7 +85,7 @@ def refuse_other_body(kept: KeptAnswer, fingerprint: str) -> None:
 
 
 def key_at_work() -> Problem:
-    """Another request with the key is being answered: 409."""
+    """The problem, 409: another request with the key is in progress."""
     return Problem(
         HTTPStatus.CONFLICT,
         AT_WORK,

@@ -1,29 +1,29 @@
-"""Names of orders and transports, and of the pages on which customers follow them."""
+"""Names of orders, transports, and customers' tracking pages."""
 
 from __future__ import annotations
 
 import secrets
 
 ALPHABET = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
-"""Crockford's base 32: no letter that is mistaken for a digit. Its order is that of ASCII."""
+"""Crockford's base 32: no letter that looks like a digit. Its order is that of ASCII."""
 
 TIME_DIGITS = 9
-"""32^9 ms last for a thousand years from 1970."""
+"""Digits for the time: 32^9 ms last for a thousand years from 1970."""
 
 CHANCE_DIGITS = 4
-"""One in a million: ids of the same millisecond differ, and the neighbour's id is not guessed at once."""
+"""Random digits, one in a million: ids of one millisecond differ, and other ids are hard to guess."""
 
 TOKEN_BYTES = 24
-"""192 bits: whoever guesses a page will not find one (W3C TAG, capability URLs)."""
+"""192 bits, so that pages cannot be guessed (W3C TAG, capability URLs)."""
 
 
 def new_order_id(wall_s: float) -> str:
-    """A name that sorts by time, as ``O-1M9K3X2A4-K7QM``."""
+    """An order id that sorts by time, as ``O-1M9K3X2A4-K7QM``."""
     return f"O-{_by_time(wall_s)}"
 
 
 def new_transport_id(wall_s: float) -> str:
-    """The same for a plain transport, as ``T-1M9K3X2A4-K7QM``."""
+    """A transport id that sorts by time, as ``T-1M9K3X2A4-K7QM``."""
     return f"T-{_by_time(wall_s)}"
 
 
@@ -37,5 +37,5 @@ def _by_time(wall_s: float) -> str:
 
 
 def new_token() -> str:
-    """A name for the customer's page, which nobody can guess."""
+    """A name for the customer's page that cannot be guessed."""
     return secrets.token_urlsafe(TOKEN_BYTES)

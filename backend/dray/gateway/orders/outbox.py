@@ -1,12 +1,12 @@
-"""The outbox: brings released orders to the strategist, and revocations and cancellations too.
+"""The outbox: sends released orders, revocations and cancellations to the strategist.
 
-The bus promises nothing, so all are repeated with growing pauses until they are answered. Nothing is
-remembered here that SQL does not know: what was answered is forgotten, and at every reconciliation
-(`dray.gateway.orders.reconciliation`) open orders are sent again, with what is still to be delivered, or taken back
-again; to a strategist who knows already that is no news.
+The bus does not guarantee delivery, so messages are repeated with growing pauses until answered. All state
+here is also in SQL: answered messages are forgotten. Every reconciliation
+(`dray.gateway.orders.reconciliation`) sends open orders again with what is outstanding, or their revocations;
+a strategist that knows them ignores that.
 
-Where a plant has several strategists all of them are told. They note it, and whoever holds the order answers; when that one is silent,
-whoever holds it next does (`dray.protocol.strategist.order_holding`).
+Where a plant has several strategists, all get the messages. The holder of an order answers; when it is
+silent, the next holder does (`dray.protocol.strategist.order_holding`).
 """
 
 from __future__ import annotations
@@ -36,32 +36,32 @@ from dray.store.orders.orders import Order
 from dray.store.orders.progress import OPEN, OrderStatus
 
 PAUSE_S = (0.5, 15.0)
-"""Wall seconds before the first repetition, and between later ones at most; it doubles. The strategist
-may be away for hours, and should have its orders soon after it is back."""
+"""Wall seconds before the first repetition, and maximum between later ones; the pause doubles. A strategist
+may be away for hours, and should get its orders soon after its return."""
 
 SAID_A_TURN = 400
 TURN_S = 1.0
-"""So much is said in a second at most. The inbox of a strategist that is busy for ten seconds holds 4,096 messages, and
-all the orders of a large plant may be due for a repetition at once."""
+"""Maximum messages per turn of one second. The inbox of a strategist that is busy for ten seconds holds 4,096
+messages, and all orders of a large plant may need a repetition at once."""
 
 NO_DUE_S = 8 * 3600.0
 """Factory seconds within which an order without a due time is wanted: a shift."""
 
 Answer = OrderTaken | CancellationTaken | RevocationTaken
-"""What the strategist says to what is repeated here."""
+"""The strategist's answers to repeated messages."""
 
 ANSWERS: dict[type[Answer], type[Message]] = {
     OrderTaken: OrderReleased,
     CancellationTaken: OrderCancelled,
     RevocationTaken: OrderRevoked,
 }
-"""What each of them is the answer to."""
+"""Answer -> the message that it answers."""
 
 _log = logging.getLogger(__name__)
 
 
 class Reminder:
-    """Something to be said until it is answered."""
+    """A message to repeat until it is answered."""
 
     __slots__ = ("due_s", "message", "pause_s")
 
@@ -70,48 +70,48 @@ class Reminder:
         self.due_s, self.pause_s = now_s, PAUSE_S[0]
 
     def say(self, now_s: float) -> Message:
-        """It is said now; the next time is set."""
+        """Return the message and set the time of the next repetition."""
         self.due_s = now_s + self.pause_s
         self.pause_s = min(2 * self.pause_s, PAUSE_S[1])
         return self.message
 
 
 class Reminders:
-    """What is to be said, again and again, and when. Pure; bounded by the open orders and those just cancelled.
+    """The messages to repeat, and when. Pure; bounded by open orders and recently cancelled ones.
 
-    No more than SAID_A_TURN is said in TURN_S; what finds no place is said in one of the next turns, the oldest first.
+    At most SAID_A_TURN messages go out in TURN_S; the rest waits for the next turns, oldest first.
 
-    All times are on a clock of the caller's choice that never goes back.
+    All times are on any clock that never goes back.
     """
 
     def __init__(self) -> None:
         self._reminders: dict[str, Reminder] = {}
         self._queue: list[tuple[float, int, str, Reminder]] = []
-        """A heap by when they are due; one that was answered meanwhile leaves it when its time has come."""
+        """A heap by due time; an answered message leaves it when its time comes."""
         self._numbers = count()
         self._turn_s = float("-inf")
         self._said = 0
-        """In the turn that has begun at `_turn_s`."""
+        """Number of messages sent in the turn that began at `_turn_s`."""
 
     def __contains__(self, order: str) -> bool:
         return order in self._reminders
 
     def add(self, order: str, message: Message, now_s: float) -> None:
-        """Say it from now on until it is answered; replaces an older one."""
+        """Repeat a message until it is answered; replaces an older one for the order."""
         self._reminders[order] = Reminder(message, now_s)
         self._put(order, self._reminders[order])
 
     def get(self, order: str) -> Message | None:
-        """What is said again about an order; None for nothing."""
+        """The message being repeated for an order; None without any."""
         reminder = self._reminders.get(order)
         return None if reminder is None else reminder.message
 
     def forget(self, order: str) -> None:
-        """Say nothing more about an order; harmless when nothing is said."""
+        """Stop repeating for an order; harmless when nothing is repeated."""
         self._reminders.pop(order, None)
 
     def awaits(self, answer: Answer) -> bool:
-        """Whether something is said again until this answer comes."""
+        """Whether a message is repeated until this answer comes."""
         reminder = self._reminders.get(answer.order)
         return (
             reminder is not None
@@ -121,14 +121,14 @@ class Reminders:
         )
 
     def answered(self, answer: Answer) -> bool:
-        """The strategist has answered; returns whether something was waiting for it."""
+        """Take the strategist's answer; returns whether a message was waiting for it."""
         if not self.awaits(answer):
             return False
         del self._reminders[answer.order]
         return True
 
     def due(self, now_s: float) -> list[Message]:
-        """What is to be said at this moment; the next time is set."""
+        """The messages due now; sets their next times."""
         if now_s >= self._turn_s + TURN_S:
             self._turn_s, self._said = now_s, 0
         said = []
@@ -140,14 +140,14 @@ class Reminders:
         return said
 
     def next_s(self) -> float | None:
-        """When something is to be said; None for never."""
+        """When the next message is due; None for never."""
         next_s = self._first_s()
         if next_s is None or self._said < SAID_A_TURN:
             return next_s
         return max(next_s, self._turn_s + TURN_S)
 
     def _first_s(self) -> float | None:
-        """When the first of them is due, however many were said in this turn; None for none."""
+        """When the first message is due, ignoring the limit per turn; None without any."""
         while self._queue and self._reminders.get(self._queue[0][2]) is not self._queue[0][3]:
             heappop(self._queue)
         return self._queue[0][0] if self._queue else None
@@ -160,13 +160,13 @@ class Outbox:
     """Sends orders.
 
     Args:
-        send: says something to one agent.
-        time: the two clocks.
+        send: sends a message to one agent.
+        time: plant clock and wall clock.
         wall_s: the wall clock.
-        products: what this plant can make.
-        strategists: all of the plant. Each hears everything, and whoever holds an order answers.
-        definition_of: a product as people have defined it; None for one that is made as the plant file says.
-        parts_of: the parts below it, as far as people have defined them.
+        products: products that this plant can make.
+        strategists: all strategists of the plant. Each gets everything; the holder of an order answers.
+        definition_of: people's definition of a product; None for one of the plant file.
+        parts_of: the parts below it that people have defined.
     """
 
     def __init__(
@@ -185,13 +185,13 @@ class Outbox:
         self._definition_of, self._parts_of = definition_of, parts_of
         self._reminders = Reminders()
         self._strange: set[str] = set()
-        """Orders of which it was said that this plant cannot make them: such as an earlier plant file could."""
+        """Orders already logged as impossible in this plant, for example after a change of the plant file."""
         self._news = asyncio.Event()
         self._wakes_s: float | None = None
-        """When `run` looks again by itself; None for never."""
+        """When `run` wakes by itself; None for never."""
 
     def ask(self, orders: Iterable[Order]) -> None:
-        """Send open orders again, or take them back again, except those for which an answer is awaited."""
+        """Send open orders or their revocations again, except those awaiting an answer."""
         for order in orders:
             if order.id in self._reminders:
                 continue
@@ -201,7 +201,7 @@ class Outbox:
                 self.release(order)
 
     def follow(self, order: Order) -> None:
-        """Somebody else has changed an order: what is repeated about it must not be what held before."""
+        """Replace repeated messages about an order that another gateway has changed."""
         said, kind = self._reminders.get(order.id), _kind(order)
         is_same = said is None or (type(said) is kind and _release(said) in {None, order.releases})
         if said is None or (is_same and (kind is not OrderReleased or _change(said) >= order.change)):
@@ -213,9 +213,9 @@ class Outbox:
             self.ask([order])
 
     def release(self, order: Order) -> None:
-        """Let the strategist have an order, with what is still to be delivered of it."""
+        """Send an order to the strategist, with what is still to be delivered."""
         if strange := order.strange_to(self._products):
-            # Panels show it as long as it lasts (`dray.gateway.live.projection.orders`).
+            # Panels show it while it lasts (`dray.gateway.live.projection.orders`).
             if order.id not in self._strange:
                 self._strange.add(order.id)
                 _log.error("order %s waits: this plant does not make %s", order.id, ", ".join(strange))
@@ -225,7 +225,7 @@ class Outbox:
         due_s = self._time.to_plant_s(self._wall_s() if wanted_s is None else wanted_s)
         message = OrderReleased(
             order=order.id,
-            # An item that is delivered keeps its place: goals name items by their index.
+            # A delivered item keeps its place: goals name items by their index.
             items=tuple(
                 OrderItem(
                     item.product,
@@ -243,23 +243,23 @@ class Outbox:
         self._say(order.id, message)
 
     def revoke(self, order: Order) -> None:
-        """Let the strategist stop working at an order, and say what is outstanding of it."""
+        """Ask the strategist to stop working at an order and to report what is outstanding."""
         self._say(order.id, OrderRevoked(order=order.id, release=order.releases))
 
     def cancel(self, order: str) -> None:
-        """Let the strategist drop an order."""
+        """Ask the strategist to drop an order."""
         self._say(order, OrderCancelled(order=order))
 
     def awaits(self, answer: Answer) -> bool:
-        """Whether the strategist is asked for this answer until it is `answered`."""
+        """Whether this answer is awaited and not yet marked as `answered`."""
         return self._reminders.awaits(answer)
 
     def answered(self, answer: Answer) -> None:
-        """The strategist has answered, and what has to be written down of it is."""
+        """Note that the strategist's answer is stored."""
         self._reminders.answered(answer)
 
     async def run(self) -> None:
-        """Repeat what is not answered, until cancelled."""
+        """Repeat unanswered messages until cancelled."""
         clock = asyncio.get_running_loop()
         while True:
             self._news.clear()
@@ -284,7 +284,7 @@ class Outbox:
 
 
 def _kind(order: Order) -> type[OrderReleased | OrderRevoked | OrderCancelled] | None:
-    """What the strategist is to be told of an order that is as it is now; None for nothing."""
+    """The kind of message that an order's present state needs; None for none."""
     if order.status is OrderStatus.CANCELLED:
         return OrderCancelled
     if order.status not in OPEN:
@@ -293,16 +293,16 @@ def _kind(order: Order) -> type[OrderReleased | OrderRevoked | OrderCancelled] |
 
 
 def _release(message: Message) -> int | None:
-    """Which release of an order something is about; None for all of them."""
+    """The release of an order that a message is about; None for all."""
     return getattr(message, "release", None)
 
 
 def _change(message: Message) -> int:
-    """Which change of an order something is about; 0 for none."""
+    """The change of an order that a message is about; 0 for none."""
     change: int = getattr(message, "change", 0)
     return change
 
 
 def _is_over(answer: Answer) -> bool:
-    """Whether nothing is made of the order any more: then a later change has come too late."""
+    """Whether the order has ended, so that a later change is too late."""
     return isinstance(answer, OrderTaken) and answer.fulfilled

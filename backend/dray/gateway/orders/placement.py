@@ -1,8 +1,8 @@
 """Order placement: an order is taken once, however often it is sent.
 
-The order, its idempotency key and its line of the audit log are written in one transaction, which requests that come
-together share (`dray.store.orders.placing`). The answer follows the commit: an order that was answered is on disk, and one
-that was not can be sent again under its key.
+The order, its idempotency key and its audit log line are written in one transaction, which concurrent
+requests share (`dray.store.orders.placing`). The answer follows the commit: an answered order is on disk, and
+an unanswered one can be sent again under its key.
 """
 
 from __future__ import annotations
@@ -35,30 +35,30 @@ from dray.store.orders.tracking_links import Link
 from dray.store.work import Work
 
 MAX_OPEN_ORDERS = 10_000
-"""Orders that have not ended: months of work. They are kept in memory and sent to every new panel."""
+"""Maximum open orders: months of work. They are kept in memory and sent to every new panel."""
 
 SHARES = 2
-"""One caller may have half of them: one system places nearly all orders of many plants."""
+"""Divisor for one caller's share: in many plants one system places nearly all orders."""
 
 BATCH = 100
-"""Orders of a file that are made known at once: some milliseconds of the event loop."""
+"""Orders of a file announced at once: some milliseconds of the event loop."""
 
 LATELY_S = 3600.0
-"""An order that comes with the reference and customer of one that is younger has probably been sent twice."""
+"""Seconds within which an order with the same customer and reference was probably sent twice."""
 
 
 class OrderPlacement:
     """Takes orders.
 
     Args:
-        store: what is known of promises that were kept.
+        store: the database, for the history of promises.
         placing: writes orders.
-        projection: shows them; knows the plant, and what is under way.
-        outbox: brings them to the strategist.
+        projection: shows the orders; knows the plant and present work.
+        outbox: sends them to the strategist.
         wall_s: the wall clock.
 
     Attributes:
-        keys_at_work: Idempotency keys of requests that are being answered at this moment.
+        keys_at_work: Idempotency keys in use.
     """
 
     def __init__(
@@ -73,28 +73,28 @@ class OrderPlacement:
         self._projection, self._outbox, self._wall_s = projection, outbox, wall_s
         self.keys_at_work: AtWork = {}
         self._coming: Counter[str] = Counter()
-        """How many are being written at this moment, by who has placed them."""
+        """Number of orders being written, per caller."""
 
     @property
     def open(self) -> int:
-        """How many orders have not ended."""
+        """Number of open orders."""
         return self._projection.orders.open
 
     @property
     def now_s(self) -> float:
-        """The wall clock, by which due times are judged."""
+        """The wall clock, for checking due times."""
         return self._wall_s()
 
     @property
     def products(self) -> frozenset[str]:
-        """Ids of what can be ordered at this moment."""
+        """Ids of the products that can be ordered now."""
         return frozenset(self._projection.site.products)
 
     async def preview(self, draft: WorkDraft) -> OrderPreview:
-        """What it would need if it were published now; nothing is kept.
+        """The needs of an order if it were published now; nothing is stored.
 
         Raises:
-            Problem: what it names does not exist or is past.
+            Problem: it names an unknown product or a past due time.
         """
         now_s = self._wall_s()
         self._refuse_nonsense(draft, now_s)
@@ -114,21 +114,21 @@ class OrderPlacement:
         return preview(projection.site.plant.file, wanted, due_at_s, situation)
 
     async def place(self, draft: OrderDraft, caller: str = "") -> Order:
-        """Take an order that nobody asks for twice.
+        """Place an order without an idempotency key.
 
         Args:
-            draft: a body that has the right shape.
-            caller: kind and id of who asks; empty for nobody whose share is counted.
+            draft: a well-formed body.
+            caller: kind and id of the caller; empty to count no share.
 
         Raises:
-            Problem: what the order names does not exist or is past, or too many are open.
+            Problem: it names an unknown product or a past due time, or too many orders are open.
         """
         wish = Wish(prepare=lambda: self._prepared([draft], lambda _orders: b"", caller))
         orders, _ = await self._placed(wish, 1, caller)
         return orders[0]
 
     def check(self, draft: OrderDraft) -> None:
-        """Refuse a draft that could not be an order now, however many are open.
+        """Refuse a draft that is invalid now, without looking at the number of open orders.
 
         Raises:
             Problem: names the fields.
@@ -137,9 +137,9 @@ class OrderPlacement:
 
     @contextmanager
     def order(self, draft: OrderDraft, caller: str) -> Iterator[Order]:
-        """What a draft of somebody comes to now, for who keeps it in a transaction of its own; not kept yet.
+        """The order of a draft, for a caller with its own transaction; not stored yet.
 
-        It counts to its caller's share as long as the context lasts: until it is published, or has failed.
+        It counts to the caller's share within the context: until it is published or has failed.
 
         Raises:
             Problem: as `place`.
@@ -148,13 +148,13 @@ class OrderPlacement:
             yield self._prepared([draft], lambda _orders: b"", caller).orders[0]
 
     async def keep(self, work: Work, order: Order, key: str) -> None:
-        """Take an order in a transaction, under a key that nobody else has; `publish` is for after it."""
+        """Store an order in a transaction, under a new key; call `publish` afterwards."""
         await work.orders.add(order)
         await work.links.add(order.token, Link(order.id, order.created_at_s))
         await work.keys.add(KeptAnswer(key, "", order.id, "", order.created_at_s))
 
     def publish(self, order: Order) -> None:
-        """Let panels and the strategist know of an order that is on disk."""
+        """Announce an order on disk to panels and the strategist."""
         self._projection.orders.put(order)
         if order.status is OrderStatus.RELEASED:
             self._outbox.release(order)
@@ -167,20 +167,20 @@ class OrderPlacement:
         render: Callable[[Order], bytes],
         note: Note | None = None,
     ) -> tuple[KeptAnswer, bool]:
-        """Take an order, or find what was answered when it was sent before.
+        """Place an order, or return the earlier answer to the same request.
 
         Args:
-            draft: a body that has the right shape.
-            caller: kind and id of who asks.
+            draft: a well-formed body.
+            caller: kind and id of the caller.
             key: the Idempotency-Key; None for none.
             render: writes the answer.
-            note: of the request, whose line of the audit log is written together with the order.
+            note: the request's audit log line, written together with the order.
 
         Returns:
-            The answer, and whether it is that of an earlier request.
+            The answer, and whether it is an earlier one.
 
         Raises:
-            Problem: as `place`; or the key was used for another body, or is at work.
+            Problem: as `place`; or the key was used for another body, or is in use.
         """
         return await self.place_all_once([draft], caller, key, lambda orders: render(orders[0]), note)
 
@@ -192,14 +192,14 @@ class OrderPlacement:
         render: Callable[[Sequence[Order]], bytes],
         note: Note | None = None,
     ) -> tuple[KeptAnswer, bool]:
-        """Take some orders, all or none, as `place_once` takes one.
+        """Place several orders, all or none, like `place_once`.
 
         Args:
             drafts: at least one.
-            caller: kind and id of who asks.
+            caller: kind and id of the caller.
             key: the Idempotency-Key; None for none.
             render: writes the answer.
-            note: of the request.
+            note: the request's audit log line.
         """
         fingerprint = _fingerprint(drafts)
         wish = Wish(
@@ -216,9 +216,9 @@ class OrderPlacement:
         return kept, not orders
 
     async def answered(self, drafts: Sequence[OrderDraft], key: str, note: Note) -> KeptAnswer | None:
-        """What was answered when these drafts were sent under a key before; None if they were not.
+        """The earlier answer to these drafts under a key; None if there is none.
 
-        What has become of the plant and of due times since then is no matter of an answer that was given.
+        Later changes of the plant, or due times passed since, do not affect an earlier answer.
 
         Raises:
             Problem: the key was used for another body.
@@ -231,17 +231,20 @@ class OrderPlacement:
         return kept
 
     async def placed_lately(self, references: Collection[str]) -> list[Referred]:
-        """Orders under some references that are no older than `LATELY_S` and not cancelled; of one reference oldest first."""
+        """Uncancelled orders with these references, no older than `LATELY_S`.
+
+        Within a reference oldest first.
+        """
         async with self._store.read() as work:
             return await work.orders.referred_to(references, self._wall_s() - LATELY_S)
 
     async def newest_references(self, customer: str, count: int) -> list[str]:
-        """The references of a customer's newest orders that nobody is known to have placed, newest first."""
+        """References of a customer's newest orders without a known caller, newest first."""
         async with self._store.read() as work:
             return await work.orders.newest_references(customer, "", count)
 
     async def look_twice(self, draft: OrderDraft) -> tuple[FieldError, ...]:
-        """A hint where another order of the last hour has the customer and reference of this one; the newest is named."""
+        """A hint if an order of the last hour has the same customer and reference; names the newest."""
         if draft.reference is None:
             return ()
         lately = await self.placed_lately([draft.reference])
@@ -253,7 +256,7 @@ class OrderPlacement:
         )
 
     async def _placed(self, wish: Wish, count: int, caller: str) -> tuple[Sequence[Order], KeptAnswer]:
-        """Have so many orders written, and let panels and the strategist know."""
+        """Write orders and announce them to panels and the strategist."""
         with self._counted(caller, count):
             orders, kept = await self._placing.place(wish)
             for at, order in enumerate(orders, 1):
@@ -269,7 +272,7 @@ class OrderPlacement:
 
     @contextmanager
     def _counted(self, caller: str, count: int) -> Iterator[None]:
-        """So many orders of somebody are being written."""
+        """Count orders of a caller while they are being written."""
         self._coming[caller] += count
         try:
             yield
@@ -281,7 +284,7 @@ class OrderPlacement:
     def _prepared(
         self, drafts: Sequence[OrderDraft], render: Callable[[Sequence[Order]], bytes], caller: str
     ) -> Placement:
-        """The orders of some drafts, as of now.
+        """The orders of some drafts as of now.
 
         Raises:
             Problem: as `place`.
@@ -303,7 +306,7 @@ class OrderPlacement:
                 f"{MAX_OPEN_ORDERS} orders have not ended; cancel some, or try again later",
                 headers={"Retry-After": "600"},
             )
-        # A millisecond apart: their ids differ by that, and they are listed in this order.
+        # A millisecond apart, so that their ids differ and sort in this order.
         orders = [
             _order(draft, caller, now_s + index / 1000, self._projection.speed)
             for index, draft in enumerate(drafts)
@@ -311,7 +314,7 @@ class OrderPlacement:
         return Placement(orders, render(orders).decode())
 
     def _refuse_nonsense(self, draft: WorkDraft, now_s: float) -> None:
-        """Refuse what has the right shape and still means nothing here.
+        """Refuse a well-formed draft that is invalid here.
 
         Raises:
             Problem: names every field.
@@ -322,7 +325,7 @@ class OrderPlacement:
 
 
 def _fingerprint(drafts: Sequence[OrderDraft]) -> str:
-    """Tells requests apart, however they are written."""
+    """Identifies a request's content, independent of its notation."""
     return hashlib.sha256("\n".join(draft.model_dump_json() for draft in drafts).encode()).hexdigest()
 
 

@@ -1,10 +1,11 @@
-"""Reconciliation: reads from SQL which orders are open, and lets the outbox ask the strategist for each.
+"""Reconciliation: reads open orders from SQL, and lets the outbox ask the strategist for each.
 
-At the start, since nobody wrote down what an earlier life was answered. And again from time to time, since the
-facts that should end an order may be lost with whoever kept them: the strategist's answer ends it then
-(`dray.gateway.orders.completions`). At once, when a strategist tells that an order has ended whose pieces nobody has told of: they
-arrived while all strategists were away, or before this one took the order over. And for all orders when a strategist tells that its memory is
-lost: should the others have lost theirs at the same time, nobody else knows them. Several gateways may ask for the same orders; each gets the same answers.
+At the start, because answers to an earlier run were not stored. Then regularly, because facts that end an
+order may be lost: the strategist's answer ends it then (`dray.gateway.orders.completions`). At once when a
+strategist reports the end of an order whose pieces nobody reported. They arrived while all strategists were
+away, or before this one took the order over. For all orders when a strategist reports lost memory: if the
+others lost theirs too, no other agent knows the orders. Several gateways may ask for the same orders; each
+gets the same answers.
 """
 
 from __future__ import annotations
@@ -20,21 +21,21 @@ from dray.store import Store
 from dray.store.orders.progress import OPEN
 
 RECONCILE_EVERY_S = 600.0
-"""Wall seconds between two times: an order that has ended unheard looks open for no longer. Each costs two
-small messages per open order."""
+"""Wall seconds between two reconciliations: the longest time that an unheard end stays unnoticed. Each costs
+two small messages per open order."""
 
 CANCELLED_AGAIN_S = 86_400.0
-"""At the start, orders that were cancelled in this time before are cancelled again: nobody wrote down whether
-the strategist has heard of it, and it is seldom away for a day."""
+"""Seconds before the start within which cancelled orders are cancelled again: it is not stored whether the
+strategist heard, and it is seldom away for a day."""
 
 _log = logging.getLogger(__name__)
 
 
 class Reconciliation:
-    """Asks the strategist for the orders that SQL believes to be open.
+    """Asks the strategist for the orders that are open in SQL.
 
     Args:
-        store: what is believed of them.
+        store: the database.
         outbox: asks for them.
         wall_s: the wall clock.
     """
@@ -42,12 +43,12 @@ class Reconciliation:
     def __init__(self, store: Store, outbox: Outbox, wall_s: Callable[[], float]) -> None:
         self._store, self._outbox, self._wall_s = store, outbox, wall_s
         self._doubted: set[str] = set()
-        """Open orders that are said to have ended: bounded by the open orders."""
+        """Open orders reported as ended: bounded by the open orders."""
         self._doubts_all = False
         self._news = asyncio.Event()
 
     async def start(self) -> None:
-        """Ask for all open orders, and drop those that were cancelled lately.
+        """Ask for all open orders, and repeat recent cancellations.
 
         Raises:
             UnavailableError: the database cannot be read.
@@ -60,7 +61,7 @@ class Reconciliation:
         self._outbox.ask(still_open)
 
     async def reconcile(self) -> None:
-        """Ask for all open orders that are not asked for already; without a database not this time."""
+        """Ask for all open orders not asked for already; without a database, skip this time."""
         try:
             async with self._store.read() as work:
                 still_open = await work.orders.open()
@@ -70,17 +71,17 @@ class Reconciliation:
             self._outbox.ask(still_open)
 
     def doubt(self, order: str) -> None:
-        """An order is said to have ended, and looks open: ask for it now."""
+        """Ask now for an open order that was reported as ended."""
         self._doubted.add(order)
         self._news.set()
 
     def doubt_all(self) -> None:
-        """Open orders may be forgotten: ask for all of them now."""
+        """Ask now for all open orders, since a strategist may have forgotten them."""
         self._doubts_all = True
         self._news.set()
 
     async def ask_doubted(self) -> None:
-        """Ask for those that are open in SQL, too; without a database only at the next time for all."""
+        """Ask for doubted orders that are open in SQL; without a database, at the next reconciliation."""
         if self._doubts_all:
             self._doubts_all = False
             await self.reconcile()
@@ -95,7 +96,7 @@ class Reconciliation:
             self._outbox.ask(order for order in orders if order.status in OPEN)
 
     async def run(self) -> None:
-        """Reconcile from time to time, until cancelled."""
+        """Reconcile regularly until cancelled."""
         clock = asyncio.get_running_loop()
         next_s = clock.time() + RECONCILE_EVERY_S
         while True:

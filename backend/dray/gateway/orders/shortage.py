@@ -1,4 +1,4 @@
-"""What lacks where a transport that waits is to be fetched, and who has as much: by the last words of storages."""
+"""What is short at a waiting transport's source, and which storages have enough, by their last heartbeats."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from dray.messages import TransportState, TransportWait
 from dray.store.orders.transports import TransportRow
 
 NAMED_MOST = 3
-"""Storages that are named: the nearest."""
+"""Maximum storages named: the nearest."""
 
 
 class Shortage(msgspec.Struct, frozen=True, kw_only=True):
-    """Why a transport cannot be fetched yet: its source has less than was asked for."""
+    """Why a transport cannot be fetched yet: its source is short."""
 
     free: int
-    """Pieces that lie at its source and are not set aside for others."""
+    """Pieces at its source that are not set aside for others."""
     on_order: int
-    """Pieces that are ordered there, on their way or not. A storage that refills itself orders none."""
+    """Pieces on order there. A storage that refills itself orders none."""
     elsewhere: tuple[str, ...]
-    """Storages that have as much, the nearest first; at most three."""
+    """Storages with enough, nearest first; at most three."""
 
 
 def shortage_of(
     row: TransportRow, projection: Projection, caller: Principal, places: frozenset[str] | None
 ) -> Shortage | None:
-    """What a transport waits for at its source.
+    """The shortage that a transport waits for at its source.
 
     Args:
         row: the transport.
-        projection: what storages have told.
-        caller: who is told.
-        places: those that it is shown; None for all.
+        projection: the storages' reports.
+        caller: the caller.
+        places: places that the caller sees; None for all.
 
     Returns:
-        None where somebody carries it, it is not to begin yet, it waits for something else, its source is a machine (which does not tell what it
-        has promised), was never heard, or has enough; and for a caller that may not see stocks there.
+        None if it is carried, held, or waits for something else; if its source is a machine (which does not
+        report its promises), was never heard, or has enough; or if the caller may not see stocks there.
     """
     if not caller.may(Scope.FACTORY_READ) or (places is not None and row.source not in places):
         return None
@@ -71,7 +71,10 @@ def shortage_of(
 
 
 def _free(place: str, item: str, projection: Projection) -> tuple[int, int] | None:
-    """Pieces that are free at a storage, and those that are ordered there; None where it was not heard, or does not keep them."""
+    """Free pieces at a storage, and pieces on order there.
+
+    None if it was not heard or does not keep the item.
+    """
     station = projection.stations.view(place)
     for stock in station.stocks if station is not None else ():
         if stock.item == item:

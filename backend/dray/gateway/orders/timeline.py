@@ -1,7 +1,7 @@
-"""The timeline of an order: its goals, the transports of what was made, who carried them, and what went otherwise. Pure.
+"""The timeline of an order: goals, transports of finished goods, carriers, and deviations. Pure.
 
-Folded from what agents have told, as the log and the order keep it, so it is the same long after the factory has forgotten the order. Material is
-carried to machines and not to orders: no transport of it is here.
+It is folded from agents' facts in the log and the order's data, so it remains after the factory has forgotten
+the order. Material is brought for machines, not for orders: its transports are not included.
 """
 
 from __future__ import annotations
@@ -59,17 +59,17 @@ class LegView(View, kw_only=True):
 
     carrier: str
     since_at_s: float
-    """It drives to the source."""
+    """When it set off to the source."""
     aboard_at_s: float | None = None
-    """It has the goods; None before."""
+    """When it had the goods; None before."""
     until_at_s: float | None = None
-    """It has handed over, or was replaced; None while it is under way."""
+    """When it handed over or was replaced; None while under way."""
     replaced: str = ""
-    """Why another one carries on; empty for whoever brings it."""
+    """Why another vehicle continues; empty for the one that delivers."""
 
 
 class WayOutView(View, kw_only=True):
-    """A transport: of goods from the machine that made them, or of a load that somebody has called for (`goal` is empty then)."""
+    """A transport of finished goods, or of a load called for by a person (then `goal` is empty)."""
 
     task: str
     goal: str
@@ -82,7 +82,7 @@ class WayOutView(View, kw_only=True):
     outcome: Literal["", "delivered", "withdrawn"] = ""
     legs: tuple[LegView, ...] = ()
     thing: str = ""
-    """What people call it, where it has no master data."""
+    """People's name for it, if it has no master data."""
 
 
 class OrderGoalView(View, kw_only=True):
@@ -92,24 +92,24 @@ class OrderGoalView(View, kw_only=True):
     product: str
     quantity: int
     machine: str
-    """Who makes it, or made it last."""
+    """Machine that makes it, or made it last."""
     made: int = 0
     delivered: int = 0
     taken_at_s: float | None = None
     begun_at_s: float | None = None
-    """The first piece was made."""
+    """When the first piece was made."""
     last_at_s: float | None = None
-    """The last piece so far was made."""
+    """When the last piece so far was made."""
     promised_at_s: float | None = None
-    """By when its machine has promised it."""
+    """The machine's promised time."""
     ended: Literal["", "lost", "withdrawn"] = ""
     ended_at_s: float | None = None
     successor: str = ""
-    """The goal that goes on with what was lost."""
+    """The goal that continues what was lost."""
 
 
 class MomentView(View, kw_only=True):
-    """Something that happened to an order. What does not belong to its kind is empty."""
+    """An event of an order. Fields that do not belong to its kind are empty."""
 
     kind: MomentKind
     at_s: float
@@ -117,42 +117,43 @@ class MomentView(View, kw_only=True):
     goal: str = ""
     agent: str = ""
     other: str = ""
-    """Of a takeover: who was replaced. Of a moved goal: whose it was. Of a hand-over: where."""
+    """For a takeover: the replaced carrier. For a moved goal: its previous machine. For a hand-over: the
+    place."""
     item: str = ""
     quantity: int = 0
     thing: str = ""
-    """What people call that, where it has no master data."""
+    """People's name for the item, if it has no master data."""
     reason: str = ""
     silent_s: float | None = None
 
 
 class TimelineView(View, kw_only=True):
-    """All of an order, oldest first. Times are wall clock seconds."""
+    """A whole order, oldest first. Times are wall clock seconds."""
 
     goals: tuple[OrderGoalView, ...] = ()
     transports: tuple[WayOutView, ...] = ()
     moments: tuple[MomentView, ...] = ()
     is_whole: bool = True
-    """Whether all that was told of it has been read, or the first of it only."""
+    """Whether all its events were read, or only the first ones."""
 
 
 _READ = msgspec.json.Decoder(AnyFact)
 
 
 def timeline(rows: Iterable[EventRow], goals: Iterable[Goal], *, is_whole: bool = True) -> TimelineView:
-    """What these events tell of an order.
+    """The timeline from these events.
 
     Args:
-        rows: of one order, in any order.
-        goals: what SQL knows of its goals.
-        is_whole: whether there are no more of them.
+        rows: events of one order, in any order.
+        goals: its goals in SQL.
+        is_whole: whether there are no more events.
     """
     told = _Timeline(goals)
-    # The plant's clock of a simulated factory begins anew with each start, while its history is kept.
+    # A simulated plant's clock restarts with every start, while its history is kept.
     in_order = sorted(
         rows, key=lambda each: (each.at_s, each.plant_s, each.agent, each.incarnation, each.number)
     )
-    # A vehicle's clock may be a little ahead of its coordinator's: what it carries is known before its own words.
+    # A vehicle's clock may be ahead of its coordinator's: read the opening before the vehicle's facts.
     opened = TaskOpened.__name__
     for row in sorted(in_order, key=lambda each: each.kind != opened):
         told.on(_READ.decode(row.fact), row.at_s, row.agent)
@@ -160,24 +161,24 @@ def timeline(rows: Iterable[EventRow], goals: Iterable[Goal], *, is_whole: bool 
 
 
 class _Timeline:
-    """What was told so far."""
+    """The events folded so far."""
 
     def __init__(self, goals: Iterable[Goal]) -> None:
         self._known = {goal.id: goal for goal in goals}
         self._goals: dict[str, OrderGoalView] = {}
         self._ways: dict[str, WayOutView] = {}
         self._sources: dict[str, tuple[str, ...]] = {}
-        """Of a transport all that may be its source; whoever carries it chooses one."""
+        """Per transport, its possible sources; the carrier chooses one."""
         self._legs: dict[str, list[LegView]] = {}
         self._moments: list[MomentView] = []
         self._arrived: dict[str, int] = {}
-        """By goal, pieces that were told."""
+        """Per goal, pieces reported."""
 
     def view(self, is_whole: bool) -> TimelineView:
         for task, way in self._ways.items():
             way.legs = tuple(self._legs.get(task, ()))
         for goal, known in self._known.items():
-            # What was told of a goal and is not in its history any more.
+            # Events that are no longer in the log, but in SQL's goals.
             view = self._goals.get(goal)
             if view is None and known.product:
                 view = self._goals[goal] = OrderGoalView(
@@ -198,7 +199,7 @@ class _Timeline:
             case TaskOpened() | AwardAnswered() | PhaseEntered() | CarrierChanged() | TaskClosed():
                 self._on_task(fact, at_s, agent)
             case OrderFulfilled():
-                # A strategist that was away when the order ended tells it again.
+                # A strategist that was away at the end reports it again.
                 if all(moment.kind != "delivered" for moment in self._moments):
                     self._say("delivered", at_s)
             case OrderDropped():
@@ -217,7 +218,7 @@ class _Timeline:
             case PieceMade():
                 self._on_piece(fact, at_s, agent)
             case GoodsDelivered():
-                # Whoever takes an order over tells all that had arrived.
+                # A new holder of the order reports all arrivals again.
                 news = fact.delivered - self._arrived.get(fact.goal, 0)
                 if news > 0:
                     self._arrived[fact.goal] = fact.delivered
@@ -298,7 +299,7 @@ class _Timeline:
                     pass
 
     def _on_opened(self, task: str, work: Transport, at_s: float) -> None:
-        """Every round of bidding is an opening; the first one counts."""
+        """Note a transport's first opening; later rounds of bidding count no more."""
         if task not in self._ways:
             self._sources[task] = work.sources
             self._ways[task] = WayOutView(
@@ -316,7 +317,7 @@ class _Timeline:
         way = self._ways[fact.task]
         if not legs or legs[-1].carrier != agent or legs[-1].until_at_s is not None:
             if fact.phase in (Phase.RETURNING, Phase.HANDING_OVER):
-                return  # Told late by somebody who was replaced.
+                return  # A late report of a replaced carrier.
             legs.append(LegView(carrier=agent, since_at_s=at_s))
         leg = legs[-1]
         if fact.phase is Phase.APPROACHING and fact.station in self._sources[fact.task]:

@@ -1,4 +1,4 @@
-"""A plain transport as people and programs ask for it."""
+"""The draft of a plain transport, from a person or program."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from dray.gateway.orders.drafts import DueMoment
 from dray.priorities import Priority
 
 WISH_S = 300.0
-"""Of the plant's clock: how long one vehicle is waited for that is only wished for. What is urgent is due within one minute, all else later."""
+"""Plant seconds for which a preferred vehicle is awaited. An urgent transport is due within one minute,
+others later."""
 
 THING_MAX = 100
-"""Characters of what people call a thing: one line of a list."""
+"""Maximum characters of a thing's name: one line of a list."""
 
 
 _PlantId = Annotated[str, Field(min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$")]
 
 
 def _seen(thing: str) -> str:
-    """Refuse what nobody sees, and what turns the rest of a line round.
+    """Refuse invisible characters and those that reverse text.
 
     Raises:
         ValueError: it holds such a character.
@@ -42,35 +43,36 @@ _Thing = Annotated[
 
 
 class TransportDraft(BaseModel):
-    """Something to be brought from one place to another."""
+    """Something to bring from one place to another."""
 
     model_config = ConfigDict(extra="forbid", populate_by_name=True)
 
     source: Annotated[_PlantId | None, Field(alias="from")] = None
-    """A storage, or a machine that has it in a buffer. Left out, the nearest storage that has enough."""
+    """A storage, or a machine with the item in a buffer. Without it: the nearest storage that has enough."""
     to: _PlantId | None = None
-    """Likewise. Left out, the nearest storage that has room; one of both must be named."""
+    """A storage or machine. Without it: the nearest storage with room. One of both must be named."""
     item: _PlantId | None = None
-    """A material; `GET /api/materials` lists them, and where they are kept. Left out where it is a `thing`."""
+    """A material; `GET /api/materials` lists them and their storages. Left out for a `thing`."""
     thing: _Thing | None = None
-    """Instead of an item: something without master data, as people call it ("pump housing for Meier", "empty pallet"). It needs `from`, `to` and `ability`, and is counted
-    in no stock."""
+    """Instead of an item: something without master data, by its everyday name ("pump housing for Meier",
+    "empty pallet"). Needs `from`, `to` and `ability`; counts in no stock."""
     quantity: Annotated[int | None, Field(strict=True, ge=1, le=10_000)] = None
-    """Pieces: one load, so at most the lot of the material. A thing is one, and needs none said."""
+    """Pieces of one load, at most the material's lot. A thing counts as one."""
     due_at: DueMoment | None = None
-    """When it should be there, with a time zone; not in the past."""
+    """When it should arrive, with a time zone; not in the past."""
     not_before: DueMoment | None = None
-    """When it may be given out at the soonest; before `due_at`. One that is past means at once."""
+    """Earliest time to announce it; before `due_at`. A past time means at once."""
     priority: Priority = Priority.NORMAL
     vehicle: _PlantId | None = None
     """The only vehicle that may carry it."""
     vehicle_only: Annotated[bool, Field(strict=True)] = True
-    """Whether it waits for that one for always; false for a wish, which ends after five minutes of the plant's clock: then any may carry it."""
+    """Whether to wait for that vehicle forever; if false, any vehicle may carry it after five minutes of the
+    plant's clock."""
     ability: _PlantId | None = None
-    """What its vehicle must be able to carry beside what the material asks for: one of the abilities of the plant's types of vehicles, as `pallet`. Of a
-    thing: what it is carried as."""
+    """Ability that its vehicle needs beside the material's: one of the vehicle types' abilities, such as
+    `pallet`. For a thing: how it is carried."""
 
     def text(self) -> str:
-        """What was asked, in JSON: the same for the same, also of an earlier version."""
+        """The draft as JSON: equal for equal drafts, also across versions."""
         left_out = {name for name in ("ability", "not_before", "thing") if getattr(self, name) is None}
         return self.model_dump_json(exclude=left_out | ({"vehicle_only"} if self.vehicle_only else set()))

@@ -1,4 +1,4 @@
-"""From where to where something is brought: who calls from a machine knows what is needed there, and no more."""
+"""The places of a transport: a caller at a machine knows the need there, but not the source."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from dray.plant import Plant
 def places_for(
     plant: Plant, stations: Stations, item: str, quantity: int, source: str, to: str
 ) -> tuple[str, str]:
-    """From where to where.
+    """Find the two places.
 
     Args:
-        plant: who keeps what, and where.
-        stations: what storages have.
+        plant: the keepers of materials and their places.
+        stations: the storages' stocks.
         item: a material.
         quantity: pieces.
-        source: empty for the nearest storage that has so much, or keeps it at all.
-        to: empty for the nearest storage that has room for it, or keeps it at all.
+        source: empty for the nearest storage with enough, or that at least keeps it.
+        to: empty for the nearest storage with room, or that at least keeps it.
 
     Returns:
-        Both places; empty for one that is not named and that nothing can be found for.
+        Both places; empty for one that was not named and not found.
     """
     if item not in plant.materials:
         return source, to
@@ -51,7 +51,7 @@ def places_for(
 
 
 def misplaced(plant: Plant, item: str, source: str, to: str) -> list[FieldError]:
-    """What is wrong with two places for a material that there is."""
+    """Faults of two places for a known material."""
     if not source and not to:
         return [FieldError.of("to", "place_needed")]
     keepers, errors = plant.keepers_of(item), []
@@ -67,7 +67,7 @@ def misplaced(plant: Plant, item: str, source: str, to: str) -> list[FieldError]
 
 
 def thing_misplaced(plant: Plant, source: str, to: str) -> list[FieldError]:
-    """What is wrong with two places for a thing: each has a dock, and both are named, since nothing tells where it is."""
+    """Faults of two places for a thing: both must be named and have a dock, since its place is unknown."""
     errors = []
     for field, place in (("from", source), ("to", to)):
         if not place:

@@ -1,7 +1,8 @@
-"""The timeline of a plain transport, or of what a machine has brought for itself: called for, won, fetched and handed over, with takeovers. Pure.
+"""The timeline of a plain transport or of a machine's own: call, award, fetch, hand-over, takeovers. Pure.
 
-A plain transport may be given out several times, under a name each: its destination restarts, or a load comes in parts. Steps are read from
-what agents have told; where the log has forgotten that, what the table of tasks keeps longer is told instead.
+A plain transport may be announced several times under different names: its destination restarts, or a load
+comes in parts. Steps come from agents' facts; where the log has forgotten them, the table of tasks supplies
+less.
 """
 
 from __future__ import annotations
@@ -17,38 +18,39 @@ from dray.store.orders.tasks import TaskRow
 from dray.store.orders.transports import TransportRow
 
 TOLD_BY = (TaskOpened, AwardAnswered, PhaseEntered, CarrierChanged, TaskClosed)
-"""Facts of which it is made."""
+"""Facts that make the timeline."""
 
 KINDS = tuple(kind.__name__ for kind in TOLD_BY)
 
 
 class TransportTimeline(View, kw_only=True):
-    """All of a transport, oldest first. Times are wall clock seconds."""
+    """A whole transport, oldest first. Times are wall clock seconds."""
 
     attempts: tuple[WayOutView, ...] = ()
-    """Each time it was given out; one, where nothing went otherwise."""
+    """One per announcement; normally a single one."""
     moments: tuple[MomentView, ...] = ()
     is_whole: bool = True
-    """False where the log has forgotten its steps, and only tells who carried it last, and when; or has more of them than are read at once."""
+    """False where the log has forgotten the steps, so that only the last carrier and its times are known; or
+    has more than one read returns."""
 
 
 def transport_timeline(
     row: TransportRow, tasks: Sequence[TaskRow], rows: Iterable[EventRow], *, is_whole: bool = True
 ) -> TransportTimeline:
-    """What is known of a transport.
+    """The timeline of a plain transport.
 
     Args:
         row: the transport.
-        tasks: under which names it was given out.
-        rows: what the log has of these, in any order.
-        is_whole: whether there are no more of them.
+        tasks: its tasks, one per announcement.
+        rows: their events, in any order.
+        is_whole: whether there are no more events.
     """
     told = timeline(rows, ())
     ways = {way.task: way for way in told.transports}
     forgotten = [task for task in tasks if task.id not in ways]
     attempts = [*ways.values(), *(_known(task) for task in forgotten)]
     moments = [*_begun(row), *told.moments, *(each for task in forgotten for each in _kept(task)), *_end(row)]
-    # No vehicle is told what people call it.
+    # Vehicles do not know people's name for it.
     for attempt in attempts:
         attempt.thing = row.thing
     for moment in moments:
@@ -61,12 +63,12 @@ def transport_timeline(
 
 
 def task_timeline(task: TaskRow, rows: Iterable[EventRow], *, is_whole: bool = True) -> TransportTimeline:
-    """What is known of a transport that its coordinator needs by itself: material, or goods that are fetched from it.
+    """The timeline of a coordinator's own transport: material, or goods to be fetched from it.
 
     Args:
         task: the transport.
-        rows: what the log has of it, in any order.
-        is_whole: whether there are no more of them.
+        rows: its events, in any order.
+        is_whole: whether there are no more events.
     """
     told = timeline(rows, ())
     is_known = bool(told.transports)
@@ -89,7 +91,7 @@ def _of_task(task: TaskRow, kind: MomentKind, at_s: float) -> MomentView:
 
 
 def _known(task: TaskRow) -> WayOutView:
-    """An attempt whose steps are forgotten."""
+    """An attempt with forgotten steps."""
     legs: tuple[LegView, ...] = ()
     if task.carrier and task.contracted_at_s is not None:
         legs = (LegView(carrier=task.carrier, since_at_s=task.contracted_at_s, until_at_s=task.closed_at_s),)
@@ -108,7 +110,7 @@ def _known(task: TaskRow) -> WayOutView:
 
 
 def _kept(task: TaskRow) -> list[MomentView]:
-    """Who won it is known where nobody has taken it over."""
+    """The award, which is certain only without a takeover."""
     if task.epoch > 1 or not task.carrier or task.contracted_at_s is None:
         return []
     return [

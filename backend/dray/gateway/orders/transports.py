@@ -1,10 +1,11 @@
-"""Plain transports: asked for once, told to the place to which they go until it answers, and followed to their end.
+"""Plain transports: called for once, repeated to their destination until it answers, and followed to the end.
 
-A transport and its Idempotency-Key are one row; the answer follows its commit. What is repeated to a place is not
-remembered: at the start and from time to time every transport that SQL believes open is asked for again, as orders are.
+A transport and its Idempotency-Key are one row; the answer follows its commit. Repetitions are not stored. At
+the start and regularly, every transport open in SQL is asked for again, like orders.
 
-One that is not to begin yet is held: its row says so (`HELD`), and no place knows of it. When its time has come the row is changed first,
-and its place is asked after that; so a row that is held was never asked for, by no gateway and in no life, and ends here when it is called off.
+A transport for later is held: its row says so (`HELD`), and no place knows of it. When its time comes, the
+row is changed first, and the place is asked afterwards. So a held row was never asked for by any gateway, and
+cancelling it ends it here.
 """
 
 from __future__ import annotations
@@ -50,25 +51,25 @@ from dray.store.orders.transports import HELD, TransportRow
 from dray.store.work import Work
 
 OPEN_MAX = 5_000
-"""Transports that have not ended: days of a large fleet's work."""
+"""Maximum open transports: days of a large fleet's work."""
 
 RECONCILE_EVERY_S = 60.0
-"""Wall seconds between two times that all open ones are asked for: people wait for them, and there are few."""
+"""Wall seconds between two times that all open ones are asked for: people wait for them, and they are few."""
 
 LOOK_AGAIN_S = 1.0
-"""Wall seconds between two looks at what is held and due: the database may be away."""
+"""Wall seconds between two looks at held transports that are due: the database may be away."""
 
 _log = logging.getLogger(__name__)
 
 
 class PlainTransports:
-    """Takes plain transports, and sees to it that they are done.
+    """Takes plain transports and follows them to the end.
 
     Args:
-        store: where they are kept.
-        projection: what stands where, and which vehicles there are.
-        send: says something to one agent.
-        time: the two clocks.
+        store: the database.
+        projection: the places and vehicles.
+        send: sends a message to one agent.
+        time: plant clock and wall clock.
         wall_s: the wall clock.
     """
 
@@ -84,15 +85,15 @@ class PlainTransports:
         self._time, self._wall_s = time, wall_s
         self._reminders = Reminders()
         self._places: dict[str, str] = {}
-        """Who is asked about a transport, while that is repeated."""
+        """Per transport with a repeated message, the place asked."""
         self._heard: dict[str, TransportAnswered] = {}
-        """Ends that are to be written."""
+        """Answers with ends to write."""
         self._held: dict[str, float] = {}
-        """Transports that are not to begin before then, in wall clock seconds."""
+        """Held transports -> their begin, wall clock."""
         self._news = asyncio.Event()
         self._keys_at_work: AtWork = {}
 
-    # --- what people ask ---
+    # --- people's requests ---
 
     async def call(
         self,
@@ -103,21 +104,21 @@ class PlainTransports:
         *,
         waits: bool = False,
     ) -> tuple[KeptAnswer, bool]:
-        """Take a transport, or find what was answered when it was asked for before.
+        """Take a transport, or return the earlier answer to the same request.
 
         Args:
-            draft: what is to be brought.
-            caller: who asks.
+            draft: the draft.
+            caller: the caller.
             key: the Idempotency-Key; None for none.
             render: writes the answer.
-            waits: wait for another request with the key that is being answered, and do not refuse this one.
+            waits: whether to wait for another request with the key instead of refusing this one.
 
         Returns:
-            The answer, and whether it is that of an earlier request.
+            The answer, and whether it is an earlier one.
 
         Raises:
-            Problem: what it names does not exist or is not kept there, it is beyond what the caller's key may call for, too many are
-                open, or the Idempotency-Key was used for another body.
+            Problem: it names unknown or unsuitable places or materials, it exceeds the key's limits, too many
+                are open, or the Idempotency-Key was used for another body.
         """
         body = f"transport {draft.text()}"
         fingerprint = hashlib.sha256(body.encode()).hexdigest()
@@ -135,16 +136,16 @@ class PlainTransports:
         return _kept(row), False
 
     async def keep(self, work: Work, row: TransportRow, limits: CallLimits | None = None) -> None:
-        """Take a transport in a transaction; `ask` is for after it.
+        """Store a transport in a transaction; call `ask` afterwards.
 
         Args:
             work: the transaction.
             row: the transport.
-            limits: of the key that calls for it, if one does.
+            limits: limits of the caller's key, if any.
 
         Raises:
-            Problem: 503 too many are open, 429 too many of this caller are, 409 its Idempotency-Key has just been used: the
-                transaction is to be undone.
+            Problem: 503, too many are open; 429, too many of this caller are; 409, its Idempotency-Key was
+                just used. The transaction must be rolled back.
         """
         open_ends = await work.transports.open_ends_of(row.caller)
         if limits is not None:
@@ -159,10 +160,11 @@ class PlainTransports:
             raise key_at_work()
 
     async def cancel(self, transport: str, caller: Principal) -> TransportRow | None:
-        """Call a transport off; one that is called off already stays so.
+        """Cancel a transport; a cancelled one stays so.
 
         Returns:
-            It as it is now, cancelled only when the factory has confirmed, or does not know of it yet; None when there is none that the caller may see.
+            The transport now, cancelled only once the factory has confirmed, or if the factory does not know
+            it; None if the caller sees no such transport.
 
         Raises:
             Problem: 409, it is on board or delivered.
@@ -186,14 +188,14 @@ class PlainTransports:
         return row
 
     def may_see(self, row: TransportRow, caller: Principal) -> bool:
-        """Whether a caller may be told of a transport: it begins or ends in its areas, or it has asked for it itself."""
+        """Whether a caller sees a transport: one in its areas, or its own."""
         if not caller.may(Scope.FACTORY_READ):
             return row.caller == caller.key
         places = self.places_of(caller)
         return places is None or row.source in places or row.destination in places
 
     def places_of(self, caller: Principal) -> frozenset[str] | None:
-        """The places whose transports a caller is shown, and for which one may ask who is limited to areas; None for all."""
+        """The places whose transports a caller sees and, if limited to areas, may call for; None for all."""
         if caller.areas is None:
             return None
         plant, areas = self._plant, caller.areas
@@ -204,14 +206,14 @@ class PlainTransports:
         )
 
     def abilities(self) -> tuple[str, ...]:
-        """What a thing can be carried as: what vehicles of the plant can carry, what most types carry first."""
+        """The ways in which a thing can be carried: the vehicles' abilities, most frequent first."""
         counts = Counter(each for has in self._abilities() for each in has)
         return tuple(sorted(counts, key=lambda each: (-counts[each], each)))
 
-    # --- what places answer ---
+    # --- places' answers ---
 
     def on_answered(self, sender: str, answer: TransportAnswered) -> bool:
-        """A place has answered; returns whether it was asked."""
+        """Take a place's answer; returns whether it was asked."""
         if self._places.get(answer.transport) != sender:
             return False
         if answer.state in TRANSPORT_ENDED:
@@ -222,7 +224,7 @@ class PlainTransports:
         return True
 
     async def start(self) -> None:
-        """Ask for all that are open.
+        """Ask for all open transports.
 
         Raises:
             UnavailableError: the database cannot be read.
@@ -234,7 +236,7 @@ class PlainTransports:
                 self.ask(row)
 
     async def run(self) -> None:
-        """Repeat what is not answered, and write down how they have ended, until cancelled."""
+        """Repeat unanswered messages and store ends until cancelled."""
         clock = asyncio.get_running_loop()
         reconcile_s = clock.time() + RECONCILE_EVERY_S
         while True:
@@ -257,7 +259,7 @@ class PlainTransports:
                     _log.info("open transports are not reconciled this time: %s", error)
 
     async def begin_due(self) -> None:
-        """Ask for what was held until now."""
+        """Ask for held transports whose time has come."""
         now_s = self._wall_s()
         for name in [name for name, begin_s in self._held.items() if begin_s <= now_s]:
             try:
@@ -273,7 +275,7 @@ class PlainTransports:
             if row is not None and not row.has_ended and name not in self._reminders:
                 self.ask(row)
 
-    # --- how it is done ---
+    # --- internals ---
 
     @property
     def _plant(self) -> Plant:
@@ -304,7 +306,7 @@ class PlainTransports:
                 return
 
     def ask(self, row: TransportRow) -> None:
-        """Ask a place for a transport that is on disk, or call it off there, until it answers; what is held waits for its time."""
+        """Ask a place for a stored transport, or cancel it there, until it answers; a held one waits."""
         if row.is_held:
             self._held[row.id] = row.created_at_s if row.not_before_s is None else row.not_before_s
             self._news.set()
@@ -329,7 +331,7 @@ class PlainTransports:
         self._news.set()
 
     def _held_for_s(self) -> float:
-        """Wall seconds until something that is held begins."""
+        """Wall seconds until the next held transport begins."""
         return max(LOOK_AGAIN_S, min(self._held.values(), default=math.inf) - self._wall_s())
 
     def _until_s(self, row: TransportRow) -> float | None:
@@ -345,10 +347,11 @@ class PlainTransports:
         self._places.pop(transport, None)
 
     def row(self, draft: TransportDraft, caller: Principal) -> TransportRow:
-        """What a draft comes to now; not kept yet.
+        """The row of a draft now; not stored yet.
 
         Raises:
-            Problem: 422, it names what does not exist or is not kept there; 403, the caller's key may not call for it.
+            Problem: 422, it names unknown or unsuitable places or materials; 403, it exceeds the key's
+                limits.
         """
         now_s = self._wall_s()
         item, quantity = (draft.item or "", draft.quantity or 0) if draft.thing is None else (THING, 1)
@@ -393,7 +396,7 @@ class PlainTransports:
     def _nonsense(
         self, draft: TransportDraft, source: str, to: str, caller: Principal, now_s: float
     ) -> list[FieldError]:
-        """What has the right shape and still means nothing here."""
+        """Faults of a well-formed draft."""
         plant, item, quantity = self._plant, draft.item, draft.quantity
         if draft.thing is not None:
             carried = draft.ability or ""
@@ -414,7 +417,7 @@ class PlainTransports:
         return errors + self._nonsense_beside(draft, wanted, source, to, caller, now_s)
 
     def _nonsense_of_thing(self, draft: TransportDraft, source: str, to: str) -> list[FieldError]:
-        """Likewise of a thing without master data."""
+        """Faults of a draft for a thing without master data."""
         errors = thing_misplaced(self._plant, source, to)
         if draft.item is not None:
             errors.append(FieldError.of("item", "thing_alone"))
@@ -428,7 +431,7 @@ class PlainTransports:
     def _nonsense_beside(
         self, draft: TransportDraft, wanted: set[str], source: str, to: str, caller: Principal, now_s: float
     ) -> list[FieldError]:
-        """Likewise of who may ask, by whom it is carried (who has the abilities that are `wanted`), and when."""
+        """Faults of a draft in caller, vehicle (which needs the abilities `wanted`) and times."""
         errors, places = [], self.places_of(caller)
         if places is not None and places.isdisjoint((source, to)):
             errors.append(FieldError.of("to", "not_your_area"))
@@ -443,14 +446,14 @@ class PlainTransports:
         return errors
 
     def _abilities(self) -> list[tuple[str, ...]]:
-        """What the vehicles of the plant can carry, by type: those of the plant file, and those that have joined."""
+        """Abilities by type of vehicle, for the plant file's vehicles and those that have joined."""
         kinds = self._plant.vehicle_types
         types = {each.type for each in self._plant.fleet.values()}
         types |= {each.type for each in self._projection.atvs.views()}
         return [kinds[each].abilities for each in sorted(types & kinds.keys())]
 
     def _nobody_able(self, wanted: str | None, carried: str) -> list[FieldError]:
-        """What is wrong where no vehicle of the plant carries the material, or none of those has what is wanted beside."""
+        """The fault if no vehicle carries the material, or none of those has the extra ability."""
         has = self._abilities()
         if any({wanted or carried, carried} <= set(abilities) for abilities in has):
             return []
@@ -475,7 +478,7 @@ class PlainTransports:
 
 
 def loads_text(pieces: int, most: int) -> str:
-    """In which loads so many pieces come, where one has so many at most: as ``2 x 40 + 20``."""
+    """The loads of so many pieces, with a maximum per load: as ``2 x 40 + 20``."""
     full, rest = divmod(pieces, most)
     return f"{full} x {most}" + (f" + {rest}" if rest else "")
 
@@ -485,7 +488,7 @@ def _kept(row: TransportRow) -> KeptAnswer:
 
 
 def _ended_here(row: TransportRow, now_s: float) -> TransportRow:
-    """A transport that was called off before any place was asked for it."""
+    """A transport that was cancelled before any place was asked."""
     return msgspec.structs.replace(
         row,
         status=TransportState.CANCELLED,

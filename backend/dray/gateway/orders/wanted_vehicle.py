@@ -1,4 +1,4 @@
-"""Why the only vehicle that may carry a transport does not: by its own last words, and its last answer to the announcement."""
+"""Why the only permitted vehicle does not carry a transport: by its last report and its last answer."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ Unwilling = Literal[
     "battery",
     "charging",
 ]
-"""What a vehicle is by its own words, or by its silence, and so carries nothing."""
+"""States in which a vehicle carries nothing, by its own report or its silence."""
 
 
 def why_not(row: TransportRow, projection: Projection, now_s: float) -> str | None:
-    """Why the wanted vehicle does not carry a transport that waits for it.
+    """Why the wanted vehicle does not carry a waiting transport.
 
     Args:
         row: the transport.
-        projection: what the vehicle has told.
+        projection: the vehicle's reports.
         now_s: wall clock.
 
     Returns:
-        What it is (`Unwilling`), or the reason for which it has not bid (`Refusal`). None where no vehicle is wanted any more, it is not to begin yet, somebody carries it, or nothing keeps it that is known.
+        The vehicle's state (`Unwilling`), or its reason not to bid (`Refusal`). None if no vehicle is wanted
+        any more, the transport is held or carried, or no obstacle is known.
     """
     if not row.vehicle or row.carrier or row.has_ended or row.is_held:
         return None

@@ -1,1 +1,1 @@
-"""Products as people write them: in a form, a request, or a spreadsheet."""
+"""Products as written by people: in a form, a request, or a spreadsheet."""

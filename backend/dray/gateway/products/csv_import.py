@@ -1,7 +1,8 @@
-"""Products out of a spreadsheet: rows of CSV read as drafts, with every fault named by its row. Pure.
+"""Products from a spreadsheet: CSV rows read as drafts, with every fault named by its row. Pure.
 
-Rows that follow one another with the same product are one product. Each of them may name one line of its bill (`material`, `pieces`),
-one machine (`machine`, `cycle_s`) and one document; what is of the whole product stands in the first row, and may be left out below.
+Successive rows with the same product are one product. Each may name one line of its bill (`material`,
+`pieces`), one machine (`machine`, `cycle_s`) and one document; data of the whole product is in the first row,
+and optional below.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from dray.gateway.http.problems import FieldError, field_error
 from dray.gateway.products.drafts import ID, ProductDraft
 
 WHOLE = ("name", "lot", "ability")
-"""Columns that are of the whole product."""
+"""Columns about the whole product."""
 
 DOCUMENT = ("document", "address", "media_type", "sha256")
 
@@ -31,16 +32,16 @@ _DECIMAL = re.compile(r"\d{1,9}([.,]\d{1,6})?")
 
 
 class ReadProduct(msgspec.Struct, frozen=True):
-    """One product of a file, and in which row each of its parts stands."""
+    """One product of a file, with the rows of its parts."""
 
     id: str
     draft: ProductDraft
     row: int
     rows: dict[str, int]
-    """By field of the draft, as `bill.shaft`."""
+    """Row per field of the draft, as `bill.shaft`."""
 
     def place(self, error: FieldError) -> RowFault:
-        """Where in the file something is wrong that was found in the draft."""
+        """A fault of the draft, with its place in the file."""
         return _place(error, self.row, self.rows)
 
 
@@ -48,7 +49,7 @@ def read_products(text: str) -> tuple[list[ReadProduct], list[RowFault]]:
     """Read a file.
 
     Returns:
-        The products whose rows have the right shape, and what is wrong with the others.
+        The products of valid rows, and the faults of the others.
     """
     rows, faults = read_rows(text, COLUMNS, NEEDED)
     products: list[ReadProduct] = []
@@ -91,7 +92,7 @@ def _place(error: FieldError, first: int, rows: dict[str, int]) -> RowFault:
 
 
 def _differing(members: list[Row]) -> Iterator[RowFault]:
-    """What is of the whole product, and stands otherwise in a later row."""
+    """Faults of later rows that contradict the first on the whole product."""
     (first_row, first), *others = members
     for row, cells in others:
         for column in WHOLE:
@@ -100,7 +101,7 @@ def _differing(members: list[Row]) -> Iterator[RowFault]:
 
 
 def _draft(members: list[Row]) -> tuple[dict[str, Any], dict[str, int], list[RowFault]]:
-    """The fields of a draft, the row of each of its parts, and what stands there twice."""
+    """The fields of a draft, the row of each part, and faults of repeated parts."""
     first = members[0][1]
     bill: dict[str, Any] = {}
     machines: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""A product as people write it, and what it is in the plant."""
+"""A product as written by people, and its form in the plant."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dray.plant import BillLine, Product
 ID = r"^[A-Za-z][A-Za-z0-9_.-]{0,31}$"
 
 LINES_MAX = 100
-"""Of a bill; a machine has a buffer for each."""
+"""Maximum lines of a bill; a machine has a buffer for each."""
 
 MACHINES_MAX = 200
 
@@ -34,15 +34,15 @@ class DocumentDraft(BaseModel):
 
     name: Annotated[Line, Field(max_length=80)]
     address: Annotated[str, Field(pattern=r"^https?://[^\s\"'<>\\]{1,248}$")]
-    """Where machines and people fetch it: `http://` or `https://`."""
+    """Address for machines and people: `http://` or `https://`."""
     media_type: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.+-]{0,47}/[A-Za-z0-9_.+-]{1,80}$")]
-    """As `application/pdf`."""
+    """Such as `application/pdf`."""
     sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
-    """The SHA-256 of its content, in hexadecimal digits: machines use nothing else."""
+    """SHA-256 of its content, in hexadecimal digits: machines accept nothing else."""
 
 
 class ProductDraft(BaseModel):
-    """A product as it is to be."""
+    """A product's new definition."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -53,17 +53,17 @@ class ProductDraft(BaseModel):
 
     name: Annotated[Line, Field(max_length=80)]
     lot: Pieces
-    """In one container."""
+    """Pieces in one container."""
     bill: Annotated[dict[Name, Pieces], Field(min_length=1, max_length=LINES_MAX), few(LINES_MAX)]
-    """Pieces of each material that one piece takes."""
+    """Pieces of each material per piece."""
     ability: Name = "tote"
-    """What a vehicle must be able to carry."""
+    """Ability that a vehicle needs to carry it."""
     machines: Annotated[dict[Name, Seconds], Field(max_length=MACHINES_MAX), few(MACHINES_MAX)] = Field(
         default_factory=dict
     )
-    """Seconds for one piece, by machine that can make it. Those that were set up for it by the plant file may be left out."""
+    """Seconds per piece, by capable machine. Machines set up for it in the plant file are optional."""
     documents: Annotated[list[DocumentDraft], Field(max_length=DOCUMENTS_MAX)] = Field(default_factory=list)
-    """What whoever makes it needs: no piece is begun before its machine has verified all of them."""
+    """Documents for its makers: a machine verifies all before it begins a piece."""
 
     @field_validator("documents")
     @classmethod
@@ -74,13 +74,13 @@ class ProductDraft(BaseModel):
         return documents
 
     def product(self, id_: str) -> Product:
-        """As the plant has it."""
+        """The product as the plant has it."""
         bill = tuple(BillLine(material, quantity) for material, quantity in self.bill.items())
         return Product(id=id_, name=self.name, lot=self.lot, bill=bill, ability=self.ability)
 
 
 class Wanted(msgspec.Struct, frozen=True):
-    """A product that is to be defined, and the revision that it replaces."""
+    """A product to define, and the revision that it replaces."""
 
     product: Product
     machines: dict[str, float]
@@ -90,6 +90,6 @@ class Wanted(msgspec.Struct, frozen=True):
 
 
 def wanted(id_: str, draft: ProductDraft, before: int | None) -> Wanted:
-    """What a draft asks for."""
+    """The definition that a draft asks for."""
     documents = tuple(Document(**document.model_dump()) for document in draft.documents)
     return Wanted(draft.product(id_), draft.machines, documents, before)

@@ -1,4 +1,4 @@
-"""Judging: why products cannot be made or carried in a plant. Pure; of a whole file it takes its time, and is side work."""
+"""Judging: why products cannot be made or carried in a plant. Pure; slow for a whole file, so side work."""
 
 from __future__ import annotations
 
@@ -21,46 +21,47 @@ from dray.plant.model import PlantFile
 MACHINE = re.compile(r"^machines\[(\d+)\](.*)$")
 
 DEFINITION_BYTES = 24_000
-"""Of a definition as JSON: an order of two such products is still a message (`dray.codec.MAX_BYTES`)."""
+"""Maximum bytes of a definition as JSON, so that an order of two such products fits a message
+(`dray.codec.MAX_BYTES`)."""
 
 
 class Known(msgspec.Struct, frozen=True):
-    """What products are judged by."""
+    """The data by which products are judged."""
 
     plant: bytes
-    """The file of the plant as it is now."""
+    """The present plant file."""
     own: bytes
-    """Its file as it was read: the machines' own word on their cycles."""
+    """The plant file as read at the start, with the machines' own cycle times."""
     revisions: Mapping[str, int]
-    """Of all products that can be ordered."""
+    """Revisions of all products that can be ordered."""
 
 
 class ReadFile(msgspec.Struct, frozen=True):
-    """A file of products as it came."""
+    """A file of products as read."""
 
     dry_run: bool
     wishes: list[Wanted] = []
     faults: list[RowFault] = []
-    """By row; the first `MAX_FIELD_ERRORS`."""
+    """Faults by row; at most `MAX_FIELD_ERRORS`."""
     hints: list[RowFault] = []
-    """What is odd in it and taken all the same."""
+    """Oddities that do not prevent taking it."""
 
 
 def judge(wishes: Sequence[Wanted], known: Known) -> list[list[FieldError]]:
-    """`faults` by what is known. Takes its time: side work."""
+    """The `faults` of products. Slow: run as side work."""
     own, plant = (msgspec.json.decode(each, type=PlantFile) for each in (known.own, known.plant))
     return faults(Plant(own), plant, wishes)
 
 
 def read_file(body: bytes, known: Known) -> ReadFile:
-    """Read a body that holds a file, and judge what is in it. Takes its time: side work.
+    """Read a request with a file, and judge its content. Slow: run as side work.
 
     Args:
         body: a `RowsFile`.
-        known: what it is judged by.
+        known: the data to judge by.
 
     Raises:
-        Problem: the body is not of this shape, or there is no file in it.
+        Problem: the body has another shape, or no file.
     """
     request = read(RowsFile, body)
     file = text_of_file(request.csv, request.base64)
@@ -74,21 +75,21 @@ def read_file(body: bytes, known: Known) -> ReadFile:
 
 
 def faults(own: Plant, file: PlantFile, wishes: Sequence[Wanted]) -> list[list[FieldError]]:
-    """Why products cannot be made or carried when they are defined one after the other, or all of them at once.
+    """Why products cannot be made or carried, defined one after the other or all at once.
 
     Args:
         own: the plant as its file was read.
-        file: as it is now.
-        wishes: what is to be defined.
+        file: the present plant file.
+        wishes: the products to define.
 
     Returns:
-        Of each, what is wrong by field of the body; nothing for a good one.
+        The faults of each by field of the body; empty for a good one.
     """
     if len(wishes) <= 1:
         return [_faults(own, file, wish) for wish in wishes]
     if not any(_odd(own, file, wish) for wish in wishes) and not products_faults(file, _defined(wishes)):
         return [[] for _ in wishes]
-    # To judge a whole plant takes its time: where most are good, it is done for few of them alone.
+    # Judging a whole plant is slow: if most are good, only few need it on their own.
     half = len(wishes) // 2
     first = faults(own, file, wishes[:half])
     good = [wish for wish, wrong in zip(wishes[:half], first, strict=True) if not wrong]
@@ -100,12 +101,12 @@ def _defined(wishes: Iterable[Wanted]) -> list[Defined]:
 
 
 def own_s(own: Plant, machine: str, product: str) -> float | None:
-    """What a machine says itself of its time for a product, in seconds; None where it says nothing."""
+    """A machine's own cycle time for a product in seconds; None if it gives none."""
     return own.cycle_s(machine, product) if machine in own.machines_for(product) else None
 
 
 def definition(wanted: Wanted) -> ProductDefinition:
-    """What agents are told of a product."""
+    """A product's definition for agents."""
     product = wanted.product
     return ProductDefinition(
         lot=product.lot,
@@ -119,7 +120,7 @@ def definition(wanted: Wanted) -> ProductDefinition:
 
 
 def _too_large(wanted: Wanted) -> list[FieldError]:
-    """Whether a definition is more than orders and goals can carry, by field; nothing for a good one."""
+    """The fault of a definition too large for orders and goals, by field; empty for a good one."""
     size = len(msgspec.json.encode(definition(wanted)))
     if size <= DEFINITION_BYTES:
         return []
@@ -136,7 +137,7 @@ def _faults(own: Plant, file: PlantFile, wish: Wanted) -> list[FieldError]:
 
 
 def _odd(own: Plant, file: PlantFile, wish: Wanted) -> list[FieldError]:
-    """What is wrong with one by itself, by field."""
+    """The faults of one product by itself, by field."""
     product, cycles_s = wish.product, wish.machines
     machines = [machine.id for machine in file.machines]
     found = [
@@ -158,7 +159,7 @@ def _odd(own: Plant, file: PlantFile, wish: Wanted) -> list[FieldError]:
 
 
 def _of_body(field: str, file: PlantFile) -> str:
-    """A field of the plant, as the body of a request calls it: its bill and its machines are named there, not numbered."""
+    """A plant file's field under its name in the body, where bill and machines are named, not numbered."""
     if of_machine := MACHINE.match(field):
         return f"machines.{file.machines[int(of_machine[1])].id}{of_machine[2]}"
     return field.removeprefix("products[0]").removeprefix(".") or "product"

@@ -1,5 +1,5 @@
-"""Routers, one per noun. They say what a request and its answer look like, and leave the rest to the rooms below.
+"""Routers, one per noun. They define requests and answers, and leave the rest to the rooms below.
 
-`table` lists them all. Here: what there is at this moment and what people do about it. `orders`: orders and files of them, and their
-customers' view; `history`: what has happened, from SQL; `pages`: what a browser shows; `openapi`: the document of it all.
+`table` lists them all. Here: the present state and people's actions. `orders`: orders, files of them, and the
+customers' view; `history`: the past, from SQL; `pages`: pages for browsers; `openapi`: the document of all.
 """

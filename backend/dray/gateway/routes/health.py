@@ -1,4 +1,4 @@
-"""Health and metrics: for whoever watches over the process."""
+"""Health and metrics, for process monitoring."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ async def healthz() -> Json:
 
 @router.get("/readyz")
 async def readyz(health: Provided[Health]) -> Json:
-    """Orders can be taken; and how every part is, those that are not needed for it too."""
+    """Whether orders can be taken, and the state of every part, needed or not."""
     parts = await health.examine()
     faults = [FieldError(name, part.reason) for name, part in parts.items() if _hinders(name, part)]
     if faults:

@@ -1,4 +1,4 @@
-"""Keys by which other systems and call buttons use the API."""
+"""Keys for other systems and call buttons."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ LISTED = "GET /api/keys"
 DAY_S = 86_400.0
 
 LONGEST_DAYS = 3650
-"""Ten years: whoever wants more wants a key without an end."""
+"""Maximum lifetime, ten years: beyond that a key without end is better."""
 
 NAME_CHARS = 80
 
 NAMES_MAX = 100
-"""Places or materials of a key: a hall of machines. Whoever wants more wants all of them, or several keys."""
+"""Maximum places or materials of a key: a hall of machines. Beyond that, use all or several keys."""
 
 KEY_OPEN_MOST = share_of(TRANSPORTS_MAX)
-"""No caller has more open."""
+"""Maximum open transports of any caller."""
 
 Name = Annotated[str, Field(min_length=1, max_length=32)]
 
@@ -51,40 +51,40 @@ KeyId = Annotated[str, Path(max_length=64)]
 
 
 class KeyAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """A key, without what it is shown by."""
+    """A key without its token."""
 
     id: str
     name: str
-    """What it is for."""
+    """Purpose of the key."""
     scopes: tuple[str, ...]
-    """What it may do."""
+    """Its rights."""
     places: tuple[str, ...] = ()
-    """The machines and storages for which alone it calls for transports; empty for all."""
+    """Machines and storages to which its transports are limited; empty for all."""
     items: tuple[str, ...] = ()
-    """The materials for which alone it does; empty for all."""
+    """Materials to which its transports are limited; empty for all."""
     open_max: int
-    """Transports of it that may be open at once..."""
+    """Maximum open transports."""
     open_each_max: int
-    """...and for one place: one of its own, or the one to which something goes where it has none of its own."""
+    """Maximum open transports per place: its own places, or the destination if it has none."""
     priority: str
-    """The highest with which it calls: low, normal, high or urgent."""
+    """Highest priority: low, normal, high or urgent."""
     created_at_s: float
     expires_at_s: float | None = None
-    """Null for until it is taken back."""
+    """Null if it lasts until it is revoked."""
     revoked_at_s: float | None = None
     used_at_s: float | None = None
-    """When it was used last, to the minute."""
+    """Time of its last use, to the minute."""
 
 
 class NewKeyAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """A new key; its token is told this one time and kept nowhere."""
+    """A new key; its token is shown only here and not stored."""
 
     token: str
     """For `Authorization: Bearer`."""
     key: KeyAnswer
     page_url: str | None = None
-    """Of a key that calls for transports at one place and may do nothing else: the address of its page for phones. With `/code.svg` behind it, that is
-    a QR code; with `/sign`, a page to be printed."""
+    """For a key with transports of one place as its only right: address of its page for phones. With
+    `/code.svg` appended it is a QR code; with `/sign`, a page to print."""
 
 
 EXAMPLE = KeyAnswer(
@@ -102,7 +102,7 @@ NEW_EXAMPLE = NewKeyAnswer(token="dray_X7pXlvU3a0q0WmT5mDqkPzT8O1hO2b0m9l1x9mKc0
 
 
 class KeyDraft(BaseModel):
-    """A key that is to be made."""
+    """A key to create."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -122,26 +122,27 @@ class KeyDraft(BaseModel):
     )
 
     name: Annotated[str, Field(min_length=1, max_length=NAME_CHARS, pattern=LINE)]
-    """What it is for."""
+    """Purpose of the key."""
     scopes: Annotated[list[Scope], Field(max_length=len(Scope))]
-    """What it may do: nothing that you may not do yourself."""
+    """Its rights: at most your own."""
     days: Annotated[int, Field(ge=1, le=LONGEST_DAYS)] | None = None
-    """How long it works; else until it is taken back."""
+    """Lifetime in days; without it, until it is revoked."""
     places: Annotated[list[Name], Field(max_length=NAMES_MAX)] = []
-    """Of a key with `transports:call`: the machines and storages for which alone it calls; empty for all."""
+    """With `transports:call`: machines and storages to which it is limited; empty for all."""
     items: Annotated[list[Name], Field(max_length=NAMES_MAX)] = []
-    """Likewise, the materials for which alone it calls; empty for all."""
+    """With `transports:call`: materials to which it is limited; empty for all."""
     open_max: Annotated[int, Field(strict=True, ge=1, le=KEY_OPEN_MOST)] | None = None
-    """Likewise, how many of its transports may be open at once; else 50."""
+    """With `transports:call`: maximum open transports; 50 by default."""
     open_each_max: Annotated[int, Field(strict=True, ge=1, le=KEY_OPEN_MOST)] | None = None
-    """Likewise, how many of them for one place; else 20, or `open_max` where that is less."""
+    """With `transports:call`: maximum open transports per place; by default 20, or `open_max` if less."""
     priority: Priority | None = None
-    """Likewise, the highest with which it calls; else normal. No due time may be sooner than that of such a one, unless it is urgent."""
+    """With `transports:call`: highest priority; normal by default. Unless it is urgent, no due time may be
+    sooner than at this priority."""
 
 
 @router.get("/keys", responses={200: list_of(KeyAnswer, "Keys, by id")}, response_class=Json)
 async def list_keys(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
-    """Keys that there are, and those that work no more."""
+    """All keys, including invalid ones."""
     async with store.read() as work:
         keys = await work.api_keys.all()
     found = sorted((_answer(each) for each in keys), key=lambda each: each.id)
@@ -167,7 +168,10 @@ async def make_key(
     now_s: Now,
     draft: KeyDraft,
 ) -> Json:
-    """Make a key for another system, or for a call button. A key makes none that calls beyond its own limits, or works longer than itself."""
+    """Create a key for another system or a call button.
+
+    A key creates none with wider limits or a longer life than its own.
+    """
     scopes = tuple(dict.fromkeys(each.value for each in draft.scopes))
     places, items = tuple(dict.fromkeys(draft.places)), tuple(dict.fromkeys(draft.items))
     open_max = draft.open_max or OPEN_MAX
@@ -212,7 +216,7 @@ async def make_key(
     response_class=Json,
 )
 async def revoke_key(store: Provided[Store], note: Noted, now_s: Now, key: KeyId) -> Json:
-    """Take a key back."""
+    """Revoke a key."""
     async with store.write() as work:
         known = None if "\0" in key else await work.api_keys.get(key)
         if known is None:
@@ -225,7 +229,7 @@ async def revoke_key(store: Provided[Store], note: Noted, now_s: Now, key: KeyId
 
 
 def _beyond(caller: Principal, key: ApiKey) -> list[str]:
-    """The fields in which a new key could do more than the key that makes it, or could do it longer."""
+    """The fields in which a new key would exceed the key that creates it."""
     beyond, ends_s, limits = [], caller.expires_at_s, caller.calls
     if caller.kind == "key" and ends_s is not None and (key.expires_at_s or math.inf) > ends_s:
         beyond.append("days")

@@ -1,4 +1,4 @@
-"""Me: who the caller is, and what it may do."""
+"""Me: the caller and its rights."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ router = APIRouter(tags=["access"])
 
 
 class MeAnswer(msgspec.Struct, frozen=True):
-    """Who the caller is."""
+    """The caller."""
 
     kind: str
     """person, key or admin."""
@@ -21,12 +21,12 @@ class MeAnswer(msgspec.Struct, frozen=True):
     role: str | None
     """manager or operator; null for keys and the administrator."""
     areas: tuple[str, ...] | None
-    """Where it may act and look; null for the whole plant."""
+    """Areas to which it is limited; null for the whole plant."""
     station: str
-    """The machine at which an operator works; empty where there is none."""
+    """An operator's machine; empty if there is none."""
     scopes: tuple[str, ...]
     expires_at_s: float | None
-    """When it must log in anew, at the latest; null for never."""
+    """Latest time of the next login; null for never."""
 
 
 EXAMPLE = MeAnswer(

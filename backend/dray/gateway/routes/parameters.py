@@ -1,4 +1,4 @@
-"""What several routers ask for as a parameter, beside services (`http.provided`) and the caller (`access.caller`)."""
+"""Parameters of several routers, beside services (`http.provided`) and the caller (`access.caller`)."""
 
 from __future__ import annotations
 
@@ -18,4 +18,4 @@ async def _visible(projection: Provided[Projection], caller: Caller) -> Visibili
 
 
 Visible = Annotated[Visibility, Depends(_visible)]
-"""What the caller may see of the plant at this moment."""
+"""What the caller may see of the plant now."""

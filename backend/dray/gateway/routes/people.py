@@ -1,4 +1,4 @@
-"""People: who may log in, where they work, and what lets them in."""
+"""People: who may log in, their areas, and their secrets."""
 
 from __future__ import annotations
 
@@ -44,24 +44,24 @@ UNKNOWN = "There is no such person"
 
 
 class PersonAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """Somebody who may log in, or no more."""
+    """A person who may, or might, log in."""
 
     id: str
-    """What is typed to log in; never given to somebody else."""
+    """Login name; never given to another person."""
     name: str
     role: str
     """manager or operator."""
     areas: tuple[str, ...] = ()
-    """Of an operator; a manager works everywhere."""
+    """Areas of an operator; a manager works everywhere."""
     secrets: tuple[str, ...] = ()
-    """What there is of password, pin and badge; without any, only a link lets in."""
+    """Those set of password, pin and badge; without any, only a link logs in."""
     created_at_s: float
     disabled_at_s: float | None = None
-    """Since when nobody logs in under this name; null for who may."""
+    """Time since which login is disabled; null if it is allowed."""
 
 
 class LoginLinkAnswer(msgspec.Struct, frozen=True):
-    """A link by which somebody logs in once; it is told this one time and kept nowhere."""
+    """A link that logs a person in once; it is shown only here and not stored."""
 
     url: str
     expires_at_s: float
@@ -82,7 +82,7 @@ LINK_EXAMPLE = LoginLinkAnswer(
 
 
 class PersonDraft(BaseModel):
-    """Somebody new."""
+    """A new person."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -94,16 +94,16 @@ class PersonDraft(BaseModel):
     )
 
     id: Annotated[str, Field(min_length=1, max_length=64)]
-    """What is typed to log in: small letters, digits, . _ and -."""
+    """Login name: small letters, digits, . _ and -."""
     name: Line
-    """What people call them."""
+    """Name for people."""
     role: Role
     areas: Areas = []
-    """Where an operator works."""
+    """Areas of an operator."""
 
 
 class AreasDraft(BaseModel):
-    """Where an operator works from now on."""
+    """An operator's new areas."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"areas": ["AREA1", "AREA2"]}]})
 
@@ -111,7 +111,7 @@ class AreasDraft(BaseModel):
 
 
 class SecretDraft(BaseModel):
-    """What lets somebody in: a manager's password; an operator's PIN, or the code of a badge."""
+    """A person's secret: a manager's password; an operator's PIN or badge code."""
 
     model_config = ConfigDict(
         extra="forbid", json_schema_extra={"examples": [{"kind": "pin", "secret": "40718293"}]}
@@ -123,7 +123,7 @@ class SecretDraft(BaseModel):
 
 @router.get("/people", responses={200: list_of(PersonAnswer, "People, by id")}, response_class=Json)
 async def list_people(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
-    """Who may log in, and who may no more."""
+    """All people, including disabled ones."""
     async with store.read() as work:
         people = await work.people.all()
     return page([_answer(each) for each in people], lambda each: each.id, cursor, limit)
@@ -147,7 +147,7 @@ async def add_person(
     now_s: Now,
     draft: PersonDraft,
 ) -> Json:
-    """Let somebody new log in; give them a link, a password, a PIN or a badge afterwards."""
+    """Add a person; afterwards give them a link, a password, a PIN or a badge."""
     note.target, note.detail = draft.id, {"role": draft.role.value, "areas": list(draft.areas)}
     _decides(caller, draft.role)
     faults = _faults_of(draft.role, draft.areas, projection)
@@ -173,7 +173,7 @@ async def add_person(
 async def make_login_link(
     store: Provided[Store], base: BaseUrl, caller: Caller, now_s: Now, person: PersonId
 ) -> Json:
-    """Make a link by which somebody logs in once within a day; earlier ones work no more."""
+    """Create a link that logs a person in once within a day; earlier links become invalid."""
     async with store.write() as work:
         known = await _known(work, person, caller)
         if known.disabled_at_s is not None:
@@ -241,7 +241,7 @@ async def move_person(
     person: PersonId,
     draft: AreasDraft,
 ) -> Json:
-    """Let an operator work in these areas from now on, and in no others."""
+    """Set an operator's areas."""
     note.detail["areas"] = list(draft.areas)
     async with store.write() as work:
         known = await _known(work, person, caller)
@@ -261,7 +261,7 @@ async def move_person(
     response_class=Json,
 )
 async def disable_person(store: Provided[Store], caller: Caller, now_s: Now, person: PersonId) -> Json:
-    """Let somebody log in no more, at once and everywhere."""
+    """Disable a person's login, at once and everywhere."""
     if caller.kind == "person" and caller.id == person:
         raise Problem(
             HTTPStatus.CONFLICT,
@@ -278,7 +278,7 @@ async def disable_person(store: Provided[Store], caller: Caller, now_s: Now, per
     response_class=Json,
 )
 async def enable_person(store: Provided[Store], caller: Caller, now_s: Now, person: PersonId) -> Json:
-    """Let somebody log in again."""
+    """Enable a person's login again."""
     return await _set(store, caller, person, now_s, disabled_at_s=None)
 
 
@@ -293,10 +293,10 @@ async def _set(
 
 
 async def _known(work: Work, person: str, caller: Principal) -> Person:
-    """Somebody whom the caller may decide on.
+    """A person whom the caller may manage.
 
     Raises:
-        Problem: 404, there is nobody of this id; 403, the caller may less than they.
+        Problem: 404, no such person; 403, the person has rights that the caller lacks.
     """
     known = await work.people.get(person)
     if known is None:
@@ -317,7 +317,7 @@ def _decides(caller: Principal, role: str) -> None:
 
 
 def _faults_of(role: Role, areas: Sequence[str], projection: Projection) -> list[FieldError]:
-    """What is wrong with where somebody of this role is to work."""
+    """Faults of the areas for a person of this role."""
     if role is Role.MANAGER:
         return [FieldError.of("areas", "area_none")] if areas else []
     there = projection.site.plant.areas

@@ -1,4 +1,4 @@
-"""The plant, as its file describes it."""
+"""The plant, as in its file."""
 
 from __future__ import annotations
 
@@ -13,5 +13,5 @@ router = APIRouter(tags=["plant"])
 
 @router.get("/plant", responses={200: described(PlantFile, "The plant")}, response_class=Json)
 async def get_plant(visible: Visible) -> Json:
-    """What stands where, lanes, products, fleet; of it all, what lies in the caller's areas."""
+    """Places, lanes, products and fleet, as far as they are in the caller's areas."""
     return Json(visible.plant())

@@ -1,4 +1,4 @@
-"""Priorities: how soon each is wanted, and for how long what waits lets others pass."""
+"""Priorities: how soon each is wanted, and how long others may pass a waiting transport."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ router = APIRouter(tags=["plant"])
 
 
 class PrioritiesAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """What priorities mean, in seconds of the plant's clock."""
+    """The meaning of priorities, in seconds of the plant's clock."""
 
     transports: dict[Priority, float]
-    """Within which a plain transport is wanted where no time is given..."""
+    """Time within which a plain transport without due time is wanted."""
     orders: dict[Priority, float]
-    """...and an order, from its release on."""
+    """Time from release within which an order is wanted."""
     passed_most_s: float
-    """For how long a transport that was given out is passed by what is called for after it, at the most. What is called for later goes behind it."""
+    """Maximum time for which later calls may pass an announced transport; after it, later calls queue behind
+    it."""
 
 
 ANSWER = PrioritiesAnswer(transports=TRANSPORT_WITHIN_S, orders=ORDER_WITHIN_S, passed_most_s=PATIENCE_S)
@@ -28,5 +29,5 @@ ANSWER = PrioritiesAnswer(transports=TRANSPORT_WITHIN_S, orders=ORDER_WITHIN_S, 
 
 @router.get("/priorities", responses={200: described(PrioritiesAnswer, "They", ANSWER)}, response_class=Json)
 async def get_priorities() -> Json:
-    """How soon each priority is wanted, and for how long what waits is passed at the most."""
+    """How soon each priority is wanted, and how long a waiting transport can be passed."""
     return Json(ANSWER)

@@ -1,4 +1,4 @@
-"""What lists of everything there ever was are asked for: words, a part of time, an order. Parameters of several routers."""
+"""Query parameters of several routers that list the past: words, a period, an order."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from dray.gateway.live.projection import Projection
 from dray.store.database.searching import Sought
 
 MOST_WORDS = 8
-"""Each is looked for in every row: more would be no search any more."""
+"""Maximum words: each is searched in every row."""
 
 MOST_NAMED = 200
-"""Products and materials in whose names the words of one question stand, all together: each is looked for in every row, too, and SQLite takes no
-thousand of them in one question.
+"""Maximum products and materials whose names match the words of one query, in total: each is searched in
+every row too, and SQLite limits their number per query.
 """
 
 
@@ -40,17 +40,17 @@ async def _sought(
 
 
 def sought(q: str, names: Mapping[str, str]) -> Iterator[Sought]:
-    """The words of a question, each once.
+    """The words of a query, each once.
 
     Args:
-        q: the question.
-        names: of products and materials by their ids, in small letters.
+        q: the query.
+        names: names of products and materials by id, in small letters.
     """
     left = MOST_NAMED
     for word in list({word.casefold(): word for word in q.split()}.values())[:MOST_WORDS]:
         named = tuple(item for item, name in names.items() if word.casefold() in name)
         if len(named) > left:
-            # It tells too little of which are meant.
+            # The word matches too many names to be useful.
             named = ()
         left -= len(named)
         yield Sought(word, named)

@@ -19,13 +19,13 @@ from dray.gateway.live.stream import Client, Hub, Pace
 router = APIRouter()
 
 END_CODES = {End.OVER: CLOSE_CODES[HTTPStatus.UNAUTHORIZED], End.MOVED: 4409}
-"""Of our own, after the statuses of HTTP: not logged in, and a conflict with what is known now."""
+"""Private codes, after HTTP statuses: not logged in, and a conflict with the present state."""
 
 POLICY = 1008
-"""RFC 6455: the client does what it should not."""
+"""RFC 6455: policy violation by the client."""
 
 INCOMING_MESSAGES = 16
-"""A client has nothing to say; one that says more than some greetings is no panel of ours."""
+"""Maximum messages of a client: panels send none, and other clients are not wanted."""
 
 
 @router.websocket("/stream")
@@ -36,10 +36,14 @@ async def stream(
     caller: Caller,
     pace: Literal["live", "calm"] = "live",
 ) -> None:
-    """First a snapshot, then numbered deltas, as text, as long as its caller may see them; a calm one once a second."""
+    """Send a snapshot, then numbered deltas, as text, while the caller may see them.
+
+    A calm stream has one frame a second.
+    """
     client = hub.join(caller, Pace(pace))
     if client is None:
-        # A handshake that is refused has a status, which browsers hide; only an open socket is closed with a code (RFC 6455, 7.4).
+        # Browsers hide the status of a refused handshake; only an open socket can be closed with a code (RFC
+        # 6455, 7.4).
         await socket.accept()
         await socket.close(TRY_LATER, "too many panels are open")
         return
@@ -52,7 +56,7 @@ async def stream(
 
 
 async def _serve(socket: WebSocket, client: Client, ended: asyncio.Future[End]) -> None:
-    """Send frames until the client goes, talks too much, or may no longer see this."""
+    """Send frames until the client leaves, sends too much, or loses its right."""
     sending = asyncio.create_task(_send_all(socket, client))
     listening = asyncio.create_task(_listen(socket))
     tasks = (sending, listening, ended)
@@ -75,7 +79,7 @@ async def _send_all(socket: WebSocket, client: Client) -> None:
 
 
 async def _listen(socket: WebSocket) -> bool:
-    """Ignore what comes; returns True when it was too much, False when the client has gone."""
+    """Ignore incoming messages; returns True when there were too many, False when the client has left."""
     for _ in range(INCOMING_MESSAGES):
         if (await socket.receive())["type"] == "websocket.disconnect":
             return False

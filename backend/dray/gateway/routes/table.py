@@ -1,4 +1,4 @@
-"""All routers, and where their paths begin."""
+"""All routers and their path prefixes."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from dray.gateway.routes.products import imports as product_imports
 from dray.gateway.routes.products import products
 
 API = (
-    # Its path looks like that of an order, so it comes first.
+    # Its path also matches that of an order, so it comes first.
     imports,
     orders,
     change_feed,
@@ -57,7 +57,7 @@ API = (
     station_commands,
     atvs,
     carrying,
-    # Its path looks like that of a task, so it comes first.
+    # Its path also matches that of a task, so it comes first.
     task_history,
     tasks,
     loads,
@@ -87,16 +87,16 @@ API = (
     keys,
     audit,
 )
-"""Those that OpenAPI tells of."""
+"""Routers in OpenAPI."""
 
 BESIDE = (docs, stream)
-"""Under `/api` too, and not in OpenAPI."""
+"""Routers under `/api` that are not in OpenAPI."""
 
 REST = (health, login, panels, customer, call)
 
 
 GUARDS = (Depends(admitted),)
-"""Of every route, and of whichever an application may get beside these."""
+"""Dependencies of every route, and of any added later."""
 
 
 def _joined() -> APIRouter:
@@ -109,9 +109,9 @@ def _joined() -> APIRouter:
 
 
 _ROUTER = _joined()
-"""One for all applications of a process: FastAPI reads the signature of every handler once."""
+"""One router for all applications of a process: FastAPI reads every handler's signature only once."""
 
 
 def add_routes(app: FastAPI) -> None:
-    """Let an application answer what routers answer."""
+    """Add all routes to an application."""
     app.router.routes.extend(_ROUTER.routes)

@@ -1,1 +1,1 @@
-"""Recurring work: what is asked for by a calendar, at most once for each of its moments."""
+"""Recurring work: requests by a calendar, at most one for each moment."""

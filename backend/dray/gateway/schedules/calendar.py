@@ -1,8 +1,9 @@
-"""Calendars: when something recurs, by a cron expression in a time zone, and on which days it does not. Pure.
+"""Calendars: recurring moments by a cron expression in a time zone, without holidays. Pure.
 
-Expressions are those of cron in Debian, with its rules for the nights in which clocks are set. A time that is fixed (`30 2 * * *`) comes
-once each day: where clocks skip it, at the moment at which they go on; where it comes twice, at the first. An expression with a `*` in its
-minutes or hours (`*/30 * * * *`) goes by the clock as it runs: what is skipped does not come, what is repeated comes twice.
+Expressions are those of cron in Debian, with its rules for clock changes. A fixed time (`30 2 * * *`) occurs
+once each day: if the clock skips it, at the moment of the change; if it occurs twice, at the first. An
+expression with `*` in its minutes or hours (`*/30 * * * *`) follows the clock: skipped times do not occur,
+repeated times occur twice.
 """
 
 from __future__ import annotations
@@ -22,20 +23,20 @@ FIELDS = 5
 """Minute, hour, day of the month, month, day of the week."""
 
 LATEST = datetime(2200, 1, 1, tzinfo=UTC)
-"""Nothing is planned after that."""
+"""Latest planned moment."""
 
 
 class Calendar:
-    """When something recurs.
+    """The moments of recurring work.
 
     Args:
-        expression: of cron, with five fields.
-        time_zone: by its IANA name, as `Europe/Berlin`.
-        holidays: days of that time zone on which nothing is done.
-        skipped: single moments at which nothing is done.
+        expression: a cron expression with five fields.
+        time_zone: an IANA name, such as `Europe/Berlin`.
+        holidays: days in that time zone that are left out.
+        skipped: single moments that are left out.
 
     Raises:
-        CalendarError: with what is wrong, and what would be right.
+        CalendarError: the calendar is invalid; it tells what would be right.
     """
 
     def __init__(
@@ -63,7 +64,7 @@ class Calendar:
         return datetime.fromtimestamp(wall_s, self._zone)
 
     def after(self, wall_s: float) -> float | None:
-        """The first moment after another one, in seconds since 1970; None when there is none any more."""
+        """The first moment after a time, in seconds since 1970; None if there is none."""
         return next(self._moments(wall_s), None)
 
     def has(self, wall_s: float) -> bool:
@@ -77,12 +78,12 @@ class Calendar:
         )
 
     def preview(self, wall_s: float, count: int) -> list[float]:
-        """The first moments after another one."""
+        """The first moments after a time."""
         return list(islice(self._moments(wall_s), count))
 
     def newest(self, first_s: float, until_s: float) -> float:
-        """The last moment of a time that begins with one of the calendar's moments, `first_s`; both ends count."""
-        # Backwards it finds what is strictly before.
+        """The last moment in a span that begins with the moment `first_s`; both ends count."""
+        # The backward search finds only earlier moments.
         start = self.local(floor(until_s) + 1)
         while True:
             found = next(CronSim(self._expression, start, reverse=True), None)
@@ -102,7 +103,7 @@ class Calendar:
                 if found > LATEST:
                     return
                 if found.date() in self._holidays:
-                    # A day is passed over as a whole: by its minutes that could be a thousand steps.
+                    # Skip the whole day: by minutes it could take a thousand steps.
                     start = datetime.combine(found.date(), time(23, 59, 59), self._zone)
                     break
                 if found.timestamp() not in self._skipped:
@@ -112,10 +113,10 @@ class Calendar:
 
 
 class CalendarError(ValueError):
-    """A calendar cannot be read.
+    """An invalid calendar.
 
     Attributes:
-        error: what of it, and why.
+        error: the field, and the reason.
     """
 
     def __init__(self, field: str, code: str, **values: str) -> None:

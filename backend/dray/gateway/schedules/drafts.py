@@ -1,4 +1,4 @@
-"""Recurring work as people write it."""
+"""Recurring work as written by people."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from dray.gateway.orders.transport_draft import TransportDraft
 from dray.priorities import Priority
 
 HOLIDAYS_MAX = 400
-"""Of one calendar: the days of a year, and some."""
+"""Maximum holidays per calendar: the days of a year, and some."""
 
 RUNS_MAX = 50
-"""Of a preview: more than a person reads."""
+"""Maximum moments of a preview: more than a person reads."""
 
 
 def _written_day(value: Any) -> date:
@@ -48,14 +48,15 @@ def _without_time(draft: TransportDraft) -> TransportDraft:
 
 
 Recurring = Annotated[TransportDraft, AfterValidator(_without_time)]
-"""What is brought each time: without `due_at` and `not_before`."""
+"""The transport each time, without `due_at` and `not_before`."""
 
 DUE_AFTER_S = (600.0, 366 * 86_400.0)
-"""Wall seconds after which a recurring order may be due: no moment is used so late (`PUNCTUAL_S`) that its order is due already; a year."""
+"""Minimum and maximum wall seconds until a recurring order is due. The minimum exceeds the latest use of a
+moment (`PUNCTUAL_S`); the maximum is a year."""
 
 
 class RecurringOrder(BaseModel):
-    """The order that is placed each time."""
+    """The order placed each time."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -67,10 +68,10 @@ class RecurringOrder(BaseModel):
     due_after_s: (
         Annotated[float, Field(strict=True, ge=DUE_AFTER_S[0], le=DUE_AFTER_S[1], allow_inf_nan=False)] | None
     ) = None
-    """Seconds of the clock on the wall from the moment until it is due, at least ten minutes; of one that is made up for, from when that is done."""
+    """Wall seconds from each moment to the due time, at least ten minutes; for a late run, from the run."""
 
     def draft(self, begin_s: float) -> OrderDraft:
-        """The order of one moment, in wall clock seconds."""
+        """The order of one moment, wall clock seconds."""
         due_at = None
         if self.due_after_s is not None:
             due_at = datetime.fromtimestamp(begin_s + self.due_after_s, UTC).isoformat()
@@ -79,19 +80,19 @@ class RecurringOrder(BaseModel):
 
 
 Expression = Annotated[Line, Field(max_length=120)]
-"""Five fields of cron: minute, hour, day of the month, month, day of the week, as `0 6 * * MON-FRI`."""
+"""Five cron fields: minute, hour, day of the month, month, day of the week, as `0 6 * * MON-FRI`."""
 
 Zone = Annotated[Line, Field(max_length=64)]
-"""By its IANA name, as `Europe/Berlin`."""
+"""IANA name, such as `Europe/Berlin`."""
 
 Holidays = Annotated[list[Day], Field(max_length=HOLIDAYS_MAX)]
-"""Days of the time zone on which nothing is done."""
+"""Days in the time zone that are left out."""
 
 SKIPPED_MAX = 50
-"""Single moments that are left out; for more of them a day off is said, or a pause."""
+"""Maximum single moments left out; beyond that, use holidays or a pause."""
 
 Skipped = Annotated[list[DueMoment], Field(max_length=SKIPPED_MAX)]
-"""Moments of the calendar at which nothing is done."""
+"""Moments of the calendar that are left out."""
 
 _ONE = "say either transport, what is brought, or order, what is made"
 
@@ -112,11 +113,11 @@ class PreviewDraft(BaseModel):
     time_zone: Zone
     holidays: Holidays = Field(default_factory=list)
     count: Annotated[int, Field(strict=True, ge=1, le=RUNS_MAX)] = 10
-    """Moments that are told."""
+    """Number of moments to return."""
 
 
 class ScheduleDraft(BaseModel):
-    """Something that is to recur."""
+    """A new schedule."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -144,17 +145,17 @@ class ScheduleDraft(BaseModel):
     )
 
     name: Name
-    """No two have the same."""
+    """Unique name."""
     calendar: Expression
     time_zone: Zone
     holidays: Holidays = Field(default_factory=list)
     missed: Missed = "skip"
-    """What is done after an absence of the gateway about moments that have passed: nothing, or the last of them once."""
+    """Treatment of moments that passed without a gateway: none, or the last one once."""
     paused: Annotated[bool, Field(strict=True)] = False
     transport: Recurring | None = None
-    """What is brought each time..."""
+    """The transport each time; either this or `order`."""
     order: RecurringOrder | None = None
-    """...or the order that is placed: one of both."""
+    """The order placed each time; either this or `transport`."""
 
     @model_validator(mode="after")
     def _one(self) -> ScheduleDraft:
@@ -164,7 +165,7 @@ class ScheduleDraft(BaseModel):
 
 
 class ScheduleChange(BaseModel):
-    """What is to be changed of it; what is left out stays."""
+    """Changes to a schedule; fields left out stay."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"paused": True}]})
 
@@ -173,11 +174,11 @@ class ScheduleChange(BaseModel):
     time_zone: Zone | None = None
     holidays: Holidays | None = None
     skipped: Skipped | None = None
-    """All that are left out from now on: with one more to leave it out, with one fewer to have it done all the same."""
+    """All moments to leave out from now on: adding one leaves it out, removing one restores it."""
     missed: Missed | None = None
     paused: Annotated[bool | None, Field(strict=True)] = None
     transport: Recurring | None = None
-    """Where it was an order, it is none any more; and the other way round."""
+    """Replaces an order, if there was one; and the other way round."""
     order: RecurringOrder | None = None
 
     @model_validator(mode="after")

@@ -1,7 +1,7 @@
-"""Runs: what a schedule asks for at one moment, a transport or an order, before and when it is kept.
+"""Runs: a schedule's request at one moment, a transport or an order, before and while it is stored.
 
-It is kept in the transaction in which its schedule moves on, under a key that is made of both; what is to be told to the factory is told
-when that is on disk, and told again by who keeps transports and orders, should this process die in between.
+It is stored in the transaction that advances its schedule, under a key made of both. The factory is told once
+that is on disk. If this process dies in between, the keepers of transports and orders tell it later.
 """
 
 from __future__ import annotations
@@ -29,27 +29,27 @@ class Run(Protocol):
 
     @property
     def id(self) -> str:
-        """Of the transport or order."""
+        """Id of the transport or order."""
 
     @property
     def action(self) -> str:
-        """What the audit log calls it."""
+        """Its name in the audit log."""
 
     def of(self, row: ScheduleRow, placed: str) -> ScheduleRow:
-        """The schedule, once this is what came of its last moment under some id."""
+        """The schedule with this run's id as its last result."""
 
     async def known(self, work: Work, key: str) -> str | None:
-        """The id of what was placed under its key before, or None."""
+        """The id placed under its key before, or None."""
 
     async def keep(self, work: Work, key: str) -> None:
-        """Keep it, in a transaction.
+        """Store it in a transaction.
 
         Raises:
-            Problem: it cannot be taken now; the transaction is to be undone.
+            Problem: it cannot be taken now; the transaction must be rolled back.
         """
 
     def begin(self) -> None:
-        """Tell the factory of it; it is on disk."""
+        """Tell the factory, once it is on disk."""
 
 
 class Runs:
@@ -65,14 +65,14 @@ class Runs:
 
     @contextmanager
     def run(self, row: ScheduleRow, begin_s: float) -> Iterator[Run]:
-        """What a schedule asks for at a moment; it counts to its owner's share as long as the context lasts.
+        """A schedule's request at a moment; it counts to its owner's share within the context.
 
         Args:
             row: the schedule.
-            begin_s: the moment, or when it is made up for; wall clock.
+            begin_s: the moment, or the time of a late run; wall clock.
 
         Raises:
-            Problem: it names what does not exist, or too many are open.
+            Problem: it names something unknown, or too many are open.
         """
         if row.order_draft:
             draft = RecurringOrder.model_validate_json(row.order_draft).draft(begin_s)
@@ -83,10 +83,10 @@ class Runs:
         yield _TransportRun(self._transports, transport)
 
     def check(self, row: ScheduleRow, now_s: float) -> None:
-        """Refuse what could not be done now, however much is open: its first moment may be next week.
+        """Refuse an impossible request, without looking at what is open: its first moment may be next week.
 
         Raises:
-            Problem: names the fields as a schedule has them.
+            Problem: names the fields of the schedule.
         """
         try:
             if row.order_draft:
@@ -106,13 +106,13 @@ class Runs:
 
 
 def principal(row: ScheduleRow) -> Principal:
-    """Who asks for what a schedule asks for."""
+    """The principal of a schedule's requests."""
     scope = Scope.ORDERS_WRITE if row.order_draft else Scope.TRANSPORTS_CALL
     return Principal(kind="schedule", id=row.id, name=row.name, scopes=frozenset({scope}))
 
 
 def _whose(row: ScheduleRow) -> str:
-    """Whose it is what it asks for, and whose share that takes: its owner's, however many schedules that one has."""
+    """The owner of a schedule's requests, whose share they use, for all the owner's schedules together."""
     return row.owner or principal(row).key
 
 

@@ -1,8 +1,9 @@
 """The scheduler: places the work of every moment that has come, at most once.
 
-Moments are those of the wall clock, on which people live, as all times in REST; a simulated factory that runs at twenty times real time
-is asked for its morning's work in the morning. A moment is used in one transaction: its schedule moves on, and the transport or order gets
-a key that is made of the schedule and the moment. So neither a second gateway nor a death between the two places it again.
+Moments are on the wall clock, like all times in REST: a simulated factory at twenty times real time is asked
+for its morning's work in the morning. A moment is used in one transaction: its schedule advances, and the
+transport or order gets a key made of schedule and moment. So neither a second gateway nor a crash in between
+places it again.
 """
 
 from __future__ import annotations
@@ -35,26 +36,27 @@ from dray.store.access.audit import AuditRow
 from dray.store.orders.schedules import ScheduleRow
 
 SCHEDULES_MAX = 500
-"""More than people keep an eye on."""
+"""Maximum schedules: more than people can watch."""
 
 PUNCTUAL_S = 300.0
-"""Wall seconds by which a moment may be used late and is not missed: a gateway is started anew meanwhile, or its database is."""
+"""Wall seconds by which a moment may be late without being missed: a restart of the gateway or its
+database."""
 
 LOOK_EVERY_S = 10.0
-"""Seconds after which SQL is asked again: another gateway may have got a new schedule, or somebody has set the clock."""
+"""Seconds between two reads of SQL: another gateway may have a new schedule, or the clock was set."""
 
 REFUSED_MAX = 300
-"""Characters that are kept of why a moment's work was refused."""
+"""Maximum characters stored of a refusal."""
 
 _log = logging.getLogger(__name__)
 
 
 class Scheduler:
-    """Keeps schedules, and sees to it that they are done.
+    """Keeps schedules and executes them.
 
     Args:
-        store: where they are kept.
-        runs: makes what they ask for.
+        store: the database.
+        runs: makes their requests.
         wall_s: the wall clock.
     """
 
@@ -62,14 +64,14 @@ class Scheduler:
         self._store, self._runs, self._wall_s = store, runs, wall_s
         self._news = asyncio.Event()
 
-    # --- what people ask ---
+    # --- people's requests ---
 
     async def define(self, draft: ScheduleDraft, by: Principal) -> ScheduleRow:
-        """Begin to do something again and again.
+        """Add a schedule.
 
         Raises:
-            Problem: 422 its calendar or its work cannot be, 409 its name is taken or there are too many, 429 too many are this
-                caller's, 403 it orders and this caller may not.
+            Problem: 422, its calendar or work is invalid; 409, its name is taken or there are too many; 429,
+                the caller has too many; 403, the caller may not place orders.
         """
         now_s = self._wall_s()
         row = ScheduleRow(
@@ -104,16 +106,17 @@ class Scheduler:
     async def change(
         self, schedule: str, change: ScheduleChange, version: str | None, by: Principal
     ) -> ScheduleRow | None:
-        """Change one. When its calendar is another one, or it goes on after a pause, it begins with the first moment from now on.
+        """Change a schedule. A new calendar, or the end of a pause, begins with the next moment from now.
 
-        Whoever changes what it asks for, or by which calendar, is its owner from then on: what comes of that takes this one's share.
-        So is who lets it go on when its owner may do nothing any more.
+        A caller who changes its request or calendar becomes its owner, whose share it uses. So does one who
+        resumes it after its owner has lost all rights.
 
         Returns:
-            It as it is now; None when there is none.
+            The schedule now; None if it does not exist.
 
         Raises:
-            Problem: as `define`, 403 also where it has ordered so far; 412 it is not of this version any more, 428 no version is given.
+            Problem: as `define`, 403 also if it was for orders before; 412, its version has changed; 428, no
+                version is given.
         """
         async with self._store.write() as work:
             row = await work.schedules.get(schedule)
@@ -135,10 +138,11 @@ class Scheduler:
         return after
 
     async def remove(self, schedule: str, version: str | None, by: Principal) -> bool:
-        """Forget one; what it has asked for already goes on. False when there is none.
+        """Remove a schedule; its earlier requests continue. False if it does not exist.
 
         Raises:
-            Problem: 403 it orders and this caller may not, 412 it is not of this version any more, 428 no version is given.
+            Problem: 403, it is for orders and the caller may not place them; 412, its version has changed;
+                428, no version is given.
         """
         async with self._store.write() as work:
             row = await work.schedules.get(schedule)
@@ -177,7 +181,7 @@ class Scheduler:
             self._runs.check(after, now_s)
         return after
 
-    # --- what is done ---
+    # --- execution ---
 
     async def run(self) -> None:
         """Use every moment as it comes, until cancelled."""
@@ -195,7 +199,7 @@ class Scheduler:
                     await wait_until(math.inf if next_s is None else next_s, self._wall_s, self._news)
 
     async def look(self) -> None:
-        """Use every moment that has come, but pause what belongs to somebody who may do nothing any more.
+        """Use every moment that has come, and pause schedules whose owner has lost all rights.
 
         Raises:
             UnavailableError: the database cannot be read or written.
@@ -223,7 +227,7 @@ class Scheduler:
         try:
             calendar = calendar_of(row)
         except CalendarError as error:
-            # This computer's time zones are others than those of the one that has taken it.
+            # This computer's time zones differ from those of the one that accepted it.
             await self._move(row, msgspec.structs.replace(row, next_at_s=None, last_refused=str(error)))
             return
         assert row.next_at_s is not None  # noqa: S101 - it is due
@@ -245,7 +249,7 @@ class Scheduler:
         try:
             with self._runs.run(row, moment_s if now_s - moment_s <= PUNCTUAL_S else now_s) as run:
                 async with self._store.write() as work:
-                    # A clock that was set back leads to a moment again that is used.
+                    # A clock that was set back leads to used moments again.
                     known = await run.known(work, key)
                     if not await work.schedules.change(row, run.of(after, known or run.id)):
                         return
@@ -262,13 +266,13 @@ class Scheduler:
         async with self._store.write() as work:
             await work.schedules.change(row, after)
 
-    # --- how it is read ---
+    # --- reading ---
 
     def _skipping(self, row: ScheduleRow, wanted: list[float] | None, now_s: float) -> ScheduleRow:
-        """Without some coming moments; what was left out before and is none of its calendar's any more is forgotten.
+        """Leave out some coming moments; earlier ones that are no longer in the calendar are forgotten.
 
         Raises:
-            Problem: 422 one is none of its moments.
+            Problem: 422, one is not a moment of the calendar.
         """
         known = skipped_of(row)
         calendar = calendar_of(msgspec.structs.replace(row, skipped="[]"))
@@ -283,7 +287,7 @@ class Scheduler:
         kept = _kept_moments(skipped)
         if kept == row.skipped or row.next_at_s is None:
             return msgspec.structs.replace(row, skipped=kept)
-        # One that has just come is not lost by this.
+        # Keep a moment that has just come.
         since_s = min(now_s, row.next_at_s - 1.0)
         after = msgspec.structs.replace(row, skipped=kept)
         return msgspec.structs.replace(after, next_at_s=calendar_of(after).after(since_s))
@@ -299,21 +303,21 @@ class Scheduler:
 
 
 def calendar_of(row: ScheduleRow) -> Calendar:
-    """When a schedule's work recurs.
+    """The calendar of a schedule.
 
     Raises:
-        CalendarError: its time zone is not known here.
+        CalendarError: its time zone is unknown here.
     """
     return Calendar(row.calendar, row.time_zone, frozenset(days_of(row)), frozenset(skipped_of(row)))
 
 
 def days_of(row: ScheduleRow) -> list[date]:
-    """The days on which a schedule's work rests."""
+    """The holidays of a schedule."""
     return msgspec.json.decode(row.holidays, type=list[date])
 
 
 def skipped_of(row: ScheduleRow) -> list[float]:
-    """The moments that are left out, in wall clock seconds."""
+    """The moments left out, in wall clock seconds."""
     return msgspec.json.decode(row.skipped, type=list[float])
 
 
@@ -322,7 +326,7 @@ def _moments(row: ScheduleRow) -> tuple[str, str, str, bool]:
 
 
 def _asked(row: ScheduleRow) -> tuple[str, ...]:
-    """What it asks for, and how often."""
+    """The request and calendar of a schedule."""
     return row.transport, row.order_draft, row.calendar, row.time_zone, row.holidays
 
 
@@ -343,7 +347,7 @@ def _kept_order(draft: RecurringOrder | None) -> str:
 
 
 def _line(row: ScheduleRow, run: Run, moment_s: float, now_s: float) -> AuditRow:
-    """Of the audit log: nobody has asked for it at this moment, the schedule has."""
+    """The audit log line of a run: the caller is the schedule."""
     return AuditRow(
         at_s=now_s,
         who=row.id,
@@ -356,7 +360,7 @@ def _line(row: ScheduleRow, run: Run, moment_s: float, now_s: float) -> AuditRow
 
 
 def _paused_line(row: ScheduleRow, now_s: float) -> AuditRow:
-    """Likewise of one that has paused because of its owner."""
+    """The audit log line of a schedule paused because of its owner."""
     return AuditRow(
         at_s=now_s,
         who=row.id,
@@ -369,12 +373,12 @@ def _paused_line(row: ScheduleRow, now_s: float) -> AuditRow:
 
 
 def may_see(row: ScheduleRow, caller: Principal) -> bool:
-    """Whether a caller may be told of it: an order names a customer, as orders do."""
+    """Whether a caller may see a schedule: like orders, one with orders names a customer."""
     return not row.order_draft or caller.may(Scope.ORDERS_READ) or row.owner == caller.key
 
 
 def _refuse_orders(row: ScheduleRow, by: Principal) -> None:
-    """Refuse recurring orders, and whatever is changed of one, to who may place no orders.
+    """Refuse recurring orders, and changes to them, to callers who may not place orders.
 
     Raises:
         Problem: 403.
@@ -386,7 +390,7 @@ def _refuse_orders(row: ScheduleRow, by: Principal) -> None:
 
 
 def _refuse_beyond_share(kept: Iterable[ScheduleRow], owner: str) -> None:
-    """Refuse one more schedule of who has as many as one caller may have.
+    """Refuse a schedule of a caller who has its maximum.
 
     Raises:
         Problem: 429.

@@ -1,7 +1,7 @@
-"""The HTTP endpoint of the stop path. It reads a few hundred bytes, and authenticates callers from memory alone.
+"""The HTTP endpoint of the stop path. It reads a few hundred bytes, and authenticates from memory alone.
 
-One request passes: `POST /api/atvs/{atv}/commands` with kind `stop`, as at the gateway's own address. The panels'
-pages come from there, which is another origin to a browser, so the endpoint allows that origin (CORS).
+It accepts one request: `POST /api/atvs/{atv}/commands` with kind `stop`, as at the gateway's own address.
+Panels' pages come from there, another origin for browsers, so the endpoint allows that origin (CORS).
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ from dray.gateway.stop.sender import StopSender
 from dray.plant.model import ID_RULE, is_id
 
 BODY_BYTES = 1024
-"""A stop has some hundred."""
+"""Maximum body; a stop has some hundred bytes."""
 
 ASKED_AGAIN_S = 86_400
-"""For so long a browser need not ask again whether it may ask: a shift, and the next one."""
+"""Seconds for which a browser caches this permission: a shift, and the next one."""
 
 _PATH = re.compile(r"/api/atvs/([^/]+)/commands")
 
 Remembered = Callable[[str, str, float], Principal | None]
-"""Called with the header Authorization, the session's cookie and the wall clock (`Access.remembered`)."""
+"""Takes the header Authorization, the session's cookie and the wall clock (`Access.remembered`)."""
 
 
 class StopRequest(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -49,18 +49,18 @@ class StopRequest(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     kind: Literal["stop"]
     command: Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] | None = None
-    """A name for this command, as at the gateway's own address."""
+    """The caller's name for this command, as at the gateway's own address."""
 
 
 class StopEndpoint:
     """The ASGI application.
 
     Args:
-        sender: says stops to vehicles.
-        remembered: who somebody is, from memory.
-        hosts: under which names it may be asked.
-        origin_port: of the gateway's own address, from where the panels come.
-        public_url: where the panels come from, where that is another address; empty for none.
+        sender: sends stops to vehicles.
+        remembered: recognises callers from memory.
+        hosts: accepted names of this endpoint.
+        origin_port: port of the gateway's own address, where panels come from.
+        public_url: address of the panels, if it is another one; else empty.
         wall_s: the wall clock.
     """
 
@@ -133,7 +133,7 @@ class StopEndpoint:
         return by
 
     def _is_ours(self, headers: Headers) -> bool:
-        """Whether a page of ours asks, or no page at all."""
+        """Whether the request comes from our own page, or from no page."""
         origin = headers.get("origin")
         if origin is None:
             return headers.get("sec-fetch-site", "none") in {"none", "same-origin"}
@@ -201,7 +201,7 @@ def _session_in(cookies: str) -> str:
 
 
 def _with_port(origin: str) -> tuple[str, int]:
-    """The host and the port of a page; none of ours where it names no such thing."""
+    """The host and port of a page's origin; empty if it has none."""
     try:
         parts = urlsplit(origin)
         port = parts.port or (443 if parts.scheme == "https" else 80)

@@ -1,4 +1,4 @@
-"""The recorder: shows and logs stops that went by the stop path. Runs on the gateway's loop, after the fact."""
+"""The recorder: shows and logs stops of the stop path. Runs on the gateway's loop, after the fact."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from dray.gateway.stop.sender import Stop
 from dray.messages import CommandAnswered
 
 ACTION = "vehicle.command"
-"""What the audit log calls a command, whichever way it went (`access.rules`)."""
+"""Name of commands in the audit log, for both ways (`access.rules`)."""
 
 
 class StopRecorder:
-    """Shows stops to panels, and has a line of the audit log written for each.
+    """Shows stops on panels, and logs each in the audit log.
 
-    A stop that is sent both ways has one line: of the way on which it was heard first.
+    A stop sent both ways has one line, for the way heard first.
 
     Args:
-        commands: knows all commands by their names.
+        commands: knows all commands by name.
         audit_log: writes the audit log.
     """
 
@@ -28,11 +28,11 @@ class StopRecorder:
         self._commands, self._audit_log = commands, audit_log
 
     def sent(self, stop: Stop) -> None:
-        """A stop has gone out."""
+        """Show a stop that has gone out."""
         self._commands.sent_beside(stop.atv, stop.said, stop.by)
 
     def ended(self, stop: Stop, answer: CommandAnswered | None) -> None:
-        """What has become of it; None when the vehicle has not answered in time."""
+        """Show and log the outcome; None when the vehicle has not answered in time."""
         self._commands.answered_beside(stop.atv, stop.name, answer)
         if self._commands.went_beside(stop.name):
             self._write(stop, answer)

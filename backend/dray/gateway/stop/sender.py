@@ -1,7 +1,8 @@
-"""The sender: grants stops, sends them to vehicles, and waits for their answers. Runs on the stop path's own loop.
+"""The sender: signs stops, sends them, and awaits answers. Runs on the stop path's own loop.
 
-It reads neither the projection nor the database: the vehicle knows its position, and the grant names the areas in
-which its holder may stop vehicles. A vehicle whose clock is wrong is told until when by its own clock, so that it can be stopped.
+It reads neither projection nor database: the vehicle knows its position, and the grant names the areas in
+which its holder may stop vehicles. The grant's expiry is on the vehicle's own clock, so that a wrong clock
+does not prevent a stop.
 """
 
 from __future__ import annotations
@@ -22,14 +23,14 @@ from dray.ports import Bus, Session
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A stop that was asked for.
+    """A requested stop.
 
     Attributes:
-        atv: which vehicle.
-        said: in which words, without the grant.
-        by: who asked.
-        address: from where.
-        at_s: when (wall clock).
+        atv: the vehicle.
+        said: the command without its grant.
+        by: the caller.
+        address: the caller's address.
+        at_s: time of the request (wall clock).
     """
 
     atv: str
@@ -40,12 +41,12 @@ class Stop:
 
     @property
     def name(self) -> str:
-        """The command's."""
+        """The command's name."""
         return self.said.command
 
 
 Ended = Callable[[Stop, CommandAnswered | None], None]
-"""Called with a stop and the vehicle's word on it."""
+"""Called with a stop and the vehicle's answer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,19 +56,19 @@ class _Sent:
 
 
 class StopSender:
-    """Says stops to vehicles.
+    """Sends stops to vehicles.
 
     Args:
-        bus: where agents meet; it must call us on the running loop.
-        name: the sender's own on the bus.
-        incarnation: differs in every life of the gateway: the latest sender of this name stays.
-        authority: grants what is sent.
-        time: the two clocks.
+        bus: the agents' bus; it must call us on the running loop.
+        name: the sender's name on the bus.
+        incarnation: differs in every run of the gateway; the bus keeps the latest sender of this name.
+        authority: signs the grants.
+        time: plant clock and wall clock.
         wall_s: the wall clock.
-        timeout_s: wall seconds to wait for the vehicle's word.
-        ahead_s: how far a vehicle's clock is ahead of ours (plant seconds); must not block.
-        sent: told of every stop that goes out; must not block.
-        ended: told what became of it; None when the vehicle has not answered in time. Must not block.
+        timeout_s: wall seconds to wait for the answer.
+        ahead_s: plant seconds that a vehicle's clock is ahead; must not block.
+        sent: called for every stop that goes out; must not block.
+        ended: called with the outcome; None when the vehicle has not answered in time. Must not block.
     """
 
     def __init__(
@@ -93,18 +94,17 @@ class StopSender:
     async def stop(
         self, atv: str, by: Principal, address: str, command: str | None = None
     ) -> CommandAnswered:
-        """Say it to a vehicle, and wait for its word.
+        """Send a stop to a vehicle, and wait for its answer.
 
         Args:
-            atv: the vehicle; one that nobody knows is silent.
-            by: who asks.
-            address: from where.
-            command: the name of the command, when the caller has one; one that was sent already is only
-                waited for.
+            atv: the vehicle; an unknown one never answers.
+            by: the caller.
+            address: the caller's address.
+            command: the caller's name for the command, if any; one that was sent already is only waited for.
 
         Raises:
-            Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
-                another stop has this name.
+            Problem: 504, the vehicle does not answer in time; 503, too many commands wait; 409, another stop
+                has this name.
         """
         name = command or self._sent.new_name()
         said = VehicleCommand(command=name, kind=CommandKind.STOP, issued_by=by.name)
@@ -145,13 +145,13 @@ class StopSender:
         if not sent.answer.done():
             sent.answer.set_result(message)
         elif sent.answer.exception() is None:
-            return  # It was heard before.
+            return  # An earlier answer came already.
         self._tell_ended(sent.stop, message)
 
     def _give_up(self, sent: _Sent) -> None:
         if not sent.answer.done():
             sent.answer.set_exception(UnavailableError(sent.stop.atv, "has not answered", "look at it"))
-            sent.answer.exception()  # Nobody may wait any more, which is no fault.
+            sent.answer.exception()  # Mark it as retrieved: the caller may be gone.
             self._tell_ended(sent.stop, None)
 
 

@@ -1,4 +1,4 @@
-"""The customer's view as JSON: what the page tells, with times in ISO 8601."""
+"""The customer's view as JSON: the page's content, with times in ISO 8601."""
 
 from __future__ import annotations
 
@@ -11,43 +11,43 @@ from dray.gateway.tracking.track import Track, TrackedItem
 
 
 class TrackStage(msgspec.Struct, frozen=True):
-    """A step of the way."""
+    """A stage of the order."""
 
     name: Literal["placed", "planned", "in_production", "on_its_way", "delivered"]
     reached: bool
     at: str | None
-    """None when it is not reached, or nobody knows any more when it was."""
+    """None if not reached, or if the time is unknown."""
 
 
 class TrackEta(msgspec.Struct, frozen=True):
-    """When the order is expected."""
+    """Expected delivery."""
 
     earliest: str
     latest: str
 
 
 class TrackAnswer(msgspec.Struct, frozen=True):
-    """What a customer sees."""
+    """The customer's view."""
 
     status: Literal["stored", "released", "in_production", "in_delivery", "delivered", "cancelled"]
     reference: str | None
     items: tuple[TrackedItem, ...]
     stages: tuple[TrackStage, ...]
     eta: TrackEta | None
-    """None when nothing can be said honestly."""
+    """None if no honest estimate is possible."""
     late: Literal["", "maybe", "yes"]
-    """How it stands to `due_at`."""
+    """Estimate against `due_at`."""
     reasons: tuple[Literal["not_released", "no_machine", "repair", "handed_on", "material", "held_up"], ...]
     """Why it waits; empty when it goes on."""
     materials: tuple[str, ...]
-    """The names of the materials for which it waits, with the reason `material`; empty where nobody has told which."""
+    """Names of the missing materials, with the reason `material`; empty if unknown."""
     created_at: str
     due_at: str | None
     delivered_at: str | None
 
 
 def answer(told: Track) -> TrackAnswer:
-    """What the customer is told, as JSON has it."""
+    """The customer's view in its JSON form."""
     return TrackAnswer(
         status=told.status.value,
         reference=told.reference,

@@ -1,4 +1,4 @@
-"""When an order will be there: a range, or nothing when nothing can be said. Pure arithmetic.
+"""When an order will arrive: a range, or nothing if no estimate is possible. Pure arithmetic.
 
 Method. Each running goal gets a range of its own, from the best evidence there is:
 
@@ -12,10 +12,9 @@ Method. Each running goal gets a range of its own, from the best evidence there 
    the last finished goals missed their promises by (p10 to p90). With fewer than
    `PROMISES_NEEDED` of those, the range reaches from the promise to half the time till then later.
 
-The order's range ends with the latest of its goals: it is delivered when all are. A gap that is still open
-counts as a gap, so a halt moves the range; one that has been overtaken by the clock grows as long beyond now
-as it is late already. There is none when pieces are missing that no machine has taken, or when a
-machine that matters is broken or silent: nobody knows then.
+The order's range ends with the latest of its goals, since it is delivered when all are. An open gap counts as
+a gap, so a halt moves the range. A range overtaken by the clock extends beyond now by its present lateness.
+There is no range if no machine has taken missing pieces, or if a machine concerned is broken or silent.
 """
 
 from __future__ import annotations
@@ -31,41 +30,41 @@ import msgspec
 from dray.plant.working_time import WorkingTime
 
 PIECES_NEEDED = 5
-"""Pieces after which a machine's pace says more than its promise: four gaps."""
+"""Minimum pieces from which a machine's pace is better evidence than its promise: four gaps."""
 
 GAPS_USED = 20
-"""Gaps between pieces that a pace is taken from: the last ones, since material and wear change it."""
+"""Maximum gaps used for a pace: the last ones, since material and wear change it."""
 
 PROMISES_NEEDED = 8
-"""Finished goals from which p10 and p90 mean something."""
+"""Minimum finished goals for meaningful p10 and p90."""
 
 Z = 2.0
-"""Standard deviations each way: they hold 19 of 20 where the pace is well known, and still nine of ten where it is
-taken from few gaps, whose own deviation is a guess."""
+"""Standard deviations each way: they cover 19 of 20 where the pace is well known, and nine of ten where few
+gaps give a rough deviation."""
 
 UNPROVEN_FRAC = 0.5
-"""Part of the time left by which a promise may be late while nothing is known of such promises."""
+"""Maximum lateness of a promise as a fraction of the remaining time, while no history of promises exists."""
 
 STEPS_S = ((600.0, 60.0), (7200.0, 300.0), (float("inf"), 900.0))
-"""Longest range, and the clock's step that it is rounded to: nobody is told minutes that are not known."""
+"""Longest range, and its rounding step: no false precision."""
 
 
 class Range(msgspec.Struct, frozen=True):
-    """From when to when (wall clock seconds)."""
+    """A range of wall clock seconds."""
 
     from_s: float
     to_s: float
 
 
 class Working(Protocol):
-    """When a machine works, in seconds of the wall clock."""
+    """A machine's working time, in wall clock seconds."""
 
     def between_s(self, start_s: float, end_s: float) -> float:
-        """Working time from one moment to another one."""
+        """Working time between two moments."""
         ...
 
     def after_s(self, start_s: float, work_s: float) -> float:
-        """When so much working time has passed; infinite for never."""
+        """The moment when so much working time has passed; infinite for never."""
         ...
 
 
@@ -73,36 +72,36 @@ ALWAYS = WorkingTime(None)
 
 
 class Running(msgspec.Struct, frozen=True):
-    """A goal that somebody works at. Times are wall clock seconds."""
+    """A goal in work. Times are wall clock seconds."""
 
     quantity: int
     made: int
     promised_at_s: float | None = None
     piece_times_s: tuple[float, ...] = ()
-    """When its last pieces were made, oldest first."""
+    """Times of its last pieces, oldest first."""
     working: Working = ALWAYS
-    """Of whoever works at it."""
+    """Working time of its machine."""
 
 
 class History(msgspec.Struct, frozen=True):
-    """How the factory has done lately. Wall clock seconds."""
+    """The factory's recent performance. Wall clock seconds."""
 
     missed_by_s: tuple[float, ...] = ()
-    """By how much finished goals came after their promise, ascending; negative for before."""
+    """Lateness of finished goals, ascending; negative if early."""
     way_s: tuple[float, float] | None = None
-    """What transports took: p10 and p90; None before the first one."""
+    """Durations of transports: p10 and p90; None before the first one."""
 
 
 def eta(goals: Sequence[Running], history: History, now_s: float) -> Range | None:
-    """When all of these goals will have arrived.
+    """When all these goals will have arrived.
 
     Args:
-        goals: those of which something is still to arrive; together they are all that is missing.
-        history: how the factory has done lately.
+        goals: the goals with outstanding pieces; together they are all that is missing.
+        history: the factory's recent performance.
         now_s: wall clock.
 
     Returns:
-        None when there are no goals, or one of them allows no estimate.
+        None without goals, or if one of them allows no estimate.
     """
     ranges = [_of_goal(goal, history, now_s) for goal in goals]
     known = [each for each in ranges if each is not None]
@@ -112,18 +111,18 @@ def eta(goals: Sequence[Running], history: History, now_s: float) -> Range | Non
 
 
 def step_s(width_s: float) -> float:
-    """The step of the clock in which a range of this width is told, in seconds."""
+    """The rounding step for a range of this width, in seconds."""
     return next(step for longest, step in STEPS_S if width_s <= longest)
 
 
 def rounded(exact: Range) -> Range:
-    """The range in steps of the clock, outwards: it never gets narrower by that."""
+    """The range rounded outwards to whole steps, so that it never becomes narrower."""
     step = step_s(exact.to_s - exact.from_s)
     return Range(exact.from_s // step * step, ceil(exact.to_s / step) * step)
 
 
 def quantile(ascending: Sequence[float], part: float) -> float:
-    """The nearest rank: always a value that really was."""
+    """The nearest rank: always a real value."""
     return ascending[min(len(ascending) - 1, max(0, ceil(part * len(ascending)) - 1))]
 
 
@@ -134,7 +133,7 @@ def _of_goal(goal: Running, history: History, now_s: float) -> Range | None:
         made = _by_pace(goal.piece_times_s, goal.quantity - goal.made, now_s, goal.working)
         if made is None:
             return None
-        # Without any transport so far, the way is taken to be no more than a part of the rest.
+        # Without any transport so far, assume a way of at most a fraction of the rest.
         way_s = history.way_s or (0.0, UNPROVEN_FRAC * (made.to_s - now_s))
         return _then_way(made, way_s)
     if goal.promised_at_s is None:
@@ -143,13 +142,16 @@ def _of_goal(goal: Running, history: History, now_s: float) -> Range | None:
 
 
 def _by_pace(piece_times_s: Sequence[float], left: int, now_s: float, working: Working) -> Range | None:
-    """None for who does not work again, or works by another working time than the one that is known."""
+    """The range by pace.
+
+    None for a machine that never works again, or whose working time differs from the known one.
+    """
     times = piece_times_s[-GAPS_USED - 1 :]
     gaps_s = [working.between_s(earlier, later) for earlier, later in pairwise(times)]
     mean_s = fmean(gaps_s)
     if mean_s <= 0.0:
         return None
-    # A gap that is already longer than usual is not over yet: the rest begins now at the earliest.
+    # A gap longer than usual is still open: the rest begins now at the earliest.
     halted_s = max(0.0, working.between_s(times[-1], now_s) - mean_s)
     spread_s = Z * stdev(gaps_s) * sqrt(left + left * left / len(gaps_s))
     soonest_s = halted_s + max(0.0, left * mean_s - spread_s)
@@ -171,6 +173,6 @@ def _then_way(made: Range, way_s: tuple[float, float]) -> Range:
 
 
 def _ahead(found: Range, now_s: float) -> Range:
-    """Nothing arrives in the past: a range that the clock has overtaken grows as late as it is."""
+    """A range not before now: one that the clock has overtaken extends by its lateness."""
     overtaken_s = now_s - found.to_s
     return Range(max(found.from_s, now_s), found.to_s if overtaken_s < 0 else now_s + overtaken_s)

@@ -1,4 +1,4 @@
-"""Facts about one order: from SQL what has happened, from the projection what happens now."""
+"""Facts about one order: the past from SQL, the present from the projection."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from dray.store.orders.tracking_links import Link
 from dray.store.work import Work
 
 KEPT_S = 90 * 86_400.0
-"""How long a link without an end of its own leads to its page after the order or transport has ended: a quarter, in which
-complaints and bills are settled."""
+"""Seconds after the end of an order or transport for which a link without its own end works: three months for
+complaints and bills."""
 
 SILENCE_S = (10.0, 12 * IDLE_INTERVAL_S)
-"""After so many wall seconds and so many factory seconds without a heartbeat, nobody knows what a machine
-does: twelve heartbeats of an idle one, and no less than a slow link takes."""
+"""Silence after which a machine's activity is unknown, in wall seconds and in factory seconds: twelve
+heartbeats of an idle machine, and at least the delay of a slow link."""
 
 
 class NoPage(StrEnum):
-    """Why a token leads to no page."""
+    """Why a token has no page."""
 
     UNKNOWN = "unknown"
     REVOKED = "revoked"
@@ -36,20 +36,20 @@ class NoPage(StrEnum):
 
 
 class Found(msgspec.Struct, frozen=True):
-    """What a token leads to."""
+    """The result for a token."""
 
     facts: Facts | None
     why: NoPage | None = None
-    """Set when there are no facts."""
+    """Set without facts."""
 
 
 async def facts_of(store: Store, projection: Projection, token: str, now_s: float) -> Found:
-    """All that is known of the order that a link leads to.
+    """All facts about the order of a link.
 
     Args:
-        store: what has happened.
-        projection: what happens now.
-        token: of the link.
+        store: the past.
+        projection: the present.
+        token: the link's token.
         now_s: wall clock.
     """
     async with store.read() as work:
@@ -65,11 +65,11 @@ async def facts_of(store: Store, projection: Projection, token: str, now_s: floa
 
 
 def ended(link: Link, ended_at_s: float | None, now_s: float) -> NoPage | None:
-    """Why a link leads nowhere any more.
+    """Why a link has ended; None if it has not.
 
     Args:
         link: the link.
-        ended_at_s: when its order or transport has ended; None while it goes on.
+        ended_at_s: end of its order or transport; None while it goes on.
         now_s: wall clock.
     """
     if link.revoked_at_s is not None:
@@ -81,11 +81,11 @@ def ended(link: Link, ended_at_s: float | None, now_s: float) -> NoPage | None:
 
 
 async def facts_of_order(projection: Projection, work: Work, order: Order, now_s: float) -> Facts:
-    """All that is known of an order.
+    """All facts about an order.
 
     Args:
-        projection: what happens now.
-        work: what has happened.
+        projection: the present.
+        work: the past.
         order: the order.
         now_s: wall clock.
     """
@@ -123,12 +123,12 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
 
 
 def _doing(goal: Goal, machine: MachineView | None, heard_s: float) -> Doing:
-    """What a machine does, seen from one of its goals.
+    """A machine's activity, seen from one of its goals.
 
     Args:
         goal: the goal.
-        machine: what its machine told last.
-        heard_s: it must have told that since then.
+        machine: its machine's last report.
+        heard_s: earliest valid time of that report.
     """
     if machine is None or machine.seen_at_s < heard_s:
         return Doing.SILENT
@@ -140,5 +140,5 @@ def _doing(goal: Goal, machine: MachineView | None, heard_s: float) -> Doing:
 
 
 def _at_work(machine: MachineView) -> str | None:
-    """The goal that a machine is at: the first of its queue that is not made."""
+    """The goal that a machine works at: the first unfinished one in its queue."""
     return next((goal.goal for goal in machine.goals if goal.made < goal.quantity), None)

@@ -1,4 +1,4 @@
-"""The customer's page: what a customer is told, in the reader's words. The template only places them."""
+"""The customer's page in the reader's words. The template only places them."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from dray.gateway.tracking.track import Late, Stage, StageName, Track
 from dray.store.orders.progress import OrderStatus
 
 POLL_S = 5
-"""How often an open page asks for news: a piece takes longer than that, and an unchanged answer is empty."""
+"""Seconds between polls of an open page: a piece takes longer, and an unchanged answer is empty."""
 
 
 class StageLine(msgspec.Struct, frozen=True):
-    """A step of the way, in words."""
+    """A stage in words."""
 
     name: str
     state: str
-    """done, now, next, or stopped, where it ends before its end."""
+    """done, now, next, or stopped for a cancelled order."""
     state_text: str
     note: str
     time: str
@@ -46,14 +46,14 @@ class Page(msgspec.Struct, frozen=True, kw_only=True):
     """All words of the page that depend on the order."""
 
     above: str
-    """The order's name."""
+    """Name of the order."""
     heading: str
     answer_label: str
-    """Over the answer to: when?"""
+    """Label of the expected time."""
     answer: str
     note: str
     tag: str
-    """That it is late; empty when it is not."""
+    """That it is late; empty if it is not."""
     tag_tone: str
     wanted: str
     reasons: tuple[str, ...]
@@ -62,16 +62,16 @@ class Page(msgspec.Struct, frozen=True, kw_only=True):
     ended: bool
     poll_s: int
     announcement: str
-    """What a screen reader says when it has changed: not every piece."""
+    """Announcement for screen readers on a change, not for every piece."""
 
 
 def page(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> Page:
     """The page of an order.
 
     Args:
-        told: what the customer is told.
+        told: the customer's view.
         texts: the language.
-        clock: in that language.
+        clock: writes times in that language.
         now_s: wall clock.
     """
     label, answer, note = _answer(told, texts, clock, now_s)
@@ -97,12 +97,12 @@ def page(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> Page:
 
 
 def gone(why: NoPage, texts: Catalogue) -> dict[str, str]:
-    """The page of a link that leads to no order."""
+    """The page of a link without an order."""
     return {"heading": texts.gone_title[why], "text": texts.gone_text[why], "help": texts.gone_help[why]}
 
 
 def entity_tag(*parts: Any) -> str:
-    """A weak entity tag (RFC 9110, 8.8.3) of all that a page is made of."""
+    """A weak entity tag (RFC 9110, 8.8.3) of everything on a page."""
     return f'W/"{hashlib.sha256(msgspec.json.encode(parts)).hexdigest()[:32]}"'
 
 
@@ -114,7 +114,7 @@ def _heading(told: Track, texts: Catalogue, clock: Clock) -> str:
 
 
 def _answer(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> tuple[str, str, str]:
-    """When it comes: what is asked, the answer, and what to know about it."""
+    """The time: label, answer, and note."""
     if told.status is OrderStatus.CANCELLED:
         return texts.cancelled_at, _written(told.cancelled_at_s, clock)[0], ""
     if told.delivered_at_s is not None:
@@ -162,14 +162,14 @@ def _items(told: Track, texts: Catalogue, clock: Clock) -> list[ItemLine]:
 def _way(told: Track, texts: Catalogue, clock: Clock) -> list[StageLine]:
     if told.status is not OrderStatus.CANCELLED:
         return [_stage(told, stage, texts, clock) for stage in told.stages]
-    # Nothing is still to come.
+    # A cancelled order has no further stages.
     way = [_stage(told, stage, texts, clock) for stage in told.stages if stage.reached]
     time, iso = _written(told.cancelled_at_s, clock)
     return [*way, StageLine(texts.cancelled_at, "stopped", texts.reached, "", time, iso)]
 
 
 def _stage(told: Track, stage: Stage, texts: Catalogue, clock: Clock) -> StageLine:
-    # The last step of a delivered order is done; a cancelled one is nowhere any more.
+    # A delivered order's last stage is done; a cancelled order has no present stage.
     now = stage.name is told.stage and not told.ended
     state, state_text = ("done", texts.reached) if stage.reached else ("next", texts.not_reached)
     if now:
@@ -179,7 +179,7 @@ def _stage(told: Track, stage: Stage, texts: Catalogue, clock: Clock) -> StageLi
 
 
 def _written(at_s: float | None, clock: Clock) -> tuple[str, str]:
-    """For people and for machines; empty where nobody knows."""
+    """A time for people and for programs; empty if unknown."""
     return ("", "") if at_s is None else (clock.moment(at_s), clock.iso(at_s))
 
 

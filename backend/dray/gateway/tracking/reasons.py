@@ -1,7 +1,7 @@
-"""Why an order waits, in kinds that give nothing of the factory away. Pure.
+"""Why an order waits, in kinds that reveal nothing of the factory. Pure.
 
-The factory's own words name machines; none of them is passed on. A kind is given only when an agent
-has said what it stands for, and only for as long.
+The factory's own words name machines and are not passed on. A reason is given only if an agent has reported
+it, and only while it lasts.
 """
 
 from __future__ import annotations
@@ -11,47 +11,47 @@ from enum import StrEnum
 
 
 class Reason(StrEnum):
-    """Why an order does not go on as it should."""
+    """Why an order does not go on."""
 
     NOT_RELEASED = "not_released"
-    """It is stored, and nobody has released it."""
+    """It is stored and not released."""
     NO_MACHINE = "no_machine"
-    """No machine that works at this moment can make a part of it."""
+    """No machine now working can make a part of it."""
     REPAIR = "repair"
-    """A machine that has taken a part of it is broken."""
+    """A machine with a part of it is broken."""
     HANDED_ON = "handed_on"
-    """A machine has failed with a part of it, which is or will be made by another one."""
+    """A machine has failed with a part of it; another one makes it, or will."""
     MATERIAL = "material"
-    """All machines that are at it lack material, or who is to make it next waits for some already."""
+    """All its machines lack material, or the next one already waits for some."""
     HELD_UP = "held_up"
-    """What is made of it is stuck on its way out."""
+    """Finished pieces are stuck on their way out."""
 
 
 class Doing(StrEnum):
-    """What a machine does that has taken a part of an order."""
+    """The activity of a machine with a part of an order."""
 
     MAKING = "making"
     STARVED = "starved"
-    """It is at this order, and lacks material."""
+    """It works at this order, and lacks material."""
     BUSY = "busy"
-    """It makes something else first, or has made its part already."""
+    """It makes something else first, or has finished its part."""
     BROKEN = "broken"
     SILENT = "silent"
-    """Nothing has been heard of it lately, or ever."""
+    """It has not been heard lately, or ever."""
 
 
 def reasons(
     *, released: bool, waits: bool, lost: bool, held_up: bool, lacks: bool, doings: Sequence[Doing]
 ) -> tuple[Reason, ...]:
-    """Why an order that has not ended waits; empty when it goes on.
+    """Why an open order waits; empty when it goes on.
 
     Args:
         released: whether the factory has it.
-        waits: whether the strategist has said that nobody can make a part of it.
+        waits: whether the strategist has reported that no machine can make a part of it.
         lost: whether a machine has failed with a part of it.
-        held_up: whether a transport of its goods has said that it does not go on.
-        lacks: whether one of the machines that have taken a part of it waits for material for that part.
-        doings: what the machines do that have taken a part which is not made yet.
+        held_up: whether a transport of its goods has reported a halt.
+        lacks: whether a machine with a part of it waits for material for that part.
+        doings: activities of the machines with unfinished parts.
     """
     if not released:
         return (Reason.NOT_RELEASED,)
@@ -61,7 +61,7 @@ def reasons(
             (Reason.NO_MACHINE, waits),
             (Reason.REPAIR, Doing.BROKEN in doings),
             (Reason.HANDED_ON, lost),
-            # One machine that lacks material while another makes pieces is no wait.
+            # It is no wait if one machine lacks material while another makes pieces.
             (Reason.MATERIAL, (bool(at_it) or lacks) and Doing.MAKING not in at_it),
             (Reason.HELD_UP, held_up),
         )

@@ -1,4 +1,4 @@
-"""What a customer is told of an order. Pure: computed from facts, and the same for page and API."""
+"""The customer's view of an order. Pure: computed from facts, the same for page and API."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from dray.store.orders.orders import Order
 from dray.store.orders.progress import ENDED, OPEN, Goal, OrderStatus
 
 CANNOT_SAY = frozenset({Doing.BROKEN, Doing.SILENT})
-"""What a machine may do that leaves nothing to estimate from."""
+"""Activities of a machine that allow no estimate."""
 
 
 class StageName(StrEnum):
-    """The way of an order, in order."""
+    """The stages of an order, in order."""
 
     PLACED = "placed"
     PLANNED = "planned"
@@ -27,37 +27,37 @@ class StageName(StrEnum):
 
 
 class Late(StrEnum):
-    """How an order stands to the time by which it is wanted."""
+    """An order's estimate against its due time."""
 
     NO = ""
     MAYBE = "maybe"
-    """The end of the range is after it."""
+    """The end of the range is later."""
     YES = "yes"
-    """All of the range is after it, or it has passed."""
+    """The whole range is later, or the due time has passed."""
 
 
 class Facts(msgspec.Struct, frozen=True, kw_only=True):
-    """All that is known of an order. Times are wall clock seconds."""
+    """All facts about an order. Times are wall clock seconds."""
 
     order: Order
     now_s: float
     names: dict[str, str] = {}
-    """Of products, by id."""
+    """Product names, by id."""
     goals: tuple[Goal, ...] = ()
     times: OrderTimes = OrderTimes()
     piece_times_s: dict[str, tuple[float, ...]] = {}
-    """Per goal, when its last pieces were made, oldest first."""
+    """Per goal, times of its last pieces, oldest first."""
     doings: dict[str, Doing] = {}
-    """Per goal, what its machine does."""
+    """Per goal, its machine's activity."""
     lacking: dict[str, tuple[str, ...]] = {}
-    """Per goal, the names of the materials for which it waits, as its machine has told."""
+    """Per goal, names of the materials that it waits for, as reported by its machine."""
     working: dict[str, Working] = {}
-    """Per goal, when its machine works; left out for one that never rests."""
+    """Per goal, its machine's working time; missing if it never rests."""
     history: History = History()
     waits: bool = False
-    """Whether the strategist has said that nobody can make a part of it."""
+    """Whether the strategist has reported that no machine can make a part of it."""
     held_up: bool = False
-    """Whether a transport of its goods has said that it does not go on."""
+    """Whether a transport of its goods has reported a halt."""
 
 
 class TrackedItem(msgspec.Struct, frozen=True):
@@ -71,16 +71,16 @@ class TrackedItem(msgspec.Struct, frozen=True):
 
 
 class Stage(msgspec.Struct, frozen=True):
-    """A step of the way."""
+    """A stage of the order."""
 
     name: StageName
     reached: bool
     at_s: float | None
-    """None when it is not reached, or nobody knows any more when it was."""
+    """None if not reached, or if the time is unknown."""
 
 
 class Track(msgspec.Struct, frozen=True, kw_only=True):
-    """What a customer is told. Times are wall clock seconds."""
+    """The customer's view. Times are wall clock seconds."""
 
     status: OrderStatus
     reference: str | None
@@ -89,8 +89,8 @@ class Track(msgspec.Struct, frozen=True, kw_only=True):
     eta: Range | None
     reasons: tuple[Reason, ...]
     materials: tuple[str, ...]
-    """The names of the materials for which it waits, where somebody has told them: a customer may know what goes into the
-    product, and nothing of where it is kept, how much of it there is, and who does not bring it."""
+    """Names of the missing materials, if reported. A customer may know what the product contains, but not
+    where it is kept, how much there is, or which vehicle fails to bring it."""
     late: Late
     created_at_s: float
     due_at_s: float | None
@@ -99,17 +99,17 @@ class Track(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def stage(self) -> StageName:
-        """The last one that is reached."""
+        """The last stage reached."""
         return [stage.name for stage in self.stages if stage.reached][-1]
 
     @property
     def ended(self) -> bool:
-        """Whether nothing changes any more."""
+        """Whether the order has ended."""
         return self.status in ENDED
 
 
 def track(facts: Facts) -> Track:
-    """What a customer is told of these facts."""
+    """The customer's view of these facts."""
     order = facts.order
     expected, why = _eta(facts), _reasons(facts)
     return Track(
@@ -132,7 +132,7 @@ def track(facts: Facts) -> Track:
 
 
 def _running(facts: Facts) -> list[Goal]:
-    """The goals that somebody works at, and of which something has still to arrive; parts arrive nowhere."""
+    """Goals in work with outstanding pieces; parts of products do not count."""
     life = max(1, facts.order.incarnation)
     return [
         goal
@@ -168,7 +168,7 @@ def _eta(facts: Facts) -> Range | None:
 
 
 def _all_taken(order: Order, running: list[Goal]) -> bool:
-    """Whether somebody works at every piece that has not arrived."""
+    """Whether a machine works at every outstanding piece."""
     coming = [0] * len(order.items)
     for goal in running:
         if goal.item is not None and 0 <= goal.item < len(coming):
@@ -190,7 +190,7 @@ def _reasons(facts: Facts) -> tuple[Reason, ...]:
 
 
 def _lacking(facts: Facts) -> tuple[str, ...]:
-    """Each material once. Who is silent or broken has told of it too long ago."""
+    """Each missing material once. Reports of silent or broken machines are too old."""
     waiting = [goal for goal in _making(facts) if facts.doings.get(goal.id) in {Doing.STARVED, Doing.BUSY}]
     return tuple(dict.fromkeys(name for goal in waiting for name in facts.lacking.get(goal.id, ())))
 
@@ -207,7 +207,7 @@ def _stages(facts: Facts) -> tuple[Stage, ...]:
         (StageName.ON_ITS_WAY, arrived or times.left_at_s is not None, times.left_at_s),
         (StageName.DELIVERED, order.status is OrderStatus.DELIVERED, order.delivered_at_s),
     ]
-    # Who has come to a step has passed those before it, whatever was heard of them.
+    # A stage reached includes all stages before it, reported or not.
     last = max(index for index, (_, reached, _) in enumerate(told) if reached)
     return tuple(
         Stage(name, index <= last, at_s if index <= last else None)

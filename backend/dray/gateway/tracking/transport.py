@@ -1,6 +1,6 @@
-"""What somebody with a link is told of a plain transport: what, from where to where, how far it is, and when it is there.
+"""A plain transport for holders of its link: content, route, progress, and expected time.
 
-Nothing of the plant besides: not who carries it, and not who could.
+It reveals nothing else of the plant: neither the carrier nor other vehicles.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ STAGES = (
     TransportState.ON_BOARD,
     TransportState.DELIVERED,
 )
-"""Its way, in order."""
+"""Stages, in order."""
 
 
 class TransportTrackAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source": "from"}):
-    """A plain transport, for whoever has a link to it."""
+    """A plain transport for a holder of its link."""
 
     status: Literal["waiting", "assigned", "on_board", "delivered", "cancelled"]
     item: str
     name: str
-    """Of the item."""
+    """Name of the item."""
     quantity: int
     source: str
     to: str
     wait: Literal["not_before", "no_room", "short", "no_bid", "undecided"] | None = None
-    """Why nobody carries it."""
+    """Why no vehicle carries it."""
     expected_at: str | None = None
-    """None while nobody has promised it, and when it has ended."""
+    """None without a promise, and after the end."""
     late: bool
     """Whether it is, was or will be there after `due_at`."""
     created_at: str
@@ -49,19 +49,19 @@ class TransportTrackAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"s
 
 
 class FoundTransport(msgspec.Struct, frozen=True):
-    """What a token leads to."""
+    """The result for a token."""
 
     row: TransportRow | None
     why: NoPage | None = None
-    """Set when there is no transport."""
+    """Set without a transport."""
 
 
 async def transport_of(store: Store, token: str, now_s: float) -> FoundTransport:
-    """The transport that a link leads to.
+    """The transport of a link.
 
     Args:
-        store: where both are kept.
-        token: of the link.
+        store: the database.
+        token: the link's token.
         now_s: wall clock.
     """
     async with store.read() as work:
@@ -74,11 +74,11 @@ async def transport_of(store: Store, token: str, now_s: float) -> FoundTransport
 
 
 def transport_track(row: TransportRow, name: str, now_s: float) -> TransportTrackAnswer:
-    """What is told of a transport.
+    """The customer's view of a transport.
 
     Args:
         row: the transport.
-        name: of what is brought.
+        name: name of the item or thing.
         now_s: wall clock.
     """
     expected_s = _expected_s(row)
@@ -104,9 +104,9 @@ def transport_page(row: TransportRow, name: str, texts: Catalogue, clock: Clock,
 
     Args:
         row: the transport.
-        name: of what is brought.
+        name: name of the item or thing.
         texts: the language.
-        clock: in that language.
+        clock: writes times in that language.
         now_s: wall clock.
     """
     label, answer, note = _answer(row, texts, clock)
@@ -144,7 +144,7 @@ def _is_late(row: TransportRow, now_s: float) -> bool:
 
 
 def _answer(row: TransportRow, texts: Catalogue, clock: Clock) -> tuple[str, str, str]:
-    """When it is there: what is asked, the answer, and what to know about it."""
+    """The time: label, answer, and note."""
     if row.ended_at_s is not None:
         label = texts.cancelled_at if row.status is TransportState.CANCELLED else texts.delivered_at
         return label, clock.moment(row.ended_at_s), ""
@@ -158,7 +158,7 @@ def _answer(row: TransportRow, texts: Catalogue, clock: Clock) -> tuple[str, str
 def _way(row: TransportRow, texts: Catalogue, clock: Clock) -> list[StageLine]:
     at_s = {TransportState.WAITING: row.created_at_s, TransportState.DELIVERED: row.ended_at_s}
     if row.status is TransportState.CANCELLED:
-        # Nothing is still to come.
+        # A cancelled transport has no further stages.
         called = _line(texts, clock, texts.transport_stages["waiting"], "done", row.created_at_s)
         return [called, _line(texts, clock, texts.cancelled_at, "stopped", row.ended_at_s)]
     here = STAGES.index(row.status)

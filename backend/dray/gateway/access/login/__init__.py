@@ -1,5 +1,5 @@
-"""The login: pages, secrets, links and cookies, and where somebody goes afterwards.
+"""The login: pages, secrets, links and cookies, and the redirect afterwards.
 
-`login` finds the person to what is shown; `page` and `texts` say it in the visitor's language; `hasher` and `secrets`
-are what is kept and what is good enough; `redirect` leads on to a page of ours, and never elsewhere.
+`login` finds the person for a secret; `page` and `texts` show pages in the visitor's language; `hasher` and
+`secrets` hash and check secrets; `redirect` leads on to our own pages only.
 """

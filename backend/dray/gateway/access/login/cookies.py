@@ -1,4 +1,4 @@
-"""Cookies of the login: the session's, and what a device remembers for the next login at it."""
+"""Cookies of the login: the session, and a device's memory for its next login."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from dray.gateway.access.sessions import LIFE_S, MAY_STILL_STOP_S
 from dray.store.access.people import Person
 
 STATION = "dray_station"
-"""The machine at which this device stands: a tablet at a station is asked for it once."""
+"""The machine at which this device stands: a tablet at a station asks only once."""
 
 PEOPLE = "dray_people"
-"""Operators who have logged in on this device: nobody types a name with gloves on."""
+"""Operators who have logged in on this device, so that nobody types a name with gloves on."""
 
 PEOPLE_KEPT = 6
-"""Three shifts of two: as many buttons as fit on a tablet."""
+"""Maximum operators remembered: three shifts of two, as many buttons as fit on a tablet."""
 
 REMEMBERED_S = 365 * 86_400
 
@@ -27,8 +27,7 @@ REMEMBERED_S = 365 * 86_400
 def give_session(answer: Response, request: Request, token: str, role: Role) -> None:
     """Log this browser in.
 
-    The cookie lives as long as the session may still be good for something; what it is worth is judged by
-    the server alone.
+    The cookie lives as long as the session can be of use; only the server judges its validity.
     """
     life_s = LIFE_S[role] + (MAY_STILL_STOP_S if role is Role.OPERATOR else 0.0)
     _set(answer, request, COOKIE, token, int(life_s), "strict")
@@ -40,18 +39,18 @@ def take_session(answer: Response, request: Request) -> None:
 
 
 def remember_person(answer: Response, request: Request, person: Person) -> None:
-    """Let this device know an operator again."""
+    """Remember an operator on this device."""
     known = [person.id, *(each for each in known_people(request) if each != person.id)]
     _set(answer, request, PEOPLE, " ".join(known[:PEOPLE_KEPT]), REMEMBERED_S, "lax")
 
 
 def known_people(request: Request) -> list[str]:
-    """Operators whom this device knows, the last one first."""
+    """Operators known to this device, the last one first."""
     return request.cookies.get(PEOPLE, "").split()[:PEOPLE_KEPT]
 
 
 def remember_station(answer: Response, request: Request, station: str) -> None:
-    """Let this device know where it stands."""
+    """Remember the station of this device."""
     _set(answer, request, STATION, station, REMEMBERED_S, "lax")
 
 

@@ -1,6 +1,6 @@
-"""Hashing what people know: passwords, PINs and badge codes.
+"""Hashing of passwords, PINs and badge codes.
 
-Argon2id is slow and takes much memory on purpose, so it is done off the event loop, a few at a time.
+Argon2id is slow and needs much memory on purpose, so it runs off the event loop, a few hashes at a time.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 
 AT_ONCE = 2
-"""Hashes that are computed at the same time: each takes 64 MiB and a core for some 50 ms."""
+"""Maximum concurrent hashes: each takes 64 MiB and a core for some 50 ms."""
 
 WAITING = 50
-"""Logins that wait for their turn: some seconds. A whole shift does not log in at one moment."""
+"""Maximum waiting logins: some seconds. A whole shift does not log in at one moment."""
 
 NOBODYS = "nobody's secret"
 
@@ -33,7 +33,7 @@ class Hasher:
     """Hashes and checks secrets.
 
     Args:
-        argon2: the costs; those of RFC 9106 for machines with little memory, when absent.
+        argon2: the costs; by default those of RFC 9106 for machines with little memory.
     """
 
     def __init__(self, argon2: PasswordHasher | None = None) -> None:
@@ -44,12 +44,12 @@ class Hasher:
 
     @contextmanager
     def place(self) -> Iterator[Place]:
-        """A place among those who wait for their turn, kept as long as the context lasts.
+        """A place in the queue for hashing, kept within the context.
 
-        Whoever finds none has not tried to log in, so it is asked for before a try is counted.
+        A caller without a place has not tried to log in, so it is taken before a try is counted.
 
         Raises:
-            Problem: 503, there is none.
+            Problem: 503, the queue is full.
         """
         if self._waiting >= WAITING:
             raise Problem(
@@ -66,12 +66,12 @@ class Hasher:
             self._waiting -= 1
 
     async def off_the_loop(self, work: Callable[[*Ts], T], *given: *Ts) -> T:
-        """Compute something that takes its time, when it is its turn."""
+        """Run slow work in a thread when its turn comes."""
         async with self._turn:
             return await asyncio.to_thread(work, *given)
 
     def matches(self, kept: str | None, secret: str) -> bool:
-        """Whether this is the secret whose hash is kept; takes as long where there is none. Takes its time."""
+        """Whether a secret matches a stored hash; takes as long without one. Slow."""
         try:
             self._argon2.verify(kept or self._nobodys, secret)
         except (VerificationError, InvalidHashError):
@@ -79,15 +79,15 @@ class Hasher:
         return kept is not None
 
     def hash(self, secret: str) -> str:
-        """What is kept of a password or PIN. Takes its time."""
+        """The hash of a password or PIN. Slow."""
         return self._argon2.hash(secret)
 
     def badge_hash(self, code: str, salt: str) -> str:
-        """What is kept of a badge's code, and what it is looked up by. Takes its time.
+        """The hash of a badge's code, by which it is looked up. Slow.
 
         Args:
-            code: the badge's.
-            salt: of this database, in hexadecimal digits.
+            code: the badge's code.
+            salt: this database's salt, in hexadecimal digits.
         """
         return hash_secret_raw(
             code.encode(),
@@ -101,7 +101,7 @@ class Hasher:
 
 
 class Place:
-    """A place among those who wait for their turn (`Hasher.place`)."""
+    """A place in the queue for hashing (`Hasher.place`)."""
 
     def __init__(self, hasher: Hasher) -> None:
         self._hasher = hasher

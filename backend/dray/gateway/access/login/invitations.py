@@ -1,4 +1,4 @@
-"""Invitations: a link by which somebody logs in once, and chooses a secret afterwards or never."""
+"""Invitations: a link that logs a person in once; choosing a secret afterwards is optional."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from dray.store.access.login_links import LoginLink
 from dray.store.work import Work
 
 LIFE_S = 86_400.0
-"""A day: the link is sent today and used today."""
+"""Validity in seconds, a day: the link is sent and used on the same day."""
 
 KEPT_S = 30 * 86_400.0
-"""Links stay this long after they ran out."""
+"""Seconds for which expired links are kept."""
 
 
 async def invite(work: Work, person_id: str, now_s: float, life_s: float = LIFE_S) -> str:
-    """Make a link's token; links that the person was given before work no more.
+    """Create a link's token; the person's earlier links become invalid.
 
     Args:
-        work: a transaction that writes.
-        person_id: whom it logs in.
+        work: a write transaction.
+        person_id: the person whom it logs in.
         now_s: wall clock.
-        life_s: how long it works.
+        life_s: validity in seconds.
     """
     token = new_token()
     await work.login_links.forget_before(now_s - KEPT_S)

@@ -1,7 +1,7 @@
-"""Login: from what somebody shows to the person who it is.
+"""Login: finds the person for a secret.
 
-Whoever guesses is slowed down twice: by address, and by the name that was tried. A name that nobody has is
-treated as one that somebody has: it takes as long, is answered the same, and is locked out the same.
+Guessing is slowed down by address and by the name tried. An unknown name is treated like a known one: same
+delay, same answer, same lock-out.
 """
 
 from __future__ import annotations
@@ -20,36 +20,36 @@ from dray.store.access.people import Person
 from dray.store.work import Work
 
 TRIES = 20
-"""From one address at once: a shift that logs in through one proxy, every second one with a slip."""
+"""Burst per address: a shift that logs in through one proxy, every second person with a typing error."""
 
 TRIES_HZ = 1 / 3
-"""Some 30,000 guesses a day, over all names."""
+"""Sustained tries per second: some 30,000 guesses a day, over all names."""
 
 FREE_FAILURES = 5
-"""In a row, under one name, before it is locked out."""
+"""Failures in a row under one name before it is locked out."""
 
 FIRST_LOCKOUT_S = 30.0
-"""Doubles with every failure after that..."""
+"""First lock-out; it doubles with every further failure."""
 
 LONGEST_LOCKOUT_S = 3600.0
-"""...up to 24 guesses a day: for a PIN of six digits, a hundred years."""
+"""Longest lock-out: up to 24 guesses a day, for a PIN of six digits a hundred years."""
 
 FORGIVEN_S = 86_400.0
-"""Failures are forgotten after a day without another one."""
+"""Seconds without a failure after which failures are forgotten: a day."""
 
 NAME_CHARS = 128
 SECRET_CHARS = 256
-"""Longer than anybody's password; hashing more would only cost."""
+"""Maximum characters: longer than any password; hashing more would only cost time."""
 
 BADGE_SALT = "badges"
-"""The secret of the database with which badge codes are hashed."""
+"""Name of the database's secret with which badge codes are hashed."""
 
 
 class WrongLogin(Problem):
-    """Nobody is let in by what was shown; says nothing of what was wrong with it.
+    """A failed login; does not say what was wrong.
 
     Attributes:
-        claimed: whose name was given, for the audit log only; empty where nobody has it.
+        claimed: the id tried, for the audit log only; empty if nobody has it.
     """
 
     def __init__(self, claimed: str = "") -> None:
@@ -64,7 +64,7 @@ class WrongLogin(Problem):
 
 
 class LinkUsedUp(Problem):
-    """A login link that logs nobody in, or not any more."""
+    """A login link that is invalid or used up."""
 
     def __init__(self) -> None:
         super().__init__(
@@ -76,10 +76,10 @@ class LinkUsedUp(Problem):
 
 
 class Login:
-    """Tells who somebody is.
+    """Recognises people by what they know or have.
 
     Args:
-        store: where people are kept.
+        store: the database with the people.
         hasher: for their secrets.
         wall_s: the wall clock.
     """
@@ -89,21 +89,21 @@ class Login:
         self._tries = Limit(wall_s, tries=TRIES, rate_hz=TRIES_HZ)
 
     async def by_name(self, name: str, secret: str, address: str) -> Person:
-        """Who has this id and this password or PIN.
+        """The person with this id and this password or PIN.
 
         Args:
-            name: as it was typed.
+            name: the name as typed.
             secret: a manager's password or an operator's PIN.
-            address: where it was tried.
+            address: the client's address.
 
         Raises:
-            Problem: 401, nobody; 429, too many have failed under this name or from this address; 503, too
+            Problem: 401, wrong login; 429, too many failures under this name or from this address; 503, too
                 many log in at once, which counts as no try.
         """
         with self._hasher.place() as place:
             self._tries.take(neighbourhood(address))
             name = as_typed(name)
-            # The failure is noted before it is known to be one: many tries at once count as many.
+            # Noted as a failure first, so that concurrent tries all count.
             async with self._store.write() as work:
                 await self._note_failure(work, name)
                 person = await work.people.get(name)
@@ -117,10 +117,10 @@ class Login:
         return person
 
     async def by_badge(self, code: str, address: str) -> Person:
-        """Whose badge this is.
+        """The person with this badge.
 
         Raises:
-            Problem: 401, nobody's; 429, too many have failed from this address; 503, too many log in at
+            Problem: 401, unknown badge; 429, too many failures from this address; 503, too many log in at
                 once, which counts as no try.
         """
         with self._hasher.place() as place:
@@ -136,10 +136,10 @@ class Login:
         return person
 
     async def whose_link(self, token: str) -> Person:
-        """Whom a link would log in; uses nothing up.
+        """The person whom a link would log in; does not use it up.
 
         Raises:
-            Problem: 410, nobody.
+            Problem: 410, the link is invalid.
         """
         async with self._store.read() as work:
             link = await work.login_links.find(token)
@@ -148,10 +148,10 @@ class Login:
             return await self._linked(work, link)
 
     async def by_link(self, token: str, address: str) -> Person:
-        """Whom a link logs in; it is used up by this.
+        """The person whom a link logs in; uses it up.
 
         Raises:
-            Problem: 410, nobody; 429, too many have failed from this address.
+            Problem: 410, the link is invalid; 429, too many failures from this address.
         """
         self._tries.take(neighbourhood(address))
         async with self._store.write() as work:
@@ -179,20 +179,20 @@ class Login:
 
 
 def lockout_s(failures: int) -> float:
-    """How long nothing is tried under a name after so many failures in a row."""
+    """Seconds of lock-out after so many failures in a row."""
     if failures < FREE_FAILURES:
         return 0.0
-    # No power of two that no float can hold.
+    # Cap the exponent to avoid float overflow.
     return min(FIRST_LOCKOUT_S * 2.0 ** min(failures - FREE_FAILURES, 32), LONGEST_LOCKOUT_S)
 
 
 def as_typed(name: str) -> str:
-    """The id that is meant by what somebody has typed."""
+    """The id for a name as typed."""
     return name.strip().casefold()[:NAME_CHARS]
 
 
 def secret_of(person: Person) -> str | None:
-    """The hash of what this person types: a manager a password, an operator a PIN."""
+    """The hash of a person's secret: a manager's password or an operator's PIN."""
     return person.password_hash if person.role == Role.MANAGER else person.pin_hash
 
 

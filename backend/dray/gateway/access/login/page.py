@@ -1,4 +1,4 @@
-"""The login's pages: the forms in the visitor's language, and what went wrong in words."""
+"""The login's pages: forms in the visitor's language, and errors in words."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from dray.gateway.http.problems import AWAY, Problem
 
 HEADERS = {
     "Cache-Control": "no-store",
-    # With no referrer at all, browsers would hide the origin of a form that is sent, and the middleware against
-    # other sites' pages would refuse it.
+    # Without any referrer, browsers hide the origin of a sent form, and the middleware against other sites'
+    # pages would refuse it.
     "Referrer-Policy": "same-origin",
     "X-Robots-Tag": "noindex, nofollow",
 }
@@ -36,7 +36,7 @@ Programs need no page: they send Authorization: Bearer TOKEN.
 
 
 def refused(panels: Panels, request: Request, problem: Problem, form: Mapping[str, str]) -> Response:
-    """What went wrong: for a person as a page, for a program as a problem."""
+    """The failure as a page for a person, or as a problem for a program."""
     if not wants_page(request.scope):
         raise problem
     if isinstance(problem, LinkUsedUp):
@@ -51,7 +51,7 @@ def login_form(
     form: Mapping[str, str],
     problem: Problem | None = None,
 ) -> Response:
-    """The form, as it was filled in, without the secret."""
+    """The form as filled in, without the secret."""
     wanted = form.get("next", "")
     operator = form.get("as") == "operator" or (
         not form.get("as") and wanted.startswith(HOMES[Role.OPERATOR])
@@ -73,8 +73,8 @@ def login_form(
         by_badge=by_badge,
         headers={} if problem is None else problem.headers,
         carried=[("next", wanted), ("as", form.get("as", ""))],
-        # A page of another site led here, so the browser has kept our cookie to itself. Loaded again by
-        # this page, the same address is asked for with it.
+        # A page of another site led here, so the browser has withheld our cookie. This page reloads the
+        # address, and the cookie is sent.
         again=request.headers.get("sec-fetch-site") == "cross-site",
     )
 
@@ -106,12 +106,12 @@ def page(
 
     Args:
         panels: the templates.
-        request: what is answered.
-        status: of the answer.
-        template: its name.
-        headers: more of them.
-        carried: what the address must keep when only the language changes.
-        context: what the template shows.
+        request: the request to answer.
+        status: status of the answer.
+        template: name of the template.
+        headers: additional headers.
+        carried: parameters kept when only the language changes.
+        context: values for the template.
     """
     language = language_of(request)
     try:

@@ -1,4 +1,4 @@
-"""Secrets that people choose: what is good enough."""
+"""Rules for secrets that people choose."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ from dray.gateway.access.login.login import SECRET_CHARS
 from dray.gateway.http.fault_codes import text_of
 
 PASSWORD_CHARS = 12
-"""At least: longer than what is found by trying everything, and than the well-known ones."""
+"""Minimum characters: beyond brute force and the well-known passwords."""
 
 PIN_DIGITS = (6, 12)
-"""With 24 guesses a day, six digits last for a hundred years; more than twelve nobody keeps in mind."""
+"""Minimum and maximum digits: at 24 guesses a day, six digits last a hundred years; more than twelve cannot
+be remembered."""
 
 BADGE_CHARS = 8
-"""At least: shorter numbers could be guessed by trying them all."""
+"""Minimum characters: shorter codes could be found by trying all."""
 
 
 class WeakSecret(InputError):
-    """A secret that is too easy to guess, or cannot be typed.
+    """A secret that is easy to guess, or cannot be typed.
 
     Attributes:
-        code: why (`http.fault_codes`).
-        values: what is filled in.
+        code: reason (`http.fault_codes`).
+        values: values for the reason's text.
     """
 
     def __init__(self, code: str, **values: int) -> None:
@@ -33,7 +34,7 @@ class WeakSecret(InputError):
 
 
 def check_password(password: str, person_id: str) -> None:
-    """Refuse a password that is too easy to guess.
+    """Refuse a password that is easy to guess.
 
     Raises:
         WeakSecret: says why.
@@ -45,7 +46,7 @@ def check_password(password: str, person_id: str) -> None:
 
 
 def check_pin(pin: str) -> None:
-    """Refuse a PIN that is too easy to guess.
+    """Refuse a PIN that is easy to guess.
 
     Raises:
         WeakSecret: says why.
@@ -59,7 +60,7 @@ def check_pin(pin: str) -> None:
 
 
 def check_badge(code: str) -> None:
-    """Refuse a badge's code that is too easy to guess.
+    """Refuse a badge code that is easy to guess.
 
     Raises:
         WeakSecret: says why.

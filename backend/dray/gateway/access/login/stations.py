@@ -9,7 +9,7 @@ from dray.plant.model import MachineSpec, PlantFile, Point
 
 
 def stations_in(plant: PlantFile, areas: Iterable[str]) -> list[MachineSpec]:
-    """The machines whose place lies in one of these areas, by name."""
+    """The machines placed in one of these areas, by name."""
     wanted = set(areas)
     polygons = [area.polygon for area in plant.areas if area.id in wanted]
     places = {node.id: Point(node.x_m, node.y_m) for node in plant.nodes}

@@ -1,4 +1,4 @@
-"""Which entities have changed, and which have left, since somebody last asked."""
+"""Entities that changed or left since the last call."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ class Changes:
         return bool(self._changed or self._gone)
 
     def mark(self, entity: str) -> None:
-        """It has changed, or come."""
+        """Mark an entity as changed or new."""
         self._changed[entity] = None
         if self._gone:
             self._gone.pop(entity, None)
 
     def drop(self, entity: str) -> None:
-        """It has left."""
+        """Mark an entity as gone."""
         self._changed.pop(entity, None)
         self._gone[entity] = None
 
     def take_changed(self, most: int | None = None) -> Iterable[str]:
-        """Those that have changed; forgets them.
+        """The changed entities; forgets them.
 
         Args:
-            most: take so many of them, those that changed first; None for all.
+            most: maximum entities, first changed first; None for all.
         """
         if most is not None and len(self._changed) > most:
             taken = tuple(islice(self._changed, most))
@@ -46,6 +46,6 @@ class Changes:
         return changed
 
     def take_gone(self) -> Iterable[str]:
-        """Those that have left, as `kind:id`; forgets them."""
+        """The entities that left, as `kind:id`; forgets them."""
         gone, self._gone = self._gone, {}
         return (f"{self._kind}:{entity}" for entity in gone)

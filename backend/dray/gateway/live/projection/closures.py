@@ -13,17 +13,17 @@ from dray.messages import AtvHeartbeat
 
 
 class Closures:
-    """The closures that hold. Whoever reads them from SQL says so here."""
+    """The closures in force. The reader of SQL puts them here."""
 
     def __init__(self) -> None:
         self._views: dict[str, tuple[ClosureView, int]] = {}
-        """By id: the closure, and the number of its decision."""
+        """Per id, the closure and the number of its decision."""
         self._known: dict[str, int] = {}
-        """By vehicle: the number of the list that it goes by."""
+        """Per vehicle, the number of its closure list."""
         self.changes = Changes("closure")
 
     def put(self, closures: Iterable[tuple[ClosureView, int]]) -> None:
-        """Show these, and no others."""
+        """Show exactly these closures."""
         now = {view.id: (view, number) for view, number in closures}
         for name in self._views.keys() - now.keys():
             self.changes.drop(name)
@@ -33,7 +33,7 @@ class Closures:
         self._views = now
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat) -> None:
-        """A vehicle tells by which list it goes."""
+        """Note which closure list a vehicle uses."""
         number = 0 if heartbeat.closures is UNSET else heartbeat.closures
         before = self._known.get(heartbeat.atv)
         if number == before:

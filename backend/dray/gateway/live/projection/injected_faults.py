@@ -1,4 +1,4 @@
-"""Injected faults: those that were begun by hand, as panels see them."""
+"""Injected faults, begun by hand, as panels see them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dray.gateway.live.views import FaultView
 
 
 class InjectedFaults:
-    """Faults at work. Whoever begins and ends them says so here.
+    """Active faults. The fault injection puts and drops them here.
 
     Args:
         possible: whether faults can be begun at all.
@@ -19,19 +19,19 @@ class InjectedFaults:
         self.changes = Changes("fault")
 
     def put(self, fault: FaultView) -> None:
-        """It has begun."""
+        """Show a fault that has begun."""
         self._faults[fault.id] = fault
         self.changes.mark(fault.id)
 
     def drop(self, fault: str) -> None:
-        """It has ended; harmless when done twice."""
+        """Drop a fault that has ended; harmless when done twice."""
         if self._faults.pop(fault, None) is not None:
             self.changes.drop(fault)
 
     def views(self) -> tuple[FaultView, ...]:
-        """Those at work, oldest first."""
+        """The active faults, oldest first."""
         return tuple(self._faults.values())
 
     def take_changed(self) -> tuple[FaultView, ...]:
-        """Those that have begun since the last call."""
+        """Faults that have begun since the last call."""
         return tuple(self._faults[fault] for fault in self.changes.take_changed())

@@ -1,4 +1,4 @@
-"""Materials by name: who waits for which, in words for people."""
+"""Materials by name, and the waits for them in words for people."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from dray.messages import MachineHeartbeat, MaterialWait
 
 
 class Materials:
-    """What products take, for telling whose goals wait for what.
+    """The materials that products take, to tell which goals wait for which.
 
     Args:
-        names: of all materials, by id.
-        bills: by product, the materials of one piece.
+        names: names of all materials, by id.
+        bills: per product, the materials of one piece.
     """
 
     def __init__(self, names: Mapping[str, str], bills: Mapping[str, Collection[str]]) -> None:
         self._names, self._bills = names, dict(bills)
 
     def note(self, product: str, materials: Collection[str]) -> None:
-        """A product takes these from now on."""
+        """Set a product's materials."""
         self._bills[product] = materials
 
     def lacking(self, heartbeat: MachineHeartbeat) -> dict[str, tuple[MaterialWait, ...]]:
-        """By goal of a machine that is not made and waits: for what."""
+        """Per unfinished goal of a machine, the materials that it waits for."""
         lacking: dict[str, tuple[MaterialWait, ...]] = {}
         for goal in heartbeat.goals:
             bill = self._bills.get(goal.product, ())
@@ -35,10 +35,10 @@ class Materials:
         return lacking
 
     def name(self, material: str) -> str:
-        """What people call a material."""
+        """The name of a material for people."""
         return self._names.get(material, material)
 
     def cause(self, waits: Iterable[MaterialWait]) -> CauseView | None:
-        """For what somebody waits and why; None for nothing."""
+        """The cause of a wait for materials; None without any."""
         lacks = tuple(LackView(self.name(wait.item), wait.short, wait.silent) for wait in waits)
         return told(CauseView(lacks=lacks)) if lacks else None

@@ -1,11 +1,10 @@
-"""News: failures and what became of them, as people should hear of them without looking.
+"""News: failures and their outcomes, for people who are not watching.
 
-A takeover is told twice, by the vehicle and by the coordinator; it is one piece of news, named by its
-task and epoch, in which the coordinator's word counts for more. Of a vehicle's link, of its wish for
-help and of an order that waits only the newest is kept, so that a vehicle at the edge of the WLAN does
-not push the rest out.
+The vehicle and the coordinator both report a takeover; it is one piece of news, named by task and epoch, and
+the coordinator's word overrides. Only the newest news is kept of a vehicle's link, its call for help, and an
+order that waits. So a vehicle at the edge of the WLAN does not push out the rest.
 
-Silence, carrying away, Stop and closures are told by nobody's fact: `look` compares what is so with what was so before.
+No fact reports silence, removals, Stop and closures: `look` compares the present state with the one before.
 """
 
 from __future__ import annotations
@@ -34,19 +33,19 @@ from dray.messages.fact import (
 from dray.store.history.clocks import ToWall
 
 NEWS_KEPT = 50
-"""What a person can still read; all facts are in the events."""
+"""Maximum news kept, as many as a person can read; the events have all facts."""
 
 
 class Present(NamedTuple):
-    """What is so at a moment, of what people should hear.
+    """The state at one moment, as far as it makes news.
 
     Attributes:
         wall_s: the moment.
-        last_s: of each agent that is neither shut out nor carried away: when it was heard last (plant clock).
-        silent: those of them of whom nothing was heard for longer than they may be silent.
-        removals: what is told of vehicles that people have carried away.
-        closures: those that hold.
-        commands: what people have asked of vehicles lately.
+        last_s: when each agent that is neither shut out nor carried away was heard last (plant clock).
+        silent: those of them that have been silent for longer than allowed.
+        removals: vehicles that people have carried away.
+        closures: closures in force.
+        commands: recent commands to vehicles.
     """
 
     wall_s: float
@@ -69,7 +68,7 @@ class News:
         self._news: dict[str, NewsView] = {}
         """By name."""
         self._silent_since_s: dict[str, float] = {}
-        """Those who are silent -> when they were heard last (plant clock)."""
+        """Silent agents -> when they were heard last (plant clock)."""
         self._away: frozenset[str] = frozenset()
         self._closed: dict[str, ClosureView] = {}
         self._on: dict[type, Callable[[Event, Any], bool]] = {
@@ -97,18 +96,18 @@ class News:
         return handler is not None and handler(event, event.fact)
 
     def look(self, now: Present) -> None:
-        """Tell what has begun and ended since the last look."""
+        """Report what has begun and ended since the last look."""
         self._look_for_silence(now)
         self._look_for_removals(now)
         self._look_for_closures(now)
         self._look_for_stops(now.commands)
 
     def views(self) -> tuple[NewsView, ...]:
-        """All that is kept, oldest first; what has come late stands at its time."""
+        """All news kept, in order of time, oldest first."""
         return tuple(sorted(self._news.values(), key=lambda news: news.at_s))
 
     def take_changed(self) -> tuple[NewsView, ...]:
-        """What has changed since the last call."""
+        """News that changed since the last call."""
         return tuple(self._news[name] for name in self.changes.take_changed())
 
     # --- carriers ---
@@ -137,7 +136,7 @@ class News:
         return self._tell(news)
 
     def _contract_ended(self, event: Event, fact: ContractEnded) -> bool:
-        """The coordinator still hears the one that was to be replaced."""
+        """The coordinator refused a takeover, since it still hears the replaced carrier."""
         known = self._news.get(_takeover(fact.task, fact.epoch))
         if (
             known is None
@@ -218,7 +217,7 @@ class News:
         self._closed = closed
 
     def _look_for_stops(self, commands: Iterable[CommandView]) -> None:
-        """Who stops all vehicles of an area has done one thing."""
+        """Report stops; one person's stop of all vehicles in an area is one piece of news."""
         stops: dict[tuple[str, int], list[CommandView]] = defaultdict(list)
         for command in commands:
             if command.kind == "stop":
@@ -250,8 +249,8 @@ class News:
     def _tell(self, news: NewsView) -> bool:
         known = self._news.get(news.id)
         if known is not None and known.at_s >= news.at_s:
-            return False  # it came again, or late
-        # What is told anew is the newest again.
+            return False  # a duplicate, or late
+        # Repeated news becomes the newest again.
         self._news.pop(news.id, None)
         self._news[news.id] = news
         self.changes.mark(news.id)
@@ -263,7 +262,7 @@ class News:
 
 
 def _several(agents: Iterable[str]) -> tuple[str, ...]:
-    """All of them; nothing where one is named already."""
+    """All names; none for a single agent, which is named already."""
     names = tuple(agents)
     return names if len(names) > 1 else ()
 

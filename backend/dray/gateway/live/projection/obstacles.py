@@ -1,4 +1,4 @@
-"""Obstacles, as panels see them: what vehicles have told of lanes, until it is gone, or forgotten."""
+"""Obstacles on lanes as panels see them: reported by vehicles, until gone or forgotten."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dray.messages.floor.obstacle import MOST, MOST_OF_ONE
 
 
 class Obstacles:
-    """The obstacles that were told of.
+    """The obstacles that were reported.
 
     Args:
         speed: factory seconds per real second.
@@ -22,13 +22,13 @@ class Obstacles:
         self.changes = Changes("obstacle")
 
     def look(self, wall_s: float) -> None:
-        """Forget what is old."""
+        """Forget expired obstacles."""
         self._now_s = wall_s
         for name in [name for name, view in self._views.items() if view.until_at_s <= wall_s]:
             self._drop(name)
 
     def fold(self, said: ObstacleSeen | ObstacleCleared) -> bool:
-        """A vehicle has told, or a person; False when that is no news."""
+        """Take in a vehicle's or person's report; False when it is no news."""
         name = _name(said.start, said.end)
         if isinstance(said, ObstacleCleared) or not said.there:
             known = name in self._views
@@ -36,7 +36,7 @@ class Obstacles:
                 self._drop(name)
             return known
         if name not in self._views:
-            # Vehicles do not count on more either (`protocol.closures.obstacles`).
+            # The same limits as in vehicles (`protocol.closures.obstacles`).
             of_one = sum(view.by == said.atv for view in self._views.values())
             if len(self._views) >= MOST or of_one >= MOST_OF_ONE:
                 return False
@@ -52,7 +52,7 @@ class Obstacles:
         return True
 
     def of(self, start: str, end: str) -> ObstacleView | None:
-        """What is known to lie on a lane, in either direction."""
+        """The obstacle known on a lane, in either direction."""
         return self._views.get(_name(start, end))
 
     def views(self) -> tuple[ObstacleView, ...]:
@@ -69,5 +69,5 @@ class Obstacles:
 
 
 def _name(start: str, end: str) -> str:
-    """The same for both directions of a lane."""
+    """The same name for both directions of a lane."""
     return ">".join(sorted((start, end)))

@@ -1,4 +1,4 @@
-"""Orders as panels see them. Kept from what REST tells and from facts, not read from SQL."""
+"""Orders as panels see them, kept from REST calls and facts, not read from SQL."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from dray.store.orders.progress import (
 )
 
 ENDED_KEPT = 50
-"""Ended orders that panels still show; all of them are in SQL."""
+"""Ended orders that panels still show; SQL has all."""
 
 
 class Orders:
@@ -41,8 +41,8 @@ class Orders:
 
     Args:
         to_wall_s: plant clock to wall clock.
-        products: what this plant can make.
-        materials: what is lacking may be one of these; their names, and the materials that each product takes.
+        products: the products that this plant can make.
+        materials: the materials' names, and the materials that each product takes.
     """
 
     heeded: ClassVar[tuple[type, ...]] = (GoalWaits, OrderAccepted, *get_args(OfGoal))
@@ -55,49 +55,49 @@ class Orders:
         self._to_wall_s, self._products = to_wall_s, products
         self._orders: dict[str, Order] = {}
         self._goals: dict[str, dict[str, Goal]] = {}
-        """Per order that is kept here, its goals by id."""
+        """Per order kept here, its goals by id."""
         self._order_of: dict[str, str] = {}
-        """Per goal that is kept here, its order."""
+        """Per goal kept here, its order."""
         self._waits: dict[str, dict[str, CauseView]] = {}
-        """Per order that waits, the goals that nobody can make now, and why."""
+        """Per order that waits, the goals that no machine can make now, and why."""
         self._lacks: dict[str, dict[str, tuple[MaterialWait, ...]]] = {}
-        """Per machine that waits for material, the goals that wait with it, and for what."""
+        """Per machine that waits for material, its waiting goals and their materials."""
         self._cut_off: frozenset[str] = frozenset()
-        """Places to and from which what people have closed leaves no way."""
+        """Places that closures have cut off."""
         self._strange: dict[str, list[str]] = {}
-        """Per open order, products that this plant does not make: it had another plant file before."""
+        """Per open order, products that this plant does not make, since its plant file was replaced."""
         self._due: list[tuple[float, str]] = []
-        """A heap of those that have not come to their due time."""
+        """A heap of the orders before their due time."""
         self._late: set[str] = set()
-        """Those that have, and had not ended when it was looked at."""
+        """Orders past their due time that were open at the last look."""
         self._ended: dict[str, None] = {}
         """Ended orders, oldest first."""
         self._open_of: Counter[str] = Counter()
-        """How many have not ended, by who has placed them."""
+        """Open orders, by the caller that placed them."""
         self.delivered, self.on_time = 0, 0
-        """Over all orders there ever were."""
+        """Counts over all orders ever."""
         self.changes = Changes("order")
 
     @property
     def open(self) -> int:
-        """How many have not ended."""
+        """Number of open orders."""
         return len(self._orders) - len(self._ended)
 
     def open_ids(self) -> frozenset[str]:
-        """Those at which the factory works."""
+        """Ids of the orders at which the factory works."""
         return frozenset(name for name, order in self._orders.items() if order.status in OPEN)
 
     def open_of(self, caller: str) -> int:
-        """How many of those that somebody has placed have not ended."""
+        """Number of open orders that a caller placed."""
         return self._open_of[caller]
 
     @property
     def by_status(self) -> Counter[OrderStatus]:
-        """How many of those that are kept here have which status."""
+        """Number of orders kept here, by status."""
         return Counter(order.status for order in self._orders.values())
 
     def restore(self, orders: Iterable[tuple[Order, Iterable[Goal]]], totals: OrderTotals) -> None:
-        """Start from what SQL knows."""
+        """Restore orders from SQL."""
         for order, goals in orders:
             self._keep(order)
             for goal in goals:
@@ -105,11 +105,11 @@ class Orders:
         self.delivered, self.on_time = totals.delivered, totals.on_time
 
     def put(self, order: Order, goals: Iterable[Goal] = ()) -> None:
-        """An order was placed, released, taken back or cancelled, or has ended by the strategist's word.
+        """Show an order that was placed, released, taken back or cancelled, or that the strategist ended.
 
         Args:
-            order: as SQL has it.
-            goals: what SQL knows of it, where that may be more than was heard here.
+            order: its state in SQL.
+            goals: its goals in SQL, where these may know more than was heard here.
         """
         known = self._orders.get(order.id)
         if known is not None and known.status in ENDED:
@@ -117,7 +117,7 @@ class Orders:
         for goal in goals:
             self._attach_goal(order.id, goal)
         if known is not None and order.status is not OrderStatus.CANCELLED:
-            # What SQL said may lag behind what the factory has told since.
+            # SQL may lag behind what the factory has reported since.
             order = self._advanced(order)
             if order.status is OrderStatus.DELIVERED:
                 self._count(order)
@@ -127,7 +127,7 @@ class Orders:
         """Take an event in.
 
         Returns:
-            False when it tells nothing new about an order that is kept here.
+            False when it says nothing new about an order kept here.
         """
         if isinstance(event.fact, GoalWaits):
             return self._wait(event, event.fact)
@@ -146,7 +146,7 @@ class Orders:
         return True
 
     def on_heartbeat(self, heartbeat: MachineHeartbeat) -> None:
-        """A machine tells what it waits for, and its goals wait with it."""
+        """Take in the materials that a machine and its goals wait for."""
         if not heartbeat.waits and heartbeat.machine not in self._lacks:
             return
         before, now = self._lacks.get(heartbeat.machine, {}), self._materials.lacking(heartbeat)
@@ -164,23 +164,23 @@ class Orders:
         return self._orders.get(order)
 
     def due_of(self, goal: str) -> float | None:
-        """When the order of a goal is due; None where that is not known."""
+        """The due time of a goal's order; None where it is not known."""
         order = self.get(self._order_of.get(goal, ""))
         return None if order is None else order.due_at_s
 
     def named(self, goal: str) -> tuple[str, str]:
-        """The order of a goal: its id, and the name that people know it by; empty where that is not known."""
+        """The id and the name for people of a goal's order; empty where it is not known."""
         order = self.get(self._order_of.get(goal, ""))
         return ("", "") if order is None else (order.id, order.reference or order.id)
 
     def waits(self, order: str) -> CauseView | None:
-        """Why an order waits; None when it goes on, or is not kept here."""
+        """Why an order waits; None when it does not, or is not kept here."""
         if strange := self._strange.get(order):
             return told(CauseView(not_made=tuple(strange)))
         return next(iter(self._waits.get(order, {}).values()), None)
 
     def lacks(self, order: str) -> CauseView | None:
-        """The material for which an order waits; None when it waits for none."""
+        """The material that an order waits for; None when it waits for none."""
         if not self._lacks:
             return None
         goals = self._goals.get(order, {})
@@ -188,12 +188,12 @@ class Orders:
         return next((self._materials.cause(waits) for waits in lacking), None)
 
     def lacking(self, goal: str, machine: str) -> tuple[str, ...]:
-        """The names of the materials for which a goal waits, as its machine has told; empty when it waits for none."""
+        """Names of the materials that a goal waits for, as its machine reported; empty for none."""
         waits = self._lacks.get(machine, {}).get(goal, ())
         return tuple(self._materials.name(wait.item) for wait in waits)
 
     def cut_off(self, places: Collection[str]) -> None:
-        """No vehicle gets to these places, and to no others: who has a goal there waits."""
+        """Set the places that no vehicle can reach: orders with a goal there wait."""
         before, self._cut_off = self._cut_off, frozenset(places)
         if before != self._cut_off:
             for order in self._orders:
@@ -201,7 +201,7 @@ class Orders:
                     self.changes.mark(order)
 
     def closed(self, order: str) -> CauseView | None:
-        """The machines of an order that no vehicle gets to, by what people have closed; None when there is none."""
+        """An order's machines that closures cut off; None without any."""
         if not self._cut_off or order in self._ended:
             return None
         goals = self._goals.get(order, {}).values()
@@ -209,15 +209,15 @@ class Orders:
         return told(CauseView(reason=Reason.CLOSED, detail=", ".join(sorted(machines)))) if machines else None
 
     def why_waits(self, order: str) -> CauseView | None:
-        """Whatever an order waits for; None when it goes on."""
+        """The reason why an order waits; None when it does not."""
         return self.waits(order) or self.closed(order) or self.lacks(order)
 
     def impossible(self) -> Collection[str]:
-        """Ids of those that wait for a product that this plant does not make."""
+        """Ids of orders that wait for a product that this plant does not make."""
         return self._strange.keys()
 
     def in_trouble(self, wall_s: float) -> Iterator[OrderView]:
-        """Those that have not ended and wait for something, cannot be made here, or are past their due time."""
+        """Open orders that wait, cannot be made here, or are past their due time."""
         while self._due and self._due[0][0] < wall_s:
             self._late.add(heappop(self._due)[1])
         self._late = {order for order in self._late if order in self._orders and order not in self._ended}
@@ -227,11 +227,11 @@ class Orders:
         )
 
     def views(self, most: int | None = None) -> tuple[OrderView, ...]:
-        """The open ones, and the last that ended; the first `most` of them, where that is given."""
+        """The open orders and the last ended ones; only the first `most` if given."""
         return tuple(self._view(order) for order in islice(self._orders.values(), most))
 
     def ids(self) -> tuple[str, ...]:
-        """Of all that are kept here, as `views` has them."""
+        """The ids of all orders kept here, in the order of `views`."""
         return tuple(self._orders)
 
     def view(self, order: str) -> OrderView | None:
@@ -240,11 +240,11 @@ class Orders:
         return None if kept is None else self._view(kept)
 
     def take_changed(self, most: int | None = None) -> tuple[OrderView, ...]:
-        """Those that have changed since the last call; the first `most` of them, where that is given."""
+        """Orders that changed since the last call; only the first `most` if given."""
         return tuple(self._view(self._orders[order]) for order in self.changes.take_changed(most))
 
     def _wait(self, event: Event, fact: GoalWaits) -> bool:
-        """Nobody can make a goal: its order waits until somebody has taken it."""
+        """Note a goal that no machine can make: its order waits until a machine takes it."""
         order = self._orders.get(fact.order)
         goal = self._goals.get(fact.order, {}).get(fact.goal)
         late = goal is not None and goal.told > (goal.held, event.incarnation, event.number)
@@ -259,7 +259,7 @@ class Orders:
         return True
 
     def _goes_on(self, order: str, goal: str) -> bool:
-        """Somebody has taken a goal; returns whether its order had waited for that."""
+        """Note that a machine took a goal; returns whether its order had waited for that."""
         waits = self._waits.get(order, {})
         waited = waits.pop(goal, None) is not None
         if waited and not waits:
@@ -270,7 +270,7 @@ class Orders:
         return order_view(order, self.why_waits(order.id))
 
     def _subject(self, event: Event) -> str | None:
-        """Note what the event tells about a goal; returns the order that it is about."""
+        """Note what an event says about a goal; returns its order."""
         name = goal_of(event)
         if name is None:
             return accepted_order(event)
@@ -288,7 +288,7 @@ class Orders:
         self._order_of[goal.id] = order
 
     def _advanced(self, order: Order) -> Order:
-        """The order, as far as its goals say that it has come."""
+        """The order with the progress of its goals."""
         known = self._orders.get(order.id, order)
         reached = progress(
             order.quantities,

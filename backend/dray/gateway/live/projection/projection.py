@@ -1,4 +1,4 @@
-"""The whole projection: where messages go in, and frames come out."""
+"""The whole projection: takes messages in and makes frames."""
 
 from __future__ import annotations
 
@@ -58,14 +58,14 @@ class Projection:
     """Everything that panels see.
 
     Args:
-        plant: names and types of what stands in it.
-        time: the two clocks.
+        plant: names and types of all agents and places.
+        time: plant clock and wall clock.
         fault_injection: whether faults can be begun by hand.
-        wall_s: the wall clock, by which times are judged that agents tell; None where all of them are believed.
+        wall_s: wall clock to judge agents' times by; None to believe all of them.
 
     Attributes:
         plant: its id.
-        site: what stands where.
+        site: the places of everything in the plant.
     """
 
     def __init__(
@@ -109,10 +109,10 @@ class Projection:
         self.interventions, self._overload = Interventions(), Overload()
         self._on_fact = self._rooms_by_fact()
         self._kinds = {collection: getattr(self, collection) for collection in COLLECTIONS.values()}
-        """What frames tell of, by where they do."""
+        """Collections of a frame, by their field."""
         self._all = tuple(kind.changes for kind in self._kinds.values())
         self.heard = 0
-        """Messages that told something."""
+        """Messages that told something new."""
         self.ignored = 0
         """Messages that told nothing new: late, doubled, stale, or about something else. Normal."""
 
@@ -123,15 +123,15 @@ class Projection:
 
     @property
     def changed(self) -> bool:
-        """Whether there is something to tell since the last delta."""
+        """Whether anything changed since the last delta."""
         return any(self._all)
 
     def plant_s(self, wall_s: float) -> float:
-        """A moment on the plant's clock."""
+        """A wall clock time on the plant's clock."""
         return self._time.to_plant_s(wall_s)
 
     def fold(self, message: Message) -> None:
-        """Take one message in; never raises for what a peer may say."""
+        """Take one message in; never raises, whatever a peer sends."""
         delay_s = 0.0
         if self._wall_s is not None and isinstance(message, Timed):
             now_s = self._time.to_plant_s(self._wall_s())
@@ -176,7 +176,7 @@ class Projection:
         return True
 
     def _rooms_by_fact(self) -> Mapping[type, tuple[Callable[[Event], bool], ...]]:
-        """Per kind of fact, all that take it in: that a goal waits is about a task and an order, and news."""
+        """Per kind of fact, all rooms that take it in: a waiting goal concerns tasks, orders and news."""
         rooms = self.tasks, self.orders, self.news, self.interventions, self.disputes
         folds: dict[type, tuple[Callable[[Event], bool], ...]] = {}
         for kinds, fold in (
@@ -203,7 +203,7 @@ class Projection:
         self.stations.mark(changed)
 
     def look(self, wall_s: float) -> list[str]:
-        """See what is wrong at this moment; silence is heard by nobody else.
+        """Find what is wrong now; only this look detects silence.
 
         Returns:
             The alerts that have ended.
@@ -251,7 +251,7 @@ class Projection:
         return self.alerts.look(causes.gathered(wrong, now.speed), wall_s)
 
     def _present(self, now: alert_rules.Moment) -> Present:
-        """What is so that nobody's fact tells."""
+        """The state that no fact reports."""
         lasts: dict[str, AnyHeartbeat] = {last.atv: last for last in self.atvs.heartbeats()}
         lasts |= {last.machine: last for last, _ in self.machines.heartbeats()}
         lasts |= {last.station: last for last in self.stations.heartbeats()}
@@ -270,16 +270,16 @@ class Projection:
         )
 
     def working_of(self, machine: str) -> WallWorkingTime | None:
-        """When a machine works, on the wall clock; None for one that never rests."""
+        """A machine's working time on the wall clock; None for one that never rests."""
         working_time = self.site.plant.working_time_of(machine)
         return None if working_time.is_always else WallWorkingTime(working_time, self._time)
 
     def traffic_at(self, wall_s: float) -> Iterator[LaneTraffic]:
-        """The lanes that were passed, or waited on, within the hour before this moment."""
+        """Lanes that vehicles passed or waited on in the hour before this moment."""
         return self.traffic.lanes(self._present_s(wall_s, self._heard_until_s(wall_s)))
 
     def factory(self, wall_s: float) -> FactoryView:
-        """The factory's figures at this moment."""
+        """The factory's figures now."""
         heard_s = self._heard_until_s(wall_s)
         now_s = self._present_s(wall_s, heard_s)
         orders, transports = self.orders, self.tasks.transports
@@ -307,7 +307,7 @@ class Projection:
         )
 
     def totals(self, wall_s: float) -> KpiSample:
-        """Everything that adds up, since the plant's zero; everybody's time is counted up to this moment."""
+        """All totals since the plant's zero, with every agent's time counted up to now."""
         now_s = self._present_s(wall_s, self._heard_until_s(wall_s))
         fleet, machines, transports = self.atvs.fleet, self.machines.use, self.tasks.transports
         for use in (fleet.use, machines):
@@ -331,12 +331,12 @@ class Projection:
         )
 
     def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
-        """Everything there is; leaves what the next delta will tell as it is.
+        """The complete state; does not affect the next delta.
 
         Args:
-            number: of the frame.
+            number: the frame's number.
             wall_s: the wall clock.
-            most: so many of each kind of which there may be thousands (`MANY`), the first ones; None for all.
+            most: maximum entities of each collection in `MANY`, first ones first; None for all.
         """
         return Snapshot(
             number=number,
@@ -353,7 +353,7 @@ class Projection:
     def delta(
         self, number: int, wall_s: float, factory: FactoryView | None, most: int | None = None
     ) -> Delta:
-        """What has changed since the last delta; of `MANY` the first `most`, where that is given, and the others next time."""
+        """Changes since the last delta; of each collection in `MANY` at most `most`, the others next time."""
         if self.waits.is_stale:
             self.waits.look(self._is_heard(self._moment(wall_s)), self.site.plant)
         return Delta(
@@ -374,7 +374,7 @@ class Projection:
         )
 
     def _awaited(self, now: alert_rules.Moment) -> dict[str, set[str]]:
-        """Vehicles without whose word places are not granted -> who keeps the reservation tables of these places, as far as it lives."""
+        """Vehicles whose answer reservation tables await -> the living keepers of those tables."""
         awaited: dict[str, set[str]] = {}
         keepers: list[tuple[str, MachineHeartbeat | StationHeartbeat]] = [
             *((last.machine, last) for last, _ in self.machines.heartbeats()),
@@ -388,7 +388,7 @@ class Projection:
         return awaited
 
     def _is_heard(self, now: alert_rules.Moment) -> Callable[[str], bool]:
-        """Which vehicles are neither lost nor shut out."""
+        """A test for vehicles that are neither lost nor shut out."""
 
         def is_heard(atv: str) -> bool:
             last = self.atvs.last(atv)
@@ -397,7 +397,7 @@ class Projection:
         return is_heard
 
     def _heard_until_s(self, wall_s: float) -> float:
-        """How far the plant was heard by now (plant clock)."""
+        """Time up to which the plant was heard (plant clock)."""
         told_s = [each.at_s for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         machines = self.machines.heartbeats()
         told_s += [each.at_s for each, _ in machines if each.machine not in self.outsiders]
@@ -406,12 +406,12 @@ class Projection:
         return heard_until_s(told_s, self._time.to_plant_s(wall_s))
 
     def _present_s(self, wall_s: float, heard_s: float) -> float:
-        """The plant's present (plant clock): of one that is behind, that of what is heard of it."""
+        """The plant's present (plant clock); where the plant is behind, the time up to which it was heard."""
         now_s = self._time.to_plant_s(wall_s)
         return now_s if now_s - heard_s <= plant_bound_s(self._time.speed) else heard_s
 
     def discard_changes(self) -> None:
-        """Nobody is looking: the next delta begins from here."""
+        """Drop all changes while nobody watches: the next delta begins here."""
         for changes in self._all:
             changes.take_changed()
             changes.take_gone()
@@ -425,12 +425,12 @@ def _materials(plant: PlantFile) -> Materials:
 
 
 def _part_up(use: Mapping[str, float]) -> float | None:
-    """Part of the machines' working time in which they were heard and not in error; None without any."""
+    """Fraction of machines' working time in which they were heard and not in error; None without any."""
     worked = 1.0 - use.get(RESTING, 0.0) if use else 0.0
     return 1.0 - sum(use[each] for each in (BROKEN, DOWN, SILENT)) / worked if worked > 0.0 else None
 
 
 def _available(use: Mapping[str, float]) -> float | None:
-    """Part of the time in service in which vehicles could work; None where there was none."""
+    """Fraction of vehicles' time in service in which they could work; None without any."""
     in_service = 1.0 - use.get(OUT_OF_SERVICE, 0.0)
     return (in_service - use[BLOCKED] - use[SILENT]) / in_service if use and in_service > 0 else None

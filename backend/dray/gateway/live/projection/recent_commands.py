@@ -1,4 +1,4 @@
-"""Recent commands: what people have asked of vehicles lately, and what became of it."""
+"""Recent commands of people to vehicles, and their outcomes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dray.gateway.live.views import CommandState, CommandView
 from dray.messages import CommandAnswered
 
 RECENT_KEPT = 200
-"""The last fifty of an area, where four areas are busy; the audit log has all of them."""
+"""Commands kept: the last fifty per area, where four areas are busy. The audit log has all."""
 
 
 class RecentCommands:
@@ -25,9 +25,9 @@ class RecentCommands:
         """Show a command that was just sent.
 
         Args:
-            command: what is asked.
-            areas: where the vehicle was by its last heartbeat, or near enough, and those of whoever gave it: who
-                answers for these sees the command, wherever the vehicle goes meanwhile.
+            command: the command.
+            areas: the vehicle's areas by its last heartbeat, and those of the person who gave the command.
+                People of these areas see the command, wherever the vehicle goes.
         """
         self._commands[command.id] = command
         self._areas[command.id] = frozenset(areas)
@@ -38,7 +38,7 @@ class RecentCommands:
             self.changes.drop(oldest)
 
     def end(self, command: str, state: CommandState, answer: CommandAnswered | None = None) -> bool:
-        """Show what became of a command; returns whether it is still kept."""
+        """Show the outcome of a command; returns whether the command is still kept."""
         known = self._commands.get(command)
         if known is None:
             return False
@@ -50,7 +50,7 @@ class RecentCommands:
         return True
 
     def areas_of(self, command: str) -> frozenset[str]:
-        """Where its vehicle was when it was given."""
+        """The areas of the command's vehicle when it was given."""
         return self._areas.get(command, frozenset())
 
     def views(self) -> tuple[CommandView, ...]:

@@ -7,21 +7,21 @@ from dray.gateway.live.views import ScenarioView
 
 
 class Scenarios:
-    """The scenario that is played, if there is one. Whoever plays it says how far it is."""
+    """The scenario being played, if any. Its player reports the progress here."""
 
     def __init__(self) -> None:
         self._scenarios: dict[str, ScenarioView] = {}
         self.changes = Changes("scenario")
 
     def put(self, scenario: ScenarioView) -> None:
-        """It has come so far."""
+        """Show a scenario's progress."""
         self._scenarios[scenario.id] = scenario
         self.changes.mark(scenario.id)
 
     def views(self) -> tuple[ScenarioView, ...]:
-        """As of now."""
+        """Its present state."""
         return tuple(self._scenarios.values())
 
     def take_changed(self) -> tuple[ScenarioView, ...]:
-        """What has changed since the last call."""
+        """Scenarios that changed since the last call."""
         return tuple(self._scenarios[scenario] for scenario in self.changes.take_changed())

@@ -1,4 +1,4 @@
-"""The site: the plant as its file has it, and the machines that have come since."""
+"""The site: the plant as its file has it, and the machines that have joined since."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from dray.plant import (
 
 
 class Site:
-    """What stands where at this moment.
+    """The places of everything in the plant now.
 
     Args:
         file: a plant file without faults.
 
     Attributes:
-        plant: replaced by another one when a machine has come, or people have defined a product; it does not change itself.
-        products: ids of what can be ordered; grows.
+        plant: replaced as a whole when a machine joins or people define a product; never changes in place.
+        products: ids of the products that can be ordered; grows.
     """
 
     def __init__(self, file: PlantFile) -> None:
         self.plant = Plant(file)
         self.products = {product.id for product in file.products}
         self._heard: set[str] = set()
-        """Joining machines whose introduction was read, whether they fit into the plant or not."""
+        """Joining machines whose introduction was read, whether they fit the plant or not."""
 
     def on_heartbeat(self, heartbeat: MachineHeartbeat) -> None:
-        """Take a joining machine in when it introduces itself first; one that does not fit here stands nowhere."""
+        """Add a joining machine on its first introduction; one that does not fit the plant is left out."""
         machine, joining = heartbeat.machine, heartbeat.joining
         if joining is None or machine in self._heard or len(self._heard) >= JOINING_MACHINES_MAX:
             return
@@ -48,16 +48,16 @@ class Site:
             return
 
     def define(self, products: Sequence[Defined]) -> None:
-        """Take products in that are known to fit here, one after the other."""
+        """Add products that are known to fit this plant, one after the other."""
         self.plant = Plant(file_with_products(self.plant.file, products))
         self.products.update(product.id for product, _ in products)
 
 
 def _spec(machine: str, joining: JoiningMachine) -> MachineSpec:
-    """The joining machine as a plant file would have it.
+    """The joining machine as an entry of a plant file.
 
     Raises:
-        ValidationError: no plant file could.
+        ValidationError: no plant file could have this entry.
     """
     told = to_builtins(joining)
     box = {size: told.pop(size) for size in ("x_m", "y_m", "width_m", "depth_m")}

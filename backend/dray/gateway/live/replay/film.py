@@ -1,7 +1,7 @@
-"""The film: pieces of a recording, played into the picture of a moment and what changes after it. Pure.
+"""The film: plays pieces of a recording into the picture of a moment and the changes after it. Pure.
 
-What was recorded is what a panel was told, so a moment is made as a panel makes it: a snapshot, and every frame after it up to
-then. Frames that follow are told by the same updates as the live ones.
+A recording holds what panels were sent, so a moment is rebuilt as a panel does it: a snapshot, then every
+frame up to the moment. Later frames go through the same updates as live ones.
 """
 
 from __future__ import annotations
@@ -52,13 +52,13 @@ VIEWS: dict[str, Any] = {
 
 
 class _Shelf:
-    """Entities of one kind, as they were last told."""
+    """Entities of one kind in their last recorded state."""
 
     def __init__(self, shape: Any) -> None:
         self._shape = shape
         self._told: dict[str, Line] = {}
         self._made: dict[str, Any] = {}
-        """The same as views, as far as somebody has asked."""
+        """The same entities as views, made on demand."""
 
     def put(self, patches: Iterable[Line]) -> None:
         for patch in patches:
@@ -103,17 +103,17 @@ class _Commands(_Shelf):
 
 
 class Picture:
-    """The plant as panels showed it at a moment: a `PlantPicture`, as the live projection is one.
+    """The plant as panels showed it at a moment; a `PlantPicture` like the live projection.
 
     Args:
         first: a snapshot's line.
-        site: what stands where.
+        site: the places of everything in the plant.
     """
 
     def __init__(self, first: Line, site: Site) -> None:
         self.site, self.plant = site, str(first["plant"])
         self.at_s = 0.0
-        """When what it shows was told."""
+        """Time of the last frame played."""
         self._fault_injection = bool(first.get("fault_injection", False))
         self._factory: Any = first["factory"]
         self.atvs, self.tasks, self.commands = _Shelf(AtvView), _Shelf(TaskView), _Commands()
@@ -136,7 +136,7 @@ class Picture:
         return float(self._factory["speed"])
 
     def play(self, line: Line) -> None:
-        """Go one frame on; in a snapshot it is noted what is not there any more."""
+        """Play one frame; in a snapshot, mark missing entities as gone."""
         if line.get("whole"):
             line["gone"] = [
                 f"{kind}:{entity}"
@@ -156,7 +156,7 @@ class Picture:
             self.commands.note_areas(line["areas"])
 
     def told(self, line: Line) -> Delta:
-        """What a frame that was just played has told, as whole entities."""
+        """The content of a frame just played, as whole entities."""
         views: dict[str, Any] = {}
         for name, shelf in self._shelves.items():
             if name in line:
@@ -182,9 +182,9 @@ class Picture:
 
 
 def lines_of(pieces: Sequence[Piece]) -> Iterator[Line]:
-    """The frames of pieces, oldest first, with `whole` in those that are snapshots.
+    """The frames of pieces, oldest first; `whole` marks snapshots.
 
-    Ends where a piece is missing: what comes after it builds on what nobody has.
+    Ends at a missing piece, because later frames build on it.
     """
     recorder = ""
     for piece in pieces:
@@ -202,7 +202,7 @@ class Film:
 
     Args:
         pieces: from a snapshot on, oldest first.
-        site: what stands where.
+        site: the places of everything in the plant.
     """
 
     def __init__(self, pieces: Sequence[Piece], site: Site) -> None:
@@ -211,13 +211,13 @@ class Film:
         self.picture: Picture | None = None
 
     def play_until(self, at_s: float) -> Picture | None:
-        """The picture of a moment; None where there is nothing before it."""
+        """The picture of a moment; None where nothing was recorded before it."""
         while self._next is not None and self._next["at_s"] <= at_s:
             self._step()
         return self.picture
 
     def frames(self, until_s: float) -> Iterator[Delta]:
-        """What changes from the picture on, up to a moment; the picture goes along."""
+        """The changes from the picture up to a moment; the picture advances too."""
         while (line := self._next) is not None and line["at_s"] <= until_s:
             self._step()
             if self.picture is not None:

@@ -1,8 +1,8 @@
 """Knowledge: what an agent knew at a moment, beside what had really happened by then. Pure.
 
-Every agent numbers what it does and learns itself, and tells it later where nobody heard it at the time. So what it had told of its
-transports up to a moment is what it knew, what others had told up to the same moment is what had happened, and the next thing that it
-told of the same transport afterwards is when it learnt of it.
+Every agent numbers its own events and reports those later that nobody heard at the time. Its own events about
+its transports up to a moment are what it knew. Other agents' events up to that moment are what had happened.
+Its next event on the same transport shows when it learnt of that.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ TELLING = (
     WatchLost,
     TaskClosed,
 )
-"""Facts that tell who carries what, and how far that has come."""
+"""Facts about carriers and the progress of transports."""
 
 UPSETTING = (TookOver, CarrierChanged, PrimarySuspected, WatchLost, TaskClosed)
-"""Of these, told by somebody else, whoever has a contract must know: they change it."""
+"""Facts from other agents that a contractor must know, because they change its contract."""
 
 TASKS_MOST = 12
-"""Of one agent at one moment: a vehicle carries one and watches some; a machine has some open."""
+"""Maximum tasks per agent and moment: a vehicle carries one and watches some; a machine has some open."""
 
 _READ = msgspec.json.Decoder(AnyFact)
 
 
 class RecordedFactView(View, kw_only=True):
-    """One thing that was told of a transport."""
+    """One fact about a transport."""
 
     kind: str
     """The kind of the fact."""
@@ -60,12 +60,12 @@ class RecordedFactView(View, kw_only=True):
     reason: str = ""
     phase: str = ""
     other: str = ""
-    """Who was replaced, suspected or lost, or carries it from then on."""
+    """The agent replaced, suspected or lost, or the new carrier."""
     outcome: str = ""
 
 
 class KnownView(View, kw_only=True):
-    """What an agent knew of one thing, and what had happened."""
+    """What an agent knew of one subject, and what had happened."""
 
     about: Literal["task", "heard", "closures"]
     differs: bool
@@ -74,21 +74,21 @@ class KnownView(View, kw_only=True):
     source: str = ""
     destination: str = ""
     role: str = ""
-    """The agent's part in it: primary, secondary, coordinator; empty where it has none any more."""
+    """The agent's role: primary, secondary, coordinator; empty if it has none any more."""
     knew: RecordedFactView | None = None
-    """The last that it had told itself; None for nothing."""
+    """The agent's own last fact; None without any."""
     happened: RecordedFactView | None = None
-    """The last that others had told; None for nothing that it would have to know."""
+    """The last fact from others that it had to know; None without any."""
     learnt_at_s: float | None = None
-    """When it told of it first, after what had happened; None where it has not, as far as is kept."""
+    """When its first own fact followed what had happened; None if no such fact is kept."""
     heard_at_s: float | None = None
-    """When it was last heard, before the moment."""
+    """When it was last heard before the moment."""
     closures: tuple[str, ...] = ()
-    """Those that it did not know of."""
+    """Closures that it did not know of."""
 
 
 class KnowledgeView(View, kw_only=True):
-    """What one agent knew at a moment; what differs comes first."""
+    """What one agent knew at a moment; differences come first."""
 
     agent: str
     at_s: float
@@ -96,7 +96,7 @@ class KnowledgeView(View, kw_only=True):
 
 
 def tasks_of(picture: Picture, agent: str) -> dict[str, str]:
-    """The tasks that concern an agent, and its part in each: its own word first, then what their coordinators say."""
+    """The tasks of an agent and its role in each, by its own word first, then by the coordinators'."""
     roles: dict[str, str] = {}
     atv = picture.atvs.view(agent)
     if atv is not None:
@@ -126,11 +126,11 @@ def knowledge(
     """What an agent knew.
 
     Args:
-        picture: of the moment.
-        agent: whose knowledge.
+        picture: the plant at the moment.
+        agent: the agent whose knowledge is asked for.
         at_s: the moment.
-        roles: of `tasks_of`.
-        rows: all telling events of these tasks, in the order of their times.
+        roles: the result of `tasks_of`.
+        rows: all events of these tasks with facts in `TELLING`, in order of time.
     """
     by_task: dict[str, list[EventRow]] = {task: [] for task in roles}
     for row in rows:

@@ -1,6 +1,6 @@
-"""The reader: finds in SQL, and in what is not written yet, what a moment is made of, and makes it.
+"""The reader: finds the pieces of a moment in SQL and among unwritten ones, and rebuilds the moment.
 
-Reading takes what lies between two snapshots, however much is kept; what is decoded is one piece at a time.
+A read takes only what lies between two snapshots, however much is stored, and decodes one piece at a time.
 """
 
 from __future__ import annotations
@@ -26,57 +26,57 @@ from dray.store.replay.recordings import PIECES_READ, Outline, Piece
 from dray.store.replay.spells import Spell
 
 FRAMES_BYTES = 4 * 2**20
-"""Of the frames in one answer: some seconds of a browser's time; whoever wants more asks on from where it ends."""
+"""Maximum bytes of frames per answer: some seconds of a browser's time. Clients ask on from its end."""
 
 GAP_S = 5.0
-"""Wall seconds without anything recorded that are told as a gap: a panel turns amber after 3."""
+"""Wall seconds without a recording that count as a gap: a panel turns amber after 3."""
 
 MARKS_MOST = 500
-"""In one answer: more than a screen has room for. Of more, warnings are left out first."""
+"""Maximum marks per answer: more than fit on a screen. Warnings are left out first."""
 
 
 class FilmView(View, kw_only=True):
-    """A moment of the past, and what changed after it: frames as on the stream, the first one fits behind the snapshot."""
+    """A past moment and the changes after it: frames as on the stream, the first follows the snapshot."""
 
     snapshot: Snapshot
     frames: tuple[Delta, ...] = ()
     until_at_s: float
-    """Up to here it goes; earlier than asked for where that is too much for one answer, or where nothing more is kept."""
+    """End of the frames; earlier than asked for if one answer cannot hold more, or nothing more is stored."""
 
 
 class StretchView(View, kw_only=True):
-    """From when to when something is kept, without a gap."""
+    """A span of time with a recording and without a gap."""
 
     from_at_s: float
     until_at_s: float
 
 
 class OverviewView(View, kw_only=True):
-    """What there is to see in a time."""
+    """The recordings within a span of time."""
 
     kept_from_at_s: float | None
-    """The oldest moment that is kept; None where nothing is."""
+    """The oldest moment stored; None if nothing is."""
     kept_until_at_s: float | None
     stretches: tuple[StretchView, ...] = ()
-    """Oldest first; between two of them nothing was recorded."""
+    """Oldest first; nothing was recorded between two of them."""
     density: tuple[int, ...] = ()
-    """Changes of tasks, and news, in equal parts of the time."""
+    """Number of task changes and news in equal parts of the time."""
     marks: tuple[Mark, ...] = ()
     """Oldest first."""
     marks_left_out: int = 0
 
 
 NOW = "atvs", "machines", "stations"
-"""Collections of which a picture of now has what was heard last."""
+"""Collections that a present picture takes from the live view."""
 
 
 class ReplayReader:
     """Reads recordings.
 
     Args:
-        store: where they are.
-        recorder: of this gateway, who has the newest.
-        live: what panels are shown now.
+        store: the recordings.
+        recorder: this gateway's recorder, which has the newest frames.
+        live: the present picture that panels are shown.
     """
 
     def __init__(self, store: Store, recorder: Recorder | None, live: PlantPicture) -> None:
@@ -84,7 +84,10 @@ class ReplayReader:
         self._site = live.site
 
     async def picture_now(self, now_s: float) -> Picture:
-        """The plant as it is now; but for those in `NOW`, of which there are few, as panels were told last, since all at once is a long step."""
+        """The present plant: collections in `NOW` are live, the others as panels were last sent them.
+
+        Converting everything at once would hold up the loop.
+        """
         told = None if self._recorder is None else self._recorder.now()
         if told is None:
             line = await self._live_line(now_s)
@@ -97,7 +100,7 @@ class ReplayReader:
         return await asyncio.to_thread(picture)
 
     async def _live_line(self, now_s: float) -> dict[str, Any]:
-        """A snapshot of what is shown now, where nothing is recorded: in portions, with others' turns between."""
+        """A snapshot of the present, where nothing is recorded; made in portions to let other work run."""
         scope = WholeScope(self._live)
         line: dict[str, Any] = msgspec.to_builtins(scope.snapshot(0, now_s, PORTION))
         for collection, names in scope.rest(PORTION).items():
@@ -109,7 +112,7 @@ class ReplayReader:
         return line
 
     async def snapshot_now(self, who: Principal, now_s: float) -> bytes:
-        """The same as somebody may see it, as JSON."""
+        """The present snapshot as JSON, as this caller may see it."""
         picture = await self.picture_now(now_s)
 
         def encode() -> bytes:
@@ -121,18 +124,18 @@ class ReplayReader:
         return await asyncio.to_thread(encode)
 
     async def picture(self, at_s: float) -> Picture | None:
-        """The plant as panels showed it at a moment; None where nothing is kept of it or before it."""
+        """The plant as panels showed it at a moment; None where nothing is stored up to then."""
         pieces = await self._pieces(at_s, at_s)
         return await asyncio.to_thread(lambda: Film(pieces, self._site).play_until(at_s))
 
     async def film(self, who: Principal, since_s: float, until_s: float, every_s: float) -> FilmView | None:
-        """A moment, and what changed after it, as somebody may see it; None where nothing is kept.
+        """A moment and the changes after it, as a caller may see them; None where nothing is stored.
 
         Args:
-            who: sees it.
+            who: the caller.
             since_s: the moment.
-            until_s: how far it should go.
-            every_s: what lies closer together is told in one frame.
+            until_s: end of the changes.
+            every_s: minimum seconds between frames; closer changes are joined.
         """
         pieces = await self._pieces(since_s, until_s)
         return await asyncio.to_thread(self._film, who, pieces, since_s, until_s, every_s)
@@ -161,20 +164,20 @@ class ReplayReader:
             newest_s = delta.at_s
         if updates.waiting:
             frames.append(msgspec.Raw(msgspec.json.encode(updates.frame(len(frames) + 1, newest_s))))
-        # Where not all pieces fitted into one reading it goes as far as these.
+        # If one read could not hold all pieces, the film ends with the last piece read.
         end_s = until_s if len(pieces) < PIECES_READ else pieces[-1].until_at_s
         return FilmView(
             snapshot=snapshot, frames=_as_told(frames), until_at_s=max(since_s, newest_s, min(until_s, end_s))
         )
 
     async def overview(self, since_s: float, until_s: float, steps: int, *, orders: bool) -> OverviewView:
-        """What there is to see from one moment to another.
+        """The recordings from one moment to another.
 
         Args:
-            since_s: from when.
-            until_s: to when.
-            steps: in how many parts changes are counted.
-            orders: whether marks of orders may be told.
+            since_s: the begin.
+            until_s: the end.
+            steps: number of parts in which changes are counted.
+            orders: whether the caller may see marks of orders.
         """
         async with self._store.read() as work:
             span = await work.recordings.span()
@@ -193,7 +196,7 @@ class ReplayReader:
         return _overview(outlines, (since_s, until_s), steps, kept, orders=orders)
 
     async def spells(self, since_s: float, until_s: float, agents: Sequence[str], limit: int) -> list[Spell]:
-        """What agents did in a time, in the order in which they ended it; those last that are not written yet."""
+        """What agents did in a span, in order of end; unwritten spells come last."""
         async with self._store.read() as work:
             found = await work.spells.between(since_s, until_s, agents, limit)
         if self._recorder is not None:
@@ -210,7 +213,7 @@ class ReplayReader:
         return [] if self._recorder is None else await self._recorder.unwritten()
 
     async def _pieces(self, since_s: float, until_s: float) -> list[Piece]:
-        # First what is in memory: what is written meanwhile is found twice, and not left out.
+        # Read memory first: a piece written meanwhile is then found twice, not missed.
         fresh = [piece for piece in await self._unwritten() if piece.from_at_s <= until_s]
         whole = [at for at, piece in enumerate(fresh) if piece.is_whole and piece.from_at_s <= since_s]
         if whole:
@@ -224,7 +227,7 @@ class ReplayReader:
 
 
 def _as_told(frames: Sequence[msgspec.Raw]) -> tuple[Delta, ...]:
-    """They are encoded already: of entities that were told before only what has changed."""
+    """Frames that are encoded already: known entities have only their changed fields."""
     return cast(tuple[Delta, ...], tuple(frames))
 
 

@@ -1,13 +1,13 @@
-"""The recorder: keeps what a panel of the whole plant is told, so that every moment can be shown again as it was.
+"""The recorder: stores what a whole-plant panel is sent, so that every moment can be shown again.
 
-It is told what all rooms of the stream are told. Every few minutes it keeps a snapshot, and after it what has changed, frame
-by frame: the picture of a moment is the snapshot before it with the frames up to it. Pieces of half a minute are compressed and
-written; what is not written yet is in memory, and can be read there.
+It gets what all rooms of the stream get. Every few minutes it stores a snapshot, and then the changes, frame
+by frame. A moment is the snapshot before it plus the frames up to it. Pieces of half a minute are compressed
+and written; unwritten pieces can be read from memory.
 
-However much there is to show, no step of the loop makes all of it: at first thousands of orders and tasks are taken in portions, and recording
-begins when all are known; a snapshot is what is known then, and is encoded and compressed in another thread.
+No step of the loop handles everything at once. At the start, orders and tasks are taken in portions, and
+recording begins when all are known. Snapshots are encoded and compressed in another thread.
 
-Several gateways see the same plant. The first one writes a time, and the others leave it out.
+Several gateways see the same plant. The first to write a span of time keeps it; the others skip it.
 """
 
 from __future__ import annotations
@@ -36,22 +36,25 @@ from dray.store.replay.spells import Spell
 DAY_S = 86_400.0
 
 WHOLE_EVERY_S = 300.0
-"""Wall seconds between two snapshots: what lies between them is folded within a few hundredths of a second."""
+"""Wall seconds between two snapshots: frames between them are replayed in a few hundredths of a second."""
 
 WRITE_EVERY_S = 30.0
-"""Wall seconds of one piece: long enough to compress well, and short enough that little is lost with a process."""
+"""Wall seconds of one piece: long enough to compress well, short enough that a crash loses little."""
 
 UNWRITTEN_MOST = 20
-"""Pieces that wait while the database is away: ten minutes, 4 MB at most; then what is recorded begins anew."""
+"""Maximum pieces waiting while the database is away: ten minutes, 4 MB at most. Then recording starts
+anew."""
 
 PIECES_FORGOTTEN, SPELLS_FORGOTTEN = 100, 5_000
-"""At most with each writing, some hundredths of a second: where less is to be kept than before, nobody waits for weeks of it to be forgotten."""
+"""Maximum deletions per write, some hundredths of a second. A shorter retention time must not block on
+deleting weeks at once."""
 
 PIECE_BYTES = 2**20
-"""Of frames before they are compressed, which takes some 20 ms: where more is told, pieces are shorter."""
+"""Maximum bytes of frames before compression, which takes some 20 ms: with more traffic, pieces are
+shorter."""
 
 LEVEL = 6
-"""Of compression: more costs twice the time for some percent."""
+"""Compression level: a higher one takes twice the time for some percent."""
 
 _encode = msgspec.json.encode
 _log = logging.getLogger(__name__)
@@ -61,12 +64,12 @@ MarkKind = Literal["takeover", "failure", "alert", "late"]
 
 
 class Mark(msgspec.Struct, frozen=True, kw_only=True, gc=False):
-    """Something that people look for."""
+    """An event that people search for."""
 
     at_s: float
     kind: MarkKind
     about: str
-    """The kind of the news or of the alert."""
+    """Kind of the news or of the alert."""
     agent: str = ""
     other: str = ""
     task: str = ""
@@ -77,7 +80,7 @@ class Whole:
     """A snapshot that is not encoded yet.
 
     Args:
-        head: what it says beside its entities.
+        head: its fields other than entities.
         known: see `Updates.known`.
     """
 
@@ -86,21 +89,21 @@ class Whole:
 
     @cached_property
     def line(self) -> bytes:
-        """As JSON; in another thread than the loop's."""
+        """The snapshot as JSON; call outside the loop's thread."""
         return whole(self._head, self._known)
 
     def plain(self) -> dict[str, Any]:
-        """As it is decoded from its line; in another thread than the loop's."""
+        """The snapshot as decoded from its line; call outside the loop's thread."""
         told = {name: [plain(fields) for fields in entities] for name, entities in self._known.items()}
         head: dict[str, Any] = msgspec.to_builtins(self._head)
         return head | told
 
 
 class Lines:
-    """What becomes a piece.
+    """The lines of a future piece.
 
     Args:
-        piece: it, without its frames.
+        piece: the piece without its frames.
         lines: its frames.
     """
 
@@ -110,20 +113,20 @@ class Lines:
 
     @cached_property
     def piece(self) -> Piece:
-        """Encoded and compressed; in another thread than the loop's."""
+        """The piece, encoded and compressed; call outside the loop's thread."""
         lines = [each.line if isinstance(each, Whole) else each for each in self._lines]
         return msgspec.structs.replace(self._piece, frames=zlib.compress(b"\n".join(lines), LEVEL))
 
 
 class Recorder:
-    """Keeps what the stream tells.
+    """Records the stream.
 
     Args:
-        projection: what is shown.
-        store: where to.
+        projection: the live projection.
+        store: the database.
         wall_s: the wall clock.
-        name: of this gateway in this life.
-        kept_s: how long, wall clock.
+        name: id of this gateway process.
+        kept_s: retention time, wall seconds.
     """
 
     def __init__(
@@ -134,21 +137,21 @@ class Recorder:
         self._scope = WholeScope(projection)
         self._updates = Updates()
         self._factory: FactoryView | None = None
-        """As it was told last."""
+        """Last figures sent."""
         self._owed: dict[str, deque[str]] | None = None
-        """What is there and not known yet, by collection; None before anything is."""
+        """Ids not taken in yet, by collection; None before the start."""
         self._whole_at_s: float | None = None
-        """When the last snapshot was kept; None where the next frame must be one."""
+        """Time of the last snapshot; None if the next frame must be one."""
         self._lines: list[Whole | bytes] = []
         self._bytes, self._changes, self._from_at_s, self._is_whole = 0, 0, 0.0, False
         self._marks: list[Mark] = []
         self._known: set[str] = set()
-        """Alerts and news that have been marked, or were there before."""
+        """Alerts and news that were marked, or existed before the start."""
         self._unwritten: deque[Lines] = deque()
         self.keeper = SpellKeeper(projection.speed)
 
     def note(self, told: Delta) -> None:
-        """The stream tells this of the whole plant."""
+        """Record a delta of the whole plant."""
         if told.factory is not None:
             self._factory = told.factory
         self._mark(told)
@@ -173,39 +176,39 @@ class Recorder:
         self._keep(line, told.at_s)
 
     def lines(self) -> list[Lines]:
-        """What is in memory only, oldest first, up to this moment."""
+        """Unwritten lines up to now, oldest first."""
         return [*self._unwritten, *self._open_piece(self._wall_s())]
 
     async def unwritten(self) -> list[Piece]:
-        """The same as pieces."""
+        """Unwritten lines as pieces."""
         lines = self.lines()
         return await asyncio.to_thread(lambda: [each.piece for each in lines])
 
     def now(self) -> Whole | None:
-        """What is shown now; None until all of it is known."""
+        """The present snapshot; None until everything was taken in."""
         return None if self._whole_at_s is None else self._whole(self._wall_s())
 
     def spells(self) -> list[Spell]:
-        """What everybody does now, and what has ended and is not written yet."""
+        """Present spells, and ended ones that are not written yet."""
         return self.keeper.under_way(self._wall_s())
 
     async def run(self) -> None:
-        """Write from time to time, until cancelled."""
+        """Write every `WRITE_EVERY_S` until cancelled."""
         while True:
             await asyncio.sleep(WRITE_EVERY_S)
             await self.write()
 
     async def close(self) -> None:
-        """Write what there is: nothing comes after it."""
+        """Write everything left, at the end."""
         self.keeper.end_all(self._wall_s())
         await self.write()
 
     def cut(self) -> None:
-        """End the piece that is under way."""
+        """End the current piece."""
         self._close_piece(self._wall_s())
 
     async def write(self) -> None:
-        """Write what has been told since the last time."""
+        """Write what was recorded since the last write."""
         self.cut()
         lines, spells = list(self._unwritten), self.keeper.take_ended()
         if not lines:
@@ -231,10 +234,10 @@ class Recorder:
         for _ in pieces:
             self._unwritten.popleft()
         if left_out:
-            self._whole_at_s = None  # What is written next must not build on it.
+            self._whole_at_s = None  # The next piece must not build on a skipped one.
 
     def _begin(self, at_s: float) -> dict[str, deque[str]]:
-        """Take in what there is, but for the rest of what there are many of; returns that."""
+        """Take in the first portion of the present state; returns the rest to take in."""
         snapshot = self._scope.snapshot(0, at_s, PORTION)
         self._factory = self._factory or snapshot.factory
         self._updates.begin(snapshot)
@@ -253,7 +256,7 @@ class Recorder:
                 self.keeper.follow(Delta(number=0, at_s=at_s, tasks=views if collection == "tasks" else ()))
 
     def _whole(self, at_s: float) -> Whole:
-        """Everything that is known."""
+        """A snapshot of everything taken in."""
         head = {
             "type": "snapshot",
             "number": 0,

@@ -1,4 +1,4 @@
-"""The spells of vehicles and machines: what each did from when to when, as the stream's views tell it."""
+"""The spells of vehicles and machines: what each did from when to when, by the stream's views."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from dray.messages.heartbeat import GOODS_ABOARD
 from dray.store.replay.spells import AtvDoing, MachineDoing, Spell
 
 ENDED_MOST = 20_000
-"""Spells that wait to be written: half an hour of 1,000 vehicles while the disk is busy; then the oldest are left out."""
+"""Maximum unwritten spells: half an hour of 1,000 vehicles. Beyond that the oldest are dropped."""
 
 LONGEST_S = 3600.0
-"""Wall seconds: what lasts longer is written as several spells. So nobody who reads a shift looks further for what began in it, and what
-goes on since yesterday is in SQL, too."""
+"""Maximum wall seconds of a spell; longer activities are split. A reader of a shift need not look further
+back, and activities since yesterday are in SQL too."""
 
 OF_ATVS: dict[str, AtvDoing] = {
     "idle": "idle",
@@ -35,7 +35,7 @@ OF_MACHINES: dict[str, MachineDoing] = {
 
 
 class Doing(NamedTuple):
-    """What an agent does."""
+    """The activity of an agent."""
 
     doing: AtvDoing | MachineDoing
     task: str = ""
@@ -47,7 +47,7 @@ class Doing(NamedTuple):
 
 @dataclass(slots=True)
 class _Last:
-    """What was last heard of an agent."""
+    """The last state heard of an agent."""
 
     doing: Doing
     since_at_s: float
@@ -67,14 +67,14 @@ class SpellKeeper:
     def __init__(self, speed: float) -> None:
         self._speed = speed
         self._last: dict[str, _Last] = {}
-        """By agent: bounded by whoever lets agents in."""
+        """By agent; bounded because only admitted agents are shown."""
         self._atvs: dict[str, AtvView] = {}
         self._tasks: dict[str, TaskView] = {}
         self._waits: dict[str, WaitView] = {}
         self._ended: list[Spell] = []
 
     def follow(self, told: Delta | Snapshot) -> None:
-        """Something was told."""
+        """Take in a frame."""
         for task in told.tasks:
             self._tasks[task.id] = task
         for wait in told.waits:
@@ -114,21 +114,21 @@ class SpellKeeper:
                 last.since_at_s += LONGEST_S
 
     def take_ended(self) -> list[Spell]:
-        """Those that have ended since the last call."""
+        """Spells that ended since the last call."""
         ended, self._ended = self._ended, []
         return ended
 
     def under_way(self, now_s: float) -> list[Spell]:
-        """What everybody does now, as far as it has come, and what has ended and was not taken."""
+        """Present spells up to now, and ended ones that were not taken."""
         now = [_spell(agent, last, max(now_s, last.since_at_s)) for agent, last in self._last.items()]
         return self._ended + now
 
     def give_back(self, spells: list[Spell]) -> None:
-        """They were taken, and could not be written."""
+        """Put back spells that could not be written."""
         self._ended = (spells + self._ended)[-ENDED_MOST:]
 
     def end_all(self, at_s: float) -> None:
-        """Nobody follows any more: what is under way is cut here."""
+        """End all present spells at the end of recording."""
         for agent in list(self._last):
             self._end(agent, at_s)
 

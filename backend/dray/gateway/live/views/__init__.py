@@ -1,10 +1,10 @@
-"""What the panels see: the shapes of the live entities on `/api/stream` (`dray.gateway.live.frames`) and in REST.
+"""Views: the shapes of the live entities on `/api/stream` (`dray.gateway.live.frames`) and in REST.
 
-A view is a whole entity, replaced as a whole: the newest one wins. Times are seconds since 1970 on
-the wall clock (`*_at_s`), whatever the speed of the factory's clock; durations and speeds are the
-factory's own. The TypeScript types of the panels are generated from these structs.
+A view is a whole entity; the newest one replaces it. Times are wall clock seconds since 1970 (`*_at_s`), at
+any factory speed; durations and speeds are the factory's own. The panels' TypeScript types are generated from
+these structs.
 
-Whoever is limited to areas is shown less of an entity, and `*` in place of a vehicle that stands elsewhere
+A caller limited to areas sees less of an entity, and `*` in place of a vehicle elsewhere
 (`dray.gateway.live.visibility`).
 """
 

@@ -1,4 +1,4 @@
-"""What panels see of every agent, whatever else it is: its silence, its clock, whether it is on probation or shut out."""
+"""What panels see of every agent: its silence, its clock, probation and exclusion."""
 
 from __future__ import annotations
 
@@ -6,38 +6,38 @@ from dray.gateway.live.views.base import View
 
 
 class SilenceView(View, kw_only=True):
-    """How long an agent may say nothing, by the rule of the agents themselves; factory seconds after its last heartbeat."""
+    """How long an agent may be silent, by the agents' own rule; factory seconds after its last heartbeat."""
 
     beat_s: float
-    """Then the next one is said."""
+    """When the next heartbeat is sent."""
     overdue_after_s: float
-    """Then it should have come: nothing to act on, but something to look at."""
+    """When a heartbeat is overdue: nothing to act on, but worth a look."""
     lost_after_s: float
-    """Then the agent counts as failed."""
+    """When the agent counts as failed."""
 
 
 class ClockView(View, kw_only=True):
-    """How far an agent's clock is off, as its heartbeats show it; factory seconds."""
+    """The offset of an agent's clock, by its heartbeats; factory seconds."""
 
     ahead_s: float
-    """Behind if below 0."""
+    """Seconds ahead; negative if behind."""
     bound_s: float
-    """It may be so much more or less: what the link takes and varies by."""
+    """Uncertainty of `ahead_s`: the link's delay and its jitter."""
     wrong: bool
-    """It is off by more than clocks of one plant are, beyond doubt."""
+    """Whether the offset certainly exceeds what is normal in one plant."""
 
 
 class ProbationView(View, kw_only=True):
-    """How far an agent on probation has come: so many transports have to be done well."""
+    """Progress of an agent on probation: transports done well, of those required."""
 
     of: int
     done: int = 0
 
 
 class ShutOutView(View, kw_only=True):
-    """A manager has shut the agent out: nobody hears it, whatever it says."""
+    """A manager has shut the agent out: its messages are ignored."""
 
     by: str
-    """The name of who has decided it."""
+    """Name of the manager."""
     reason: str
     at_s: float

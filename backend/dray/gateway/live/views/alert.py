@@ -1,4 +1,4 @@
-"""What asks for an answer."""
+"""What asks for an answer: alerts and their conditions."""
 
 from __future__ import annotations
 
@@ -50,13 +50,13 @@ AlertKind = Literal[
     "access_point",
     "atv_mesh",
 ]
-"""What can be wrong; graver kinds first."""
+"""Kinds of troubles; graver kinds first."""
 
 OF_MANY: frozenset[AlertKind] = frozenset(("jam", "access_point", "part_lost"))
-"""Kinds that tell of all their agents at once."""
+"""Kinds whose alert covers several agents."""
 
 CallKind = Literal["call_nobody", "call_unanswered"]
-"""Why nobody comes: nobody is on duty there, or nobody who was asked has taken the call."""
+"""Why nobody comes: nobody is on duty there, or nobody asked has taken the call."""
 
 AlertResponse = Literal[
     "look_at_server",
@@ -93,75 +93,79 @@ AlertResponse = Literal[
     "send_somebody",
     "see_to_goods",
 ]
-"""What an alert asks of people."""
+"""The response that an alert asks of people."""
 
 
 class GoodsView(View, kw_only=True):
-    """Goods that a failed vehicle has on board, and that wait for a person."""
+    """Goods on board of a failed vehicle that wait for a person."""
 
     item: str
     name: str
-    """Of the product."""
+    """Name of the product."""
     quantity: int
     machine: str
-    """Whose they are: it makes them again."""
+    """The machine that made them, and makes them again if they are lost."""
     order_name: str = ""
-    """For which order, as `StrandedView.order_name`."""
+    """Name of their order, as in `StrandedView.order_name`."""
     node: str = ""
-    """Where the vehicle was heard last; empty where nobody knows."""
+    """Node where the vehicle was heard last; empty if unknown."""
     handed_at: str = ""
-    """Where a person hands them over, and another vehicle comes for them; empty while nobody has said so."""
+    """Place where a person hands them over to another vehicle; empty while nobody has said so."""
 
 
 class Condition(View, kw_only=True):
-    """Something that is wrong now, and what is known of it."""
+    """A present trouble and its details."""
 
     kind: AlertKind
     agent: str = ""
-    """The machine, storage or vehicle that it is about; of a transport, who carries it. Empty for an order, and for the plant as a
-    whole."""
+    """The machine, storage or vehicle concerned; for a transport, its carrier. Empty for an order and for the
+    plant as a whole."""
     task: str = ""
     order: str = ""
     place: str = ""
-    """Of a jam before a dock: whose dock that is."""
+    """For a jam before a dock: the place of that dock."""
     agents: tuple[str, ...] = ()
-    """Of a jam: all that wait in it, who has waited longest first. Of a vehicle without WLAN: those over which it is heard, in order.
-    Of an access point and of a part of the network: all that have lost it, by name. Of strategists: those that are silent. Of a dock that does not get ready: who waits for it."""
+    """The agents concerned. For a jam: all that wait, longest wait first. For a vehicle without WLAN: the
+    relays of its messages, in order. For an access point or a part of the network: all that lost it, by name.
+    For strategists: the silent ones. For a dock that does not get ready: the vehicle that waits."""
     call: CallKind | None = None
-    """Of who has called for help in vain: why nobody comes."""
+    """For a call for help in vain: why nobody comes."""
     keepers: tuple[str, ...] = ()
-    """Of a vehicle that is awaited: the machines and storages that grant no places before it has told what it holds."""
+    """For an awaited vehicle: machines and storages that grant no places before it has reported its
+    reservations."""
     cause: CauseView | None = None
-    """What is known of why."""
+    """The cause, if known."""
     goods: GoodsView | None = None
-    """Of goods that were left on board."""
+    """For goods left on board: their details."""
     by: str = ""
-    """Who is on the way to help, or has shut the agent out. Of goods: the operator who comes, by name or code."""
+    """Person on the way to help, or who has shut the agent out. For goods: the operator who comes, by name or
+    code."""
     seen_at_s: float | None = None
-    """Of who is lost: when it was last heard, of many the first of them. Of a call for help, without WLAN, or of
-    a dock that does not get ready: since when."""
+    """For a lost agent: when it was last heard; for several, the first of them. For a call for help, a lost
+    WLAN or a dock that does not get ready: since when."""
     access_point: str = ""
-    """Over which vehicles without WLAN were on it last; empty where that is not known."""
+    """Last access point of vehicles without WLAN; empty if unknown."""
     until_at_s: float | None = None
-    """How long help is waited for, or when the order was due. Of goods: when they are given up, and made again."""
+    """End of the wait for help, or due time of the order. For goods: when they are given up and made
+    again."""
     battery_frac: float | None = None
     behind_s: float | None = None
-    """How old the newest is that was heard of the plant, in real seconds."""
+    """Age of the plant's newest message, in real seconds."""
     waiting: int | None = None
-    """Transports that have waited for a vehicle for longer than 5 factory minutes."""
+    """Number of transports that have waited for a vehicle for more than 5 factory minutes."""
     carried_frac: float | None = None
-    """Part of the last factory hour's transports that were carried; None before any."""
+    """Fraction of the last factory hour's transports that were carried; None before any."""
     clock_ahead_s: float | None = None
-    """Of a wrong clock: how far it is ahead, behind if below 0 (factory seconds)."""
+    """For a wrong clock: seconds ahead, negative if behind (factory seconds)."""
 
     @property
     def alert(self) -> str:
-        """The id of its alert: the same one as long as the same thing is wrong with the same subject."""
+        """The id of its alert: stable while the same trouble of the same subject lasts."""
         subject = self.task or self.order or self.agent
         if self.kind == "access_point":
             subject = self.access_point
         elif self.kind in OF_MANY:
-            # Whoever sees only a part of it is not told by its name who is elsewhere.
+            # The id must not name a vehicle to viewers limited to other areas.
             first = (subject or self.agents[0]).encode()
             subject = self.place or blake2s(first, digest_size=4).hexdigest()
         return f"{self.kind}-{subject}" if subject else self.kind
@@ -175,37 +179,38 @@ class AlertView(Condition, kw_only=True):
     response: AlertResponse
     since_at_s: float
     acknowledged_by: str = ""
-    """The name of who has taken it on; empty while nobody has."""
+    """Name of the person who has taken it on; empty while nobody has."""
     acknowledged_at_s: float | None = None
     acknowledged_until_at_s: float | None = None
-    """Until when; None for as long as it lasts. Then it asks again, and sooner when it is worse."""
+    """End of the acknowledgement; None for as long as the alert lasts. Then it asks again, and sooner when it
+    is worse."""
     came_back: Literal["over", "worse"] | None = None
-    """Why it asks again, of an alert that somebody had taken on until some moment: the time is over, or it is worse."""
+    """Why an alert taken on until a set time asks again: the time is over, or it is worse."""
     comment: str = ""
-    """What was said of it last."""
+    """The last comment on it."""
     comment_by: str = ""
 
 
 class AlertWordView(View, kw_only=True):
-    """What was done with an alert."""
+    """One entry in an alert's history."""
 
     at_s: float
     by: str = ""
-    """Whose word it is; empty where it came back by itself."""
+    """The person; empty where it came back by itself."""
     said: Literal["taken", "commented", "over", "worse"]
-    """Taken on, or something said of it; or it asked again, since the time was over or it had become worse."""
+    """Taken on or commented; or it asked again, because its time was over or it became worse."""
     comment: str = ""
     until_at_s: float | None = None
-    """Until when it was taken on; None for as long as it lasts."""
+    """End of the acknowledgement; None for as long as the alert lasts."""
 
 
 class AlertRecord(AlertView, kw_only=True):
-    """An alert that there was, or is."""
+    """A past or present alert."""
 
     number: int
     ended_at_s: float | None = None
     """None while it lasts."""
     reference: str | None = None
-    """Of an order: the customer's own number of it."""
+    """For an order: the customer's own number of it."""
     words: tuple[AlertWordView, ...] = ()
     """Oldest first."""

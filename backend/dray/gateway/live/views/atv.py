@@ -24,7 +24,7 @@ class BriefView(View, kw_only=True):
 
 
 class ProblemView(View, kw_only=True):
-    """What a vehicle knows of its problem; None for what it does not know."""
+    """A vehicle's details of its problem; None for unknown ones."""
 
     kind: Literal[
         "load",
@@ -42,7 +42,7 @@ class ProblemView(View, kw_only=True):
         "unknown",
     ]
     passes: bool | None = None
-    """It goes away by itself."""
+    """Whether it goes away by itself."""
     needs_person: bool | None = None
     load_movable: bool | None = None
 
@@ -52,31 +52,31 @@ class BodyWaitView(View, kw_only=True):
 
     what: str
     until: str = ""
-    """What ends it; empty where the driver does not know."""
+    """The end of the wait; empty if the driver does not know."""
     since_at_s: float
 
 
 class HelpView(View, kw_only=True):
-    """A problem that a person can solve, while its task, or a machine's goals, wait for that."""
+    """A problem that a person can solve while its task or goals wait."""
 
     until_at_s: float
-    """Solved by then, it goes on; else somebody else takes its task, or its goals."""
+    """Deadline: if solved by then, work goes on; else another agent takes the task or goals."""
     promised_by: str = ""
-    """Who has said to be on the way; empty while nobody has."""
+    """Person on the way; empty while nobody is."""
     promise_max_s: float = PROMISE_MAX_S
-    """How long from now help may be promised for, in factory seconds."""
+    """Maximum time from now for which help may be promised, in factory seconds."""
 
 
 class OutOfServiceView(View, kw_only=True):
-    """A person has taken a vehicle or a machine out of service: it takes no work, and nothing of it is an alarm."""
+    """A person has taken a vehicle or machine out of service: it takes no work and raises no alarm."""
 
     by: str
     since_at_s: float
     reason: str = ""
     back_at_s: float | None = None
-    """When it is expected back; None where nobody knows."""
+    """Expected return; None if unknown."""
     after_work: bool = False
-    """What it carries it brings to its end first."""
+    """Whether it first finishes what it carries."""
 
 
 class RemovalView(View, kw_only=True):
@@ -86,17 +86,17 @@ class RemovalView(View, kw_only=True):
     by: str
     at_s: float
     believed_at_s: float
-    """From then on it was silent for so long that its places are freed."""
+    """Moment from which it has been silent long enough to free its places."""
     freed: tuple[str, ...] = ()
-    """What it held, and is free now."""
+    """Places that it held and that are free now."""
     node: str = ""
-    """Where it is being put back; empty while it is off the floor."""
+    """Node where it is being put back; empty while it is off the floor."""
     kept: bool = False
-    """That place is kept for it: it may be put down there."""
+    """Whether that place is reserved for it, so that it may be put down there."""
 
 
 class AtvView(View, kw_only=True):
-    """An ATV, as its last heartbeat told."""
+    """An ATV, by its last heartbeat."""
 
     id: str
     type: str
@@ -109,44 +109,44 @@ class AtvView(View, kw_only=True):
     way: tuple[str, ...] = ()
     """Nodes still ahead; the vehicle is between `node` and `way[0]`."""
     holds: tuple[str, ...] = ()
-    """Nodes and crossings into which nobody else may drive; empty where vehicles drive without right of way."""
+    """Nodes and crossings reserved for it; empty where vehicles drive without right of way."""
     battery_frac: float
     battery_reckoned: bool = False
-    """Its level is reckoned by time and metres, not measured."""
+    """Whether the battery level is estimated from time and metres, not measured."""
     battery_low: bool = False
-    """It takes no work before it has charged, by its type's `must_below_frac`."""
+    """Whether it must charge before it takes work, by its type's `must_below_frac`."""
     load: str = ""
     load_quantity: int = 0
     link: Literal["wlan", "mesh"] = "wlan"
     via: tuple[str, ...] = ()
-    """The vehicles that pass its heartbeat on, in order, when the link is mesh."""
+    """Vehicles that relay its heartbeat, in order, when the link is mesh."""
     task: BriefView | None = None
     watches: tuple[BriefView, ...] = ()
     dwell_point: str = ""
     speed_limit_frac: float = 1.0
     acknowledged: bool = False
-    """While it is stopped: somebody has said that the reason is gone, and it may be resumed."""
+    """While stopped: whether a person has confirmed that the reason is gone, so that it may be resumed."""
     problem: str = ""
     about_problem: ProblemView | None = None
-    """None without a problem, and where there are only words."""
+    """None without a problem, or where only words are known."""
     body_wait: BodyWaitView | None = None
-    """None where it waits for nothing, or for less than ten seconds, or does not tell."""
+    """None if it waits for nothing, for less than ten seconds, or does not report it."""
     help: HelpView | None = None
     software: str = ""
     draining: bool = False
-    """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
+    """Whether it shuts down gracefully: it takes nothing new, and leaves when nothing holds it."""
     out_of_service: OutOfServiceView | None = None
     sent_to_charge: bool = False
-    """By a person's word: it takes no work before it is full."""
+    """Whether a person has sent it to charge: it takes no work before it is full."""
     probation: ProbationView | None = None
-    """While it is on probation and takes short tasks only."""
+    """Set while it is on probation and takes short tasks only."""
     asks_where_it_stands: bool = False
-    """Where it stands nothing is its own yet: it drives nowhere before."""
+    """Whether its own position is not reserved for it yet: it does not drive before."""
     removal: RemovalView | None = None
-    """While it is off the floor, as a person has said: all else here is what it said before."""
+    """Set while a person has it off the floor: all other fields are older."""
     shut_out: ShutOutView | None = None
-    """Nobody hears it any more: all else here is what it said before."""
+    """Set while it is shut out and ignored: all other fields are older."""
     clock: ClockView | None = None
-    """None while nothing is known of it."""
+    """None while unknown."""
     seen_at_s: float
     silence: SilenceView

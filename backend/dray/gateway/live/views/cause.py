@@ -1,4 +1,4 @@
-"""Why something does not go on, by its parts: panels put it into their reader's language."""
+"""Causes: why something does not go on, in parts that panels put into their reader's language."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ class FailureView(View):
 
 
 class LackView(View):
-    """Material that is nowhere to be fetched."""
+    """Material that no storage can supply."""
 
     material: str
-    """Its name."""
+    """Name of the material."""
     short: tuple[str, ...] = ()
     """Storages that have too little."""
     silent: tuple[str, ...] = ()
@@ -26,7 +26,7 @@ class LackView(View):
 
 
 class HandoverView(View):
-    """A load that a vehicle says to have put down, and what was counted of it."""
+    """A load that a vehicle reports as put down, and the counted quantity."""
 
     said: int
     item: str
@@ -35,22 +35,23 @@ class HandoverView(View):
 
 
 class CauseView(View, kw_only=True):
-    """Why something does not go on. Only the parts are set that say something; `text` says all of it in English."""
+    """Why something does not go on. Only the parts that apply are set; `text` has all in English."""
 
     reason: str = ""
-    """One of the reasons of the wire: `Reason`, or `Implausible` of a word that is not believed; `anothers_key` where it is not its own; `robs_places` of a replica of reservation tables."""
+    """A `Reason` of the wire, or an `Implausible` for a statement that is not believed; `anothers_key` for a
+    forged name; `robs_places` for a bad replica of reservation tables."""
     detail: str = ""
-    """What an agent or a person says, in words of their own."""
+    """An agent's or person's own words."""
     machines: tuple[FailureView, ...] = ()
-    """All that could make something."""
+    """All machines that could make it."""
     lacks: tuple[LackView, ...] = ()
     not_made: tuple[str, ...] = ()
     """Products that this plant does not make."""
     handover: HandoverView | None = None
     wait: WaitCauseView | None = None
-    """For whom vehicles wait."""
+    """The vehicles that vehicles wait for."""
     clock_ahead_s: float = 0.0
-    """How far the clock is ahead of whoever is not believed, behind if below 0 (factory seconds)."""
+    """Seconds that the disbelieved agent's clock is ahead, negative if behind (factory seconds)."""
     times: int = 1
-    """How often it was so lately."""
+    """Number of recent occurrences."""
     text: str = ""

@@ -10,12 +10,12 @@ CommandState = Literal["sent", "confirmed", "refused", "not_confirmed"]
 
 
 class CommandView(View, kw_only=True):
-    """What a person has asked of a vehicle, a machine or a station, and its word on it."""
+    """A person's command to a vehicle, machine or station, and its answer."""
 
     id: str
-    """As whoever gave it has named it, else as the gateway has."""
+    """Given by the sender, else by the gateway."""
     atv: str
-    """Whom it was given to: a vehicle, a machine, or a station."""
+    """The addressee: a vehicle, machine or station."""
     kind: Literal[
         "stop",
         "acknowledge",
@@ -41,14 +41,15 @@ class CommandView(View, kw_only=True):
     ]
     speed_frac: float | None = None
     by: str
-    """The name of who gave it."""
+    """Name of the person who gave it."""
     at_s: float
-    """When."""
+    """When it was given."""
     state: CommandState = "sent"
-    """not_confirmed: it has said nothing in time; it may or may not have heard."""
+    """not_confirmed: no answer in time; it may or may not have arrived."""
     reason: str = ""
-    """Why it was refused: a `CommandRefusal` of the wire; empty where it has not, or somebody else has."""
+    """Reason of a refusal: a `CommandRefusal` of the wire; empty if there is none, or another part refused
+    it."""
     detail: str = ""
-    """What its sensors still report, or why nobody waits for its word."""
+    """What its sensors still report, or why its answer is not awaited."""
     text: str = ""
-    """Both in English."""
+    """Reason and detail in English."""

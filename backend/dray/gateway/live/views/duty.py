@@ -1,4 +1,4 @@
-"""Who is on duty, and who calls for help: codes and places, and no history."""
+"""Who is on duty and who calls for help: codes and places, without history."""
 
 from __future__ import annotations
 
@@ -14,49 +14,50 @@ DutyChoice = Literal["on", "break", "off"]
 
 
 class ColleagueView(View, kw_only=True):
-    """Somebody else on duty."""
+    """Another person on duty."""
 
     code: str
-    """Of the duty, not of the person."""
+    """Code of the duty, not of the person."""
     label: str = ""
-    """The person's name; empty where names are not told (`DRAY_OPERATOR_NAMES`)."""
+    """The person's name; empty where names are hidden (`DRAY_OPERATOR_NAMES`)."""
     areas: tuple[str, ...] = ()
-    """Of those that the reader sees."""
+    """Those areas that the reader sees."""
     station: str = ""
     status: DutyStatus
     busy_with: str = ""
-    """Who has called; empty for nobody."""
+    """The caller being helped; empty for none."""
     until_at_s: float | None = None
     helps_with: tuple[ProblemKind, ...] = ()
-    """What for; empty for everything."""
+    """Kinds of problems; empty for all."""
 
 
 class CallView(View, kw_only=True):
-    """A call for help that has not ended."""
+    """An open call for help."""
 
     id: str
     caller: str
     goods: str = ""
-    """The caller's transport whose goods wait on board of a failed vehicle; empty where the caller itself needs somebody."""
+    """The caller's transport whose goods wait on a failed vehicle; empty where the caller itself needs
+    help."""
     state: CallState
     part: CallPart | None = None
-    """What the reader has to do with it; null for nothing."""
+    """The reader's part in it; null for none."""
     problem: ProblemKind
     needs_person: bool | None = None
     reason: str = ""
     since_at_s: float
     until_at_s: float | None = None
-    """By when those who are asked answer, who has taken it is promised to be there, or others are asked."""
+    """Deadline for an answer or for the promised arrival; after it others are asked."""
     asked: tuple[str, ...] = ()
     taken_by: str = ""
     on_duty: int = 0
-    """How many are on duty for that place, as the caller has heard."""
+    """Number of people on duty for that place, as far as the caller has heard."""
     x_m: float = 0.0
     y_m: float = 0.0
     area: str = ""
-    """The name of the area in which that is; empty outside of all."""
+    """Name of the area of that place; empty outside of all."""
     elsewhere: bool = False
-    """It is in none of the reader's areas: what is asked of the caller there is refused."""
+    """Whether the place is outside the reader's areas: commands to the caller there are refused."""
 
 
 class DutyView(View, kw_only=True):
@@ -64,18 +65,19 @@ class DutyView(View, kw_only=True):
 
     state: DutyChoice
     code: str = ""
-    """The reader's own; empty while off duty."""
+    """The reader's own code; empty while off duty."""
     said_off: bool = False
-    """The reader has gone off duty here; false while on duty, and where that is not known, as after a start of the gateway."""
+    """Whether the reader has gone off duty here; false while on duty, and while unknown, as after a gateway
+    start."""
     helps_with: tuple[ProblemKind, ...] = ()
-    """What the reader is there for; empty for everything."""
+    """Kinds of problems the reader helps with; empty for all."""
     busy_until_at_s: float | None = None
-    """Until when the reader is busy by the own word."""
+    """End of the time for which the reader has said to be busy."""
     colleagues: tuple[ColleagueView, ...] = ()
     areas_without: tuple[str, ...] = ()
-    """Areas in which nobody is on duty."""
+    """Areas with nobody on duty."""
     comes_at_s: dict[str, float] = msgspec.field(default_factory=dict)
-    """Of these, where nobody is there by the working time of the area: when somebody comes again. Where that is never, or somebody should be
-    there now, it is not named."""
+    """For such areas outside their working time: when somebody comes again. An area is missing here if that
+    is never, or if somebody should be there now."""
     calls: tuple[CallView, ...] = ()
-    """The oldest first."""
+    """Oldest first."""

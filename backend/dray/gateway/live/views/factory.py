@@ -1,4 +1,4 @@
-"""The factory as a whole, who is shown it, and what is wrong in it by hand."""
+"""The factory as a whole, the stream's reader, and injected faults."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from dray.scenario_steps import ScenarioStep
 
 
 class AudienceView(View, kw_only=True):
-    """Who is shown the stream, and how much of it."""
+    """The reader of the stream, and how much of it is shown."""
 
     role: Literal["manager", "operator", ""]
     """Empty for other systems and the administrator."""
     name: str
     areas: tuple[str, ...] | None = None
-    """Only what is in these areas is shown; None for the whole plant."""
+    """Areas to which the stream is limited; None for the whole plant."""
     station: str = ""
     """The machine at which an operator works."""
 
@@ -28,9 +28,9 @@ class FaultView(View, kw_only=True):
     id: str
     kind: str
     fault: dict[str, Any]
-    """As it was begun: its `kind` and its fields."""
+    """The fault as it was begun: its `kind` and its fields."""
     agents: tuple[str, ...]
-    """Whom it is about; empty where it is about the network as a whole."""
+    """Agents concerned; empty where it concerns the whole network."""
     began_at_s: float
 
 
@@ -39,56 +39,57 @@ class StepView(View, kw_only=True):
 
     step: ScenarioStep
     after_s: float | None = None
-    """Factory seconds after the scenario began; None as long as it has not happened."""
+    """Factory seconds from the scenario's begin; None until it happens."""
     expected_s: float | None = None
-    """The same, by a rehearsal with the same seed and by how late the last step was; None as long as the rehearsal has not come so far."""
+    """Expected `after_s`, by a rehearsal with the same seed, shifted by the last step's delay; None until the
+    rehearsal gets there."""
     agents: tuple[str, ...] = ()
-    """Whom it is about."""
+    """Agents concerned."""
 
 
 class ScenarioCheckView(View, kw_only=True):
-    """One thing that must be so for the claim of a scenario to hold."""
+    """One check of a scenario's claim."""
 
     name: str
     """In English."""
     held: bool
     figure: str
-    """What was seen, in English."""
+    """The observed figure, in English."""
 
 
 class ScenarioView(View, kw_only=True):
     """The scenario that a simulated factory plays, step by step."""
 
     id: str
-    """As in `dray up --scenario`."""
+    """Id as in `dray up --scenario`."""
     shows: str
     """What it shows, in English."""
     steps: tuple[StepView, ...]
-    """In the order in which they are expected."""
+    """In the expected order."""
     state: Literal["playing", "held", "failed"] = "playing"
-    """Whether its claim has held, when it has ended."""
+    """Whether its claim has held, once it has ended."""
     after_s: float | None = None
-    """Factory seconds from its begin to its end."""
+    """Factory seconds from begin to end."""
     checks: tuple[ScenarioCheckView, ...] = ()
-    """Why, when it has ended."""
+    """The checks, once it has ended."""
     began_at_s: float = 0.0
     """Wall clock."""
     skipping: bool = False
-    """Whether the factory runs as fast as it can, until the next step."""
+    """Whether the factory runs as fast as it can until the next step."""
 
 
 class UseView(View, kw_only=True):
-    """What the fleet's time of the last hour was spent on, in parts that add up to 1."""
+    """How the fleet spent the last hour, in fractions that add up to 1."""
 
     moving: float
     waiting: float
-    """At work, and standing: while loading and unloading, or for lack of a way."""
+    """At work but standing: loading, unloading, or without a way."""
     charging: float
     blocked: float
     """Stopped by a person, or in error."""
     idle: float
     silent: float
-    """Not heard for longer than three heartbeats of an idle agent take."""
+    """Silent for more than three heartbeat intervals of an idle agent."""
     out_of_service: float = 0.0
     """By a person's word."""
 
@@ -99,24 +100,24 @@ class FactoryView(View, kw_only=True):
     orders_open: int = 0
     orders_delivered: int = 0
     on_time_frac: float | None = None
-    """Of the orders delivered so far; None before the first one."""
+    """Fraction of all delivered orders; None before the first."""
     starved_frac: float | None = None
-    """Part of the machines' time with a goal in which material was missing, over the last hour."""
+    """Fraction of the machines' time with a goal in the last hour in which material was missing."""
     transport_p50_s: float | None = None
     """From announcement to handover, over the last 200 transports, in factory seconds."""
     transport_p95_s: float | None = None
     empty_frac: float | None = None
-    """Part of the fleet's way in the last hour of factory time that was driven without a load."""
+    """Fraction of the fleet's way in the last factory hour that was driven without a load."""
     use: UseView | None = None
-    """None before the first vehicle was heard for a while, as for the two below."""
+    """None until vehicles have been heard for a while; the same holds for the two below."""
     atv_available_frac: float | None = None
-    """Part of the vehicles' time of the last hour in which they were heard and neither stopped nor in error."""
+    """Fraction of the vehicles' last hour in which they were heard and neither stopped nor in error."""
     machine_available_frac: float | None = None
-    """Part of the machines' time of the last hour in which they were heard and not in error."""
+    """Fraction of the machines' last hour in which they were heard and not in error."""
     commands: int = 0
-    """People's commands that vehicles have obeyed in the last hour."""
+    """Commands that vehicles obeyed in the last hour."""
     helps: int = 0
-    """How often vehicles have asked for help in the last hour."""
+    """Calls for help by vehicles in the last hour."""
     deliveries_per_hour: tuple[float, ...] = ()
     """Transports handed over per factory hour, in the last 12 slots of 5 factory minutes, oldest first."""
     atvs_by_status: dict[str, int] = msgspec.field(default_factory=dict)
@@ -124,4 +125,4 @@ class FactoryView(View, kw_only=True):
     speed: float = 1.0
     """Factory seconds per real second."""
     behind_s: float = 0.0
-    """How old the newest is that was heard of the plant, in real seconds: who is older than that is silent."""
+    """Age of the plant's newest message, in real seconds; an agent heard before that is silent."""

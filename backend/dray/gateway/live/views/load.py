@@ -1,4 +1,4 @@
-"""Loads and goods that wait for a word of people."""
+"""Loads and goods that wait for a person's confirmation."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from dray.gateway.live.views.base import View
 
 
 class LoadView(View, kw_only=True):
-    """A load that a vehicle has brought or taken by its own word, and that nobody has confirmed yet."""
+    """A load that a vehicle reports as brought or taken, and that nobody has confirmed yet."""
 
     vehicle: str
     item: str
     quantity: int
     goes: bool = False
-    """It was taken away; else it was brought."""
+    """Whether it was taken away, not brought."""
 
 
 class ToComeView(View, kw_only=True):
-    """Pieces of a goal that the delivery gate lets in, and of which people have not said that they have arrived."""
+    """Pieces of a goal that the delivery gate admits, and whose arrival nobody has confirmed."""
 
     goal: str
-    """As it stands on the labels of the containers."""
+    """Id as on the labels of the containers."""
     product: str
-    """Empty where that is not known."""
+    """Empty if unknown."""
     quantity: int

@@ -20,7 +20,7 @@ class BufferView(View, kw_only=True):
     reorder_point: int = 0
     on_order: int = 0
     spare: int = 0
-    """Finished pieces that no order wants any more: the next goal of the product takes them."""
+    """Finished pieces that no order needs any more; the product's next goal uses them."""
 
 
 class GoalView(View, kw_only=True):
@@ -31,16 +31,16 @@ class GoalView(View, kw_only=True):
     quantity: int
     made: int
     to_begin: int
-    """Pieces whose material no cycle has taken yet: one in the making is not among them."""
+    """Pieces whose production has not begun."""
     delivered: int
     deadline_at_s: float | None = None
-    """When it should be done; its order is due some minutes later. None where the machine does not tell."""
+    """When it should be done; its order is due some minutes later. None if the machine does not say."""
     order_due_at_s: float | None = None
-    """When its order is due. None where that is not known here."""
+    """Due time of its order; None if unknown here."""
     order_name: str = ""
-    """Of its order, as `StrandedView.order_name`."""
+    """Name of its order, as in `StrandedView.order_name`."""
     offered: bool = False
-    """Its machine does not work at it: others may make what is missing."""
+    """Whether its machine does not work at it, so that others may make the rest."""
 
 
 class OpenTaskView(View, kw_only=True):
@@ -57,7 +57,7 @@ class OpenTaskView(View, kw_only=True):
     secondary: str = ""
     round: int = 1
     trouble: CauseView | None = None
-    """Why it does not go on, as the machine tells; None when all is well."""
+    """Why it does not go on, by the machine's word; None when it does."""
 
 
 class DocumentView(View, kw_only=True):
@@ -69,13 +69,13 @@ class DocumentView(View, kw_only=True):
     media_type: str
     sha256: str
     state: Literal["unread", "reading", "verified", "differs", "unreachable"]
-    """Nothing is made by one that is not `verified`."""
+    """Nothing is made by a document that is not `verified`."""
     detail: str = ""
-    """What was found, of one that cannot be used."""
+    """Finding for a document that cannot be used."""
 
 
 class MachineView(View, kw_only=True):
-    """A machine, as its last heartbeat told."""
+    """A machine, by its last heartbeat."""
 
     id: str
     name: str
@@ -86,32 +86,32 @@ class MachineView(View, kw_only=True):
     buffers: tuple[BufferView, ...] = ()
     goods: tuple[BufferView, ...] = ()
     documents: tuple[DocumentView, ...] = ()
-    """Of the products that it has to make, as it verifies them."""
+    """Documents of its products, with the state of their verification."""
     problem: str = ""
     about_problem: ProblemView | None = None
-    """What is known of its problem; None where there is none, or nothing is known."""
+    """Details of its problem; None without one, or if unknown."""
     resettable: bool = False
-    """Its sensors find nothing wrong any more: it waits for somebody to say so."""
+    """Whether its sensors find nothing wrong any more, so that a person may reset it."""
     help: HelpView | None = None
-    """While its goals wait for a person, or are offered to others."""
+    """Set while its goals wait for a person, or are offered to others."""
     out_of_service: OutOfServiceView | None = None
     """While a person has taken it out of service."""
     speed_frac: float = 1.0
-    """The part of its own speed at which people let it work."""
+    """Fraction of its own speed that people allow."""
     since_at_s: float | None = None
-    """Since when it has had its status."""
+    """Time since which it has had its status."""
     waits: CauseView | None = None
-    """The materials that it needs and that nobody can fetch now; None where there are none."""
+    """Materials that it needs and no storage can supply now; None without any."""
     software: str = ""
     draining: bool = False
-    """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
+    """Whether it shuts down gracefully: it takes nothing new, and leaves when nothing holds it."""
     probation: ProbationView | None = None
-    """While it is on probation and takes short goals only."""
+    """Set while it is on probation and takes short goals only."""
     unconfirmed: tuple[LoadView, ...] | None = None
-    """Loads that wait for a word of people, the oldest first; None where a machine's body is not people."""
+    """Loads that wait for a person's confirmation, oldest first; None where its body is not people."""
     shut_out: ShutOutView | None = None
-    """Nobody hears it any more: all else here is what it said before."""
+    """Set while it is shut out and ignored: all other fields are older."""
     clock: ClockView | None = None
-    """None while nothing is known of it."""
+    """None while unknown."""
     seen_at_s: float
     silence: SilenceView

@@ -1,4 +1,4 @@
-"""What has happened, as panels tell it."""
+"""News: what has happened, as panels show it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dray.gateway.live.views.floor.closure import ClosureView
 
 
 class NewsView(View, kw_only=True):
-    """Something that people should know of without looking for it: a failure, what became of it, and what people have done about it."""
+    """A failure, its outcome, or people's response to it, for people who are not watching."""
 
     id: str
     kind: Literal[
@@ -33,30 +33,31 @@ class NewsView(View, kw_only=True):
         "opened",
     ]
     at_s: float
-    """Wall clock, as all times of views."""
+    """Wall clock, like all times of views."""
     agent: str
-    """Whom it is about: the vehicle or machine to look at, or the strategist; empty for a closure."""
+    """The vehicle or machine to look at, or the strategist; empty for a closure."""
     agents: tuple[str, ...] = ()
-    """Of silence and Stop: all that it is about, where several were at the same moment."""
+    """For silence and Stop: all agents concerned, where there are several."""
     other: str = ""
-    """Whom `agent` has replaced; who has promised to help; or the name of who has stopped it, carried it away, or closed something."""
+    """The agent that `agent` has replaced; the person who promised help; or the person who stopped it,
+    carried it away, or closed something."""
     task: str = ""
     epoch: int = 0
     goal: str = ""
     successor: str = ""
-    """The goal under which what is missing of `goal` goes on; empty when nothing is."""
+    """The goal that continues the missing part of `goal`; empty if none does."""
     arrived: int = 0
-    """Pieces of `goal` that had been delivered, and count."""
+    """Delivered pieces of `goal`, which count."""
     order: str = ""
     reason: str = ""
-    """Of a takeover: a `Reason` of the wire."""
+    """For a takeover: a `Reason` of the wire."""
     cause: CauseView | None = None
-    """Of a wish for help, a goal that waits, a memory that was lost."""
+    """For a call for help, a waiting goal, or a lost memory."""
     silent_s: float = 0.0
-    """How long nothing had been heard of `other`, or of who is heard again, in factory seconds."""
+    """Silence of `other`, or of the agent heard again, in factory seconds."""
     until_at_s: float | None = None
-    """How long help is waited for."""
+    """End of the wait for help."""
     closure: ClosureView | None = None
-    """Of what was closed or opened, without its lanes and what follows for vehicles."""
+    """The closure that began or ended, without lanes and effects on vehicles."""
     confirmed: bool = True
     """False for a takeover that the task's coordinator has not confirmed."""

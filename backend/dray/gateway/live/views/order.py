@@ -9,18 +9,18 @@ from dray.gateway.live.views.cause import CauseView
 
 
 class OrderItemView(View, kw_only=True):
-    """A line of an order and how far it has come."""
+    """A line of an order and its progress."""
 
     product: str
     quantity: int
     made: int = 0
     delivered: int = 0
     wanted: int | None = None
-    """Less that a change asks for, while machines say what they keep."""
+    """Lower quantity that a change asks for, while machines report what they keep."""
 
 
 class OrderView(View, kw_only=True):
-    """An order and how far it has come."""
+    """An order and its progress."""
 
     id: str
     customer: str
@@ -31,13 +31,15 @@ class OrderView(View, kw_only=True):
     due_at_s: float | None = None
     priority: Literal["low", "normal", "high", "urgent"] = "normal"
     wanted_at_s: float | None = None
-    """By when agents want it, as its priority makes of its due time: the first wanted is made first. None before its first release."""
+    """When agents want it, by due time and priority: earlier ones are made first. None before its first
+    release."""
     changing: bool = False
-    """A change is under way: the factory has not confirmed it yet."""
+    """Whether a change is under way that the factory has not confirmed yet."""
     delivered_at_s: float | None = None
     releases: int = 0
-    """How often it was released."""
+    """Number of releases."""
     revoked_at_s: float | None = None
-    """When its last release was taken back. Until `status` is `stored` the factory has not confirmed that."""
+    """When its last release was taken back. The factory has confirmed that once `status` is `stored`."""
     waits: CauseView | None = None
-    """Why it waits: nobody who lives can make what is missing, a machine of it is cut off, or material is lacking; None when it goes on."""
+    """Why it waits: no living machine can make the rest, a machine is cut off, or material is missing. None
+    when it goes on."""

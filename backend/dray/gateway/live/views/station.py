@@ -14,32 +14,34 @@ class StockView(View, kw_only=True):
     level: int
     capacity: int
     promised: int = 0
-    """Pieces of `level` that are set aside for transports."""
+    """Pieces of `level` set aside for transports."""
     wanted: int = 0
-    """Pieces that machines ask for and that cannot be promised yet."""
+    """Pieces that machines request and that cannot be promised yet."""
     on_order: int = 0
-    """Pieces that are on their way here, or are to be."""
+    """Pieces on order or on their way here."""
     uncounted: bool = False
-    """Nobody knows how many lie there, until somebody has counted: at least `level`."""
+    """Whether the quantity is unknown until somebody counts: at least `level`."""
 
 
 class StationView(View, kw_only=True):
-    """The station of a storage, as its last heartbeat told."""
+    """The station of a storage, by its last heartbeat."""
 
     id: str
-    """The storage's."""
+    """Id of the storage."""
     name: str
     stocks: tuple[StockView, ...] = ()
     software: str = ""
     draining: bool = False
-    """It was asked to leave, promises nothing new, and goes when nothing holds it any more."""
+    """Whether it shuts down gracefully: it promises nothing new, and leaves when nothing holds it."""
     shut_out: ShutOutView | None = None
-    """Nobody hears it any more: all else here is what it said before."""
+    """Set while it is shut out and ignored: all other fields are older."""
     clock: ClockView | None = None
-    """None while nothing is known of it."""
+    """None while unknown."""
     unconfirmed: tuple[LoadView, ...] | None = None
-    """Where its body is people: what vehicles have brought and taken by their own word, and nobody has confirmed yet. Else None."""
+    """Where its body is people: loads that vehicles report as brought or taken and nobody has confirmed yet.
+    Else None."""
     to_come: tuple[ToComeView, ...] = ()
-    """Of the gate whose body is people: what they are expected to say, the quietest first."""
+    """For a gate whose body is people: the arrivals that they should confirm, least recently active goal
+    first."""
     seen_at_s: float
     silence: SilenceView

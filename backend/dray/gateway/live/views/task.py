@@ -20,20 +20,20 @@ class BidView(View, kw_only=True):
     round: int
     total_s: float
     parts_s: dict[str, float]
-    """empty_way, loaded_way, energy, suitability and, where vehicles wait, waiting; or queue, material, making; and reliability, where its coordinator
-    adds something for contracts that the bidder has dropped."""
+    """empty_way, loaded_way, energy, suitability and, where vehicles wait, waiting; or queue, material,
+    making. Also reliability, where the coordinator adds a surcharge for contracts that the bidder dropped."""
     finish_at_s: float
     source: str = ""
     battery_reckoned: bool = False
-    """The level of the bidder's battery is reckoned by time and metres, not measured."""
+    """Whether the bidder's battery level is estimated from time and metres, not measured."""
     answer: str = ""
-    """What came of it: empty, asked, accepted, silent, or the reason of the decline."""
+    """Outcome: empty, asked, accepted, silent, or the reason of the decline."""
     taken_for: str = ""
-    """For whom the bidder worked already when it declined because it was busy; empty where nobody knows."""
+    """Coordinator of a busy bidder's other task; empty if unknown."""
 
 
 class RefusalView(View, kw_only=True):
-    """Who did not bid, and why."""
+    """An agent that did not bid, and why."""
 
     agent: str
     role: Literal["primary", "secondary"]
@@ -44,39 +44,39 @@ class RefusalView(View, kw_only=True):
 
 
 class CarrierView(View, kw_only=True):
-    """Who carried a task from when on, or that it was put up for auction again."""
+    """A change of a task's carrier, or a new announcement."""
 
     carrier: str
-    """Empty when it was announced anew."""
+    """Empty for a new announcement."""
     epoch: int
     since_at_s: float
     how: Literal["won", "took_over", "recovered", "announced_anew"] = "won"
-    """Won the auction, took over from the one that it watched, or was found to carry it by a coordinator
-    that had been away."""
+    """Won the auction, took over as secondary, or was found at work by a coordinator that had been away."""
     replaced: str = ""
-    """Who carried it before; empty for the first one."""
+    """The carrier before; empty for the first."""
     reason: str = ""
-    """Why `replaced` does not carry it any more: a `Reason` of the wire."""
+    """Why `replaced` no longer carries it: a `Reason` of the wire."""
     silent_s: float = 0.0
-    """How long nothing had been heard of the one before, in factory seconds."""
+    """Silence of the carrier before, in factory seconds."""
     confirmed: bool = True
-    """False while only the carrier itself says so, and the coordinator has not."""
+    """False while the coordinator has not confirmed the carrier's own word."""
 
 
 class StrandedView(View, kw_only=True):
-    """Goods that wait for a person's word, since the vehicle that has them on board has failed."""
+    """Goods on board of a failed vehicle that wait for a person."""
 
     atv: str
     node: str
-    """Where it was heard last; empty where nobody knows."""
+    """Node where it was heard last; empty if unknown."""
     until_at_s: float
-    """They are given up then, and made again."""
+    """When they are given up and made again."""
     handed_at: str = ""
-    """Where a person hands them over to another vehicle; empty while nobody has said so."""
+    """Place where a person hands them over to another vehicle; empty while nobody has said so."""
     order: str = ""
-    """For which order they are; empty for who may not read orders, and where that is not known."""
+    """Id of their order; empty if unknown, or if the reader may not read orders."""
     order_name: str = ""
-    """Its reference, else its id. Whoever is asked to handle them is told it, whether orders may be read or not: it is on their papers."""
+    """Reference of their order, else its id. Visible to anyone asked to handle the goods, since it is on
+    their papers."""
 
 
 class TaskView(View, kw_only=True):
@@ -89,7 +89,7 @@ class TaskView(View, kw_only=True):
     quantity: int
     sources: tuple[str, ...] = ()
     source: str = ""
-    """Which one the primary chose."""
+    """The source that the primary chose."""
     destination: str = ""
     order: str = ""
     goal: str = ""
@@ -99,7 +99,7 @@ class TaskView(View, kw_only=True):
     state: Literal["bidding", "contracted", "delivered", "withdrawn"] = "bidding"
     phase: str = ""
     goods_aboard: bool = False
-    """Goods exist once: nobody else could fetch them now."""
+    """Whether goods are on board: they exist once, so no other vehicle could fetch them."""
     primary: str = ""
     secondary: str = ""
     opened_at_s: float
@@ -108,12 +108,12 @@ class TaskView(View, kw_only=True):
     deadline_at_s: float
     closed_at_s: float | None = None
     trouble: CauseView | None = None
-    """Why it does not go on, as its coordinator tells; None when all is well."""
+    """Why it does not go on, by its coordinator's word; None when it does."""
     stranded: StrandedView | None = None
-    """Its goods wait for a person's word, or to be fetched where one hands them over; None where that is not so."""
+    """Set while its goods wait for a person, or for a vehicle at the handover place."""
     carriers: tuple[CarrierView, ...] = ()
     """Oldest first."""
     bids: tuple[BidView, ...] = ()
     refusals: tuple[RefusalView, ...] = ()
     why: WhyView = msgspec.field(default_factory=lambda: WhyView(kind="waiting"))
-    """Why this contractor, or why nobody yet; true to the bids that were heard."""
+    """Why this contractor, or why none yet; based on the bids that were heard."""

@@ -1,4 +1,4 @@
-"""Why a task has this carrier: in one sentence, and by the bids that it is true to."""
+"""Why a task has this carrier: a sentence, and the bids that prove it."""
 
 from __future__ import annotations
 
@@ -8,26 +8,27 @@ from dray.gateway.live.views.base import View
 
 
 class PassedView(View, kw_only=True):
-    """A bidder that would have come before the one that was chosen, and why it was passed over."""
+    """A bidder that ranked before the chosen one, and why it was passed over."""
 
     agent: str
     less_s: float
-    """How much less it had bid; 0 where no figure with one decimal shows a difference."""
+    """Seconds by which its bid was lower; 0 where one decimal shows no difference."""
     answer: str
-    """silent, late (its bid came after the window), asked (no answer is on record), or why it declined."""
+    """silent, late (its bid came after the window), asked (no answer is on record), or the reason of its
+    decline."""
     taken_for: str = ""
-    """For whom it worked already when it declined because it was busy; empty where nobody knows."""
+    """Coordinator of a busy bidder's other task; empty if unknown."""
 
 
 class RefusedView(View, kw_only=True):
-    """Those who did not bid, by their reason."""
+    """Agents that did not bid for one reason."""
 
     reason: str
     agents: tuple[str, ...]
 
 
 class WhyView(View, kw_only=True):
-    """Why this contractor: the parts of the sentence, for other languages, and the sentence itself."""
+    """Why this contractor: a sentence, and its parts for other languages."""
 
     kind: Literal[
         "waiting",
@@ -44,39 +45,40 @@ class WhyView(View, kw_only=True):
     """waiting: nobody has bid; leading, asked: the cheapest bid so far; only: nobody else bid; unknown: no
     bid of its carrier is on record."""
     agent: str = ""
-    """Whom it is about: the carrier, else the cheapest bidder, else the coordinator."""
+    """The carrier, else the cheapest bidder, else the coordinator."""
     total_s: float = 0.0
-    """Its price."""
+    """Price of its bid, in seconds."""
     bidders: int = 0
-    """How many bid."""
+    """Number of bidders."""
     left: int = 0
-    """How many of them were left to choose from: neither passed over nor asked in vain."""
+    """Bidders left to choose from: neither passed over nor asked in vain."""
     other: str = ""
-    """The next cheapest one of those."""
+    """The next cheapest bidder left."""
     by_s: float = 0.0
-    """How much more that one wanted."""
+    """Seconds by which its price is higher."""
     part: str = ""
-    """The part of the price that makes most of the difference; empty where none does."""
+    """The part of the price that makes most of the difference; empty if none does."""
     part_s: float = 0.0
-    """The difference in that part."""
+    """Difference in that part, in seconds."""
     tie_by: Literal["", "price", "finish", "name"] = ""
-    """What decided between equal prices: less than is shown, who is done earlier, or the order of names."""
+    """What decided between equal prices: an invisible price difference, the earlier finish, or the order of
+    names."""
     passed: tuple[PassedView, ...] = ()
     """Cheapest first."""
     refused: tuple[RefusedView, ...] = ()
     """The most frequent reason first."""
     round: int = 0
-    """How many rounds it took, or has taken so far."""
+    """Number of rounds so far."""
     radius_m: float = 0.0
-    """How far the last of them reached; 0 where distance does not matter."""
+    """Radius of the last round in metres; 0 where distance does not matter."""
     replaced: str = ""
-    """Who carried it before."""
+    """The carrier before."""
     reason: str = ""
-    """Why that one does not any more: a `Reason` of the wire."""
+    """Why that one no longer carries it: a `Reason` of the wire."""
     silent_s: float = 0.0
-    """How long nothing had been heard of that one, in factory seconds."""
+    """Silence of that one, in factory seconds."""
     confirmed: bool = True
     """False for a takeover that the coordinator has not confirmed."""
     coordinator: str = ""
     text: str = ""
-    """All of it in one English sentence or two."""
+    """The whole reason in one or two English sentences."""

@@ -1,1 +1,1 @@
-"""Routers of the factory as it is now: its agents, their tasks, what lies where, and what is wrong."""
+"""Routers of the present factory: agents, tasks, places and troubles."""

@@ -1,4 +1,4 @@
-"""Agents: whom nobody hears any more, and hearing them again."""
+"""Agents: shutting them out, and readmitting them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class ShutOutRequest(BaseModel):
     )
 
     reason: Line
-    """For the audit log, and for everybody who sees the agent on a panel."""
+    """Shown in the audit log, and to everybody who sees the agent on a panel."""
 
 
 @router.get(
@@ -43,7 +43,7 @@ class ShutOutRequest(BaseModel):
     response_class=Json,
 )
 async def list_shut_out(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
-    """Whom nobody hears any more, by whose decision and why."""
+    """Agents that are shut out, by whom and why."""
     async with store.read() as work:
         exclusions = await work.exclusions.all()
     return page(exclusions, lambda each: each.agent, cursor, limit)
@@ -69,9 +69,9 @@ async def shut_out(
     agent: AgentId,
     request: ShutOutRequest,
 ) -> Json:
-    """Let nobody hear an agent any more, at once: it is silent for everybody, and others take its work.
+    """Shut an agent out at once: all agents ignore it, and others take its work.
 
-    A vehicle is asked to stop. All of it holds until `readmit`, over restarts and without the gateway.
+    A vehicle is asked to stop. The exclusion lasts until `readmit`, over restarts and without the gateway.
     """
     note.detail["reason"] = request.reason
     if agent != exclusions.own and not _is_known(projection, agent):
@@ -88,7 +88,7 @@ async def shut_out(
     response_class=Json,
 )
 async def readmit(exclusions: Provided[Exclusions], note: Noted, agent: AgentId) -> Json:
-    """Hear an agent again. A vehicle stays stopped until somebody acknowledges and resumes it."""
+    """Readmit an agent. A vehicle stays stopped until somebody acknowledges and resumes it."""
     ended = await exclusions.readmit(agent)
     note.detail["shut_out_for"] = ended.reason
     return Json(ended)

@@ -34,11 +34,11 @@ EXAMPLE = AlertView(
 
 
 SNOOZE_MAX_S = 7 * 86_400.0
-"""Wall seconds for which an alert may be put aside: what lasts longer is to be looked at again."""
+"""Maximum wall seconds of an acknowledgement: a longer trouble needs a new look."""
 
 
 class AcknowledgeRequest(BaseModel):
-    """What is said of an alert by whoever takes it on."""
+    """A person's comment on an alert that they take on."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -50,8 +50,8 @@ class AcknowledgeRequest(BaseModel):
     comment: Annotated[str, Field(max_length=500, pattern=NOTE)] = ""
     """One line; empty for none."""
     until_at: Moment | None = None
-    """Until when it is in good hands, in ISO 8601 with its zone, within seven days; left out for as long as it lasts. Then it asks again,
-    and sooner when it is worse."""
+    """End of the acknowledgement, in ISO 8601 with its zone, within seven days; left out for as long as the
+    alert lasts. Then the alert asks again, and sooner when it is worse."""
 
 
 NO_WORD = AcknowledgeRequest()
@@ -65,7 +65,7 @@ NO_WORD = AcknowledgeRequest()
 async def list_alerts(
     projection: Provided[Projection], visible: Visible, limit: Limit = PAGE, cursor: Cursor = None
 ) -> Json:
-    """What is wrong at this moment, and what it asks of people. An alert leaves when its cause is gone."""
+    """Present alerts, and what they ask of people. An alert leaves when its cause is gone."""
     alerts = [view for each in projection.alerts.views() if (view := visible.alert(each))]
     alerts.sort(key=lambda alert: alert.id)
     return page(alerts, lambda alert: alert.id, cursor, limit)
@@ -93,9 +93,9 @@ async def acknowledge_alert(
     alert: Annotated[str, Path(max_length=192)],
     request: AcknowledgeRequest = NO_WORD,
 ) -> Json:
-    """Say, by your name, that an alert is in good hands, until when, and why. Doing it again changes nothing.
+    """Take on an alert by your name, until when, and why. Repeating it changes nothing.
 
-    Who was first stays. Whoever has it may say anew until when; what others say of it is kept, too.
+    The first person keeps it, and may change the end. Comments of others are stored too.
     """
     comment, until_at_s = request.comment.strip(), None
     if request.until_at is not None:

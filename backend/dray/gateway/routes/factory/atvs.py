@@ -1,4 +1,4 @@
-"""ATVs: how they are, and what a person asks of them."""
+"""ATVs: their state, and people's commands to them."""
 
 from __future__ import annotations
 
@@ -53,17 +53,17 @@ class CommandRequest(BaseModel):
 
     kind: CommandKind
     speed_frac: Annotated[float | None, Field(strict=True, gt=0, le=1)] = None
-    """For `set_speed` only: a part of the vehicle's own top speed."""
+    """For `set_speed` only: fraction of the vehicle's own top speed."""
     wait_s: Annotated[float | None, Field(strict=True, gt=0, le=OUT_MAX_S)] = None
-    """For `promise`: how long from now the help will take, in factory seconds, 900 at most. For `take_out`: how long it is expected to be
-    out of service; left out where nobody knows."""
+    """For `promise`: factory seconds until the help is done, 900 at most. For `take_out`: expected factory
+    seconds out of service; left out if unknown."""
     reason: Annotated[str, Field(max_length=200, pattern=NOTE)] = ""
-    """For `take_out` only: why."""
+    """For `take_out` only: the reason."""
     after_work: bool = False
-    """For `take_out` only: what it carries it brings to its end first."""
+    """For `take_out` only: whether it first finishes what it carries."""
     command: CommandName = None
-    """A name for this command, by which the caller finds it in the stream. A command that is sent again under
-    its name is not given again."""
+    """The caller's name for this command, to find it in the stream. A repeated command of the same name is
+    not executed again."""
 
     @field_validator("wait_s")
     @classmethod
@@ -137,7 +137,11 @@ async def command_atv(
     atv: str,
     command: CommandRequest,
 ) -> Json:
-    """Stop a vehicle, acknowledge, let it go on, limit its speed, promise help, hand its task over, charge, or be out of service; waits for its word."""
+    """Command a vehicle, and wait for its answer.
+
+    Commands: stop, acknowledge, resume, limit the speed, promise help, hand the task over, charge, take it
+    out of service or back.
+    """
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = command.kind is not CommandKind.STOP
     if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):
@@ -167,15 +171,15 @@ async def command_atv(
 
 
 def area_rule(projection: Projection, caller: Principal, atv: str, kind: CommandKind) -> None:
-    """A caller who is limited to areas commands the vehicles that stand there; of others not even that they are.
+    """A caller limited to areas commands only vehicles there, and does not learn whether others exist.
 
-    A stop goes to the vehicle wherever it is shown: the picture may be old or forged, and a vehicle that runs
-    on costs more than one that is found out to exist. Its grant names the caller's areas alone, and the vehicle,
-    which knows where it is, refuses it elsewhere.
+    A stop goes to a vehicle wherever it is shown: the picture may be old or forged, and a vehicle that drives
+    on is worse than one whose existence is revealed. The grant names the caller's areas only, and the
+    vehicle, which knows its position, refuses it elsewhere.
 
     Raises:
-        Problem: 403, it is shown elsewhere, or a caller without any area; 404, there is no such vehicle, to a
-            caller of the whole plant and to whoever stops.
+        Problem: 403, it is shown elsewhere, or the caller has no area; 404, no such vehicle, for a
+            whole-plant caller or a stop.
     """
     if caller.areas is None or (caller.areas and kind is CommandKind.STOP):
         if atv not in projection.atvs:

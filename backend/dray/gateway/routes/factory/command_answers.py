@@ -1,4 +1,4 @@
-"""Commands to vehicles and machines: their names, whom none reaches, and what comes back of each."""
+"""Commands to vehicles and machines: names, exclusions, and answers."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ CommandName = Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")]
 
 
 class CommandAnswer(msgspec.Struct, frozen=True):
-    """What a vehicle or a machine says to a command."""
+    """The answer of a vehicle or machine to a command."""
 
     command: str
     done: bool
-    """False when it refused it."""
+    """False if refused."""
     reason: CommandRefusal | None = None
-    """Why it was refused; None when it was done, or somebody else has stood in its way."""
+    """Reason of a refusal; None if it was done, or something else prevented it."""
     detail: str = ""
-    """What its sensors still report, or why nobody waits for its word."""
+    """What its sensors still report, or why its answer is not awaited."""
     text: str = ""
-    """Both in English."""
+    """Reason and detail in English."""
 
 
 def must_be_heard(projection: Projection, agent: str, title: str, consequence: str) -> None:
-    """Nobody is shut out who is given a command.
+    """Refuse commands to agents that are shut out.
 
     Args:
-        projection: who knows it.
-        agent: who is given one.
-        title: of the answer, such as "The vehicle is shut out".
-        consequence: what that means, and what the caller can do.
+        projection: knows the exclusions.
+        agent: the addressee.
+        title: title of the problem, such as "The vehicle is shut out".
+        consequence: the consequence, and what the caller can do.
 
     Raises:
-        Problem: 409, it is.
+        Problem: 409, it is shut out.
     """
     if agent in projection.outsiders:
         raise Problem(HTTPStatus.CONFLICT, "shut-out", title, f"nobody hears {agent}{consequence}")
 
 
 def answered(answer: CommandAnswered, note: Note, visible: Visibility) -> Json:
-    """What is sent to the caller, and what the audit log keeps of it."""
+    """The answer to the caller; notes the result for the audit log."""
     note.detail["command"] = answer.command
     text = refusal_text(answer)
     if not answer.done:

@@ -1,4 +1,4 @@
-"""Duty: who is there to be asked for help, and what people answer."""
+"""Duty: people who can be asked for help, and their answers."""
 
 from __future__ import annotations
 
@@ -45,16 +45,16 @@ EXAMPLE = DutyView(
 
 
 class DutyRequest(BaseModel):
-    """How the caller is on duty from now on."""
+    """The caller's duty from now on."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"state": "on"}]})
 
     state: DutyChoice
-    """`break`: there, and not to be asked."""
+    """`break`: present, but not to be asked."""
     busy_for_s: Annotated[float, Field(gt=0, le=86_400)] | None = None
-    """Busy by one's own word for so many factory seconds."""
+    """Factory seconds for which the caller is busy."""
     helps_with: Annotated[list[ProblemKind], Field(max_length=len(ProblemKind))] = []
-    """What for; empty for everything."""
+    """Kinds of problems; empty for all."""
 
     @model_validator(mode="after")
     def _only_who_is_on_duty_is_busy(self) -> Self:
@@ -64,7 +64,7 @@ class DutyRequest(BaseModel):
 
 
 class CallAnswerRequest(BaseModel):
-    """What the caller answers to a call for help."""
+    """The caller's answer to a call for help."""
 
     model_config = ConfigDict(
         extra="forbid", json_schema_extra={"examples": [{"answer": "take", "wait_s": 120}]}
@@ -72,21 +72,24 @@ class CallAnswerRequest(BaseModel):
 
     answer: CallAnswer
     wait_s: Annotated[float, Field(gt=0, le=CALL_WAIT_MAX_S)] | None = None
-    """With `take`: within which time (factory seconds) it will be done."""
+    """With `take`: factory seconds until the help is done."""
 
 
 class CallAnswered(msgspec.Struct, frozen=True):
-    """What has become of an answer."""
+    """The outcome of an answer."""
 
     expected: bool
-    """The caller is expected there; false where somebody else was quicker, or the answer was no."""
+    """Whether the caller is expected there; false if somebody else was quicker, or the answer was no."""
 
 
 @router.get("/duty", responses={200: described(DutyView, "Duty", EXAMPLE)}, response_class=Json)
 async def get_duty(
     rota: Provided[DutyRota], projection: Provided[Projection], time: Provided[TimeScale], caller: Caller
 ) -> Json:
-    """Whether you are on duty, who else is, and who calls for help. A panel asks every few seconds: by that it is known to be there."""
+    """Your duty, that of others, and calls for help.
+
+    A panel asks every few seconds, which shows its presence.
+    """
     return Json(_view(rota, projection, time, caller))
 
 
@@ -140,7 +143,10 @@ async def answer_call(
     call: str,
     request: CallAnswerRequest,
 ) -> Json:
-    """Take a call for help, decline it, or say that you cannot. Who takes the call of one whose work waits promises that to it, too."""
+    """Take a call for help, decline it, or say that you cannot.
+
+    Taking the call also promises help to an agent whose work waits.
+    """
     note.detail |= request.model_dump(mode="json", exclude_none=True)
     if request.answer is CallAnswer.TAKE and request.wait_s is None:
         raise unusable(FieldError("wait_s", "say within which time it will be done"))
@@ -150,7 +156,7 @@ async def answer_call(
     expected = await rota.answer(caller, call, request.answer, request.wait_s, is_open=seen)
     known = projection.people.call(call)
     if expected and known is not None and not known.goods and request.wait_s is not None:
-        # Who is elsewhere, or waits for nobody any more, says so; the call is taken all the same.
+        # A refused promise does not matter here: the call is taken anyway.
         with suppress(Problem):
             await _promise(projection, commands, caller, known.caller, request.wait_s)
     return Json(CallAnswered(expected=expected))
@@ -159,7 +165,7 @@ async def answer_call(
 async def _promise(
     projection: Projection, commands: Commands, by: Principal, agent: str, wait_s: float
 ) -> None:
-    """Tell a vehicle or a machine whose work waits until when it is helped."""
+    """Promise help to a vehicle or machine whose work waits."""
     atv, machine = projection.atvs.last(agent), projection.machines.view(agent)
     if atv is not None and atv.help is not None:
         await commands.order(agent, CommandKind.PROMISE, by=by, wait_s=wait_s)
@@ -171,7 +177,7 @@ async def _promise(
 
 
 def _sees(projection: Projection, by: Principal, call: HelpCall | None) -> bool:
-    """Whether somebody sees where a call comes from."""
+    """Whether a caller sees the place of a call."""
     if call is None or by.areas is None:
         return call is not None
     return projection.site.plant.is_in(call.x_m, call.y_m, by.areas)
@@ -184,10 +190,10 @@ def _view(rota: DutyRota, projection: Projection, time: TimeScale, by: Principal
     seen = set(plant.areas) if by.areas is None else set(by.areas)
     state: DutyChoice = "off" if known is None else "break" if known[1].state.on_break else "on"
     own = "" if known is None else known[0]
-    # Who has just gone off duty here is heard a moment longer.
+    # A person who has just gone off duty here is still heard for a moment.
     gone = rota.code_of(by.id) if own == "" and rota.has_said_off(by) else ""
     colleagues: list[ColleagueView] = []
-    # One's own word counts before it was heard.
+    # The caller's own duty counts before it is heard.
     covered = (
         set() if known is None else set(plant.areas if known[1].state.everywhere else known[1].state.areas)
     )
@@ -233,7 +239,7 @@ def _view(rota: DutyRota, projection: Projection, time: TimeScale, by: Principal
 
 
 def _comes_at_s(plant: Plant, areas: Iterable[str], now_s: float, time: TimeScale) -> dict[str, float]:
-    """When people come to areas in which nobody works at this moment."""
+    """When people come to areas where nobody works now."""
     comes_s = {area: people_of(plant, area).next_on_s(now_s) for area in areas}
     return {area: time.to_wall_s(at_s) for area, at_s in comes_s.items() if now_s < at_s < inf}
 

@@ -1,4 +1,4 @@
-"""Faults: what a person lets go wrong in a simulated factory, to see what becomes of it."""
+"""Faults that a person causes in a simulated factory, to watch the effect."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ router = APIRouter(tags=["fault injection"])
 T = TypeVar("T")
 
 MAX_FAULTS = 100
-"""At work at once: more than anybody begins by hand, and a script should end what it begins."""
+"""Maximum active faults: more than anybody begins by hand, and scripts should end theirs."""
 
 
 class FaultRequest(BaseModel):
-    """A fault as data: its kind, and the fields of that kind as `GET /api/faults` tells them."""
+    """A fault as data: its kind, and that kind's fields as in `GET /api/faults`."""
 
     model_config = ConfigDict(
         extra="allow",
@@ -44,10 +44,10 @@ class FaultRequest(BaseModel):
 
 
 class FaultsAnswer(msgspec.Struct, frozen=True):
-    """What is wrong by hand, and what could be."""
+    """Active faults, and possible kinds."""
 
     items: tuple[FaultView, ...]
-    """Those at work, oldest first."""
+    """Active ones, oldest first."""
     kinds: tuple[FaultKind, ...]
 
 
@@ -71,7 +71,7 @@ KINDS = (FaultKind("powered_off", "The vehicle or machine is switched off.", ("a
     response_class=Json,
 )
 async def list_faults(faults: Provided[FaultInjection]) -> Json:
-    """Faults that were begun by hand and are at work, and the kinds that can be begun."""
+    """Active faults begun by hand, and the kinds that can be begun."""
     return Json(FaultsAnswer(faults.shown.views(), faults.injector.kinds))
 
 
@@ -90,7 +90,7 @@ async def list_faults(faults: Provided[FaultInjection]) -> Json:
     response_class=Json,
 )
 async def begin_fault(faults: Provided[FaultInjection], note: Noted, fault: FaultRequest) -> Json:
-    """Let something go wrong, until it is ended."""
+    """Begin a fault; it lasts until it is ended."""
     note.detail["kind"] = fault.kind
     injector, shown = faults.injector, faults.shown
     if len(shown.views()) >= MAX_FAULTS:
@@ -120,7 +120,7 @@ async def begin_fault(faults: Provided[FaultInjection], note: Noted, fault: Faul
     response_class=Json,
 )
 async def end_fault(faults: Provided[FaultInjection], fault: str) -> Json:
-    """Put it right again."""
+    """End a fault."""
     injector, shown = faults.injector, faults.shown
     known = next((view for view in shown.views() if view.id == fault), None)
     if known is None:
@@ -131,7 +131,7 @@ async def end_fault(faults: Provided[FaultInjection], fault: str) -> Json:
 
 
 async def _answered(asked: Awaitable[T]) -> T:
-    """What the injector says, with its errors as problems."""
+    """The injector's answer, with its errors as problems."""
     try:
         return await asked
     except FaultRefused as refused:

@@ -1,4 +1,4 @@
-"""Inventory: what there is and where, as agents have told; materials, as the plant file has them."""
+"""Inventory: what is where, by the agents' reports; materials, by the plant file."""
 
 from __future__ import annotations
 
@@ -20,39 +20,40 @@ router = APIRouter(tags=["factory"])
 
 
 class InventoryLine(msgspec.Struct, frozen=True, kw_only=True):
-    """Pieces of one item at one place, as its agent has told last."""
+    """Pieces of one item at one place, by its agent's last report."""
 
     item: str
-    """The id of a material or a product."""
+    """Id of a material or product."""
     place: str
-    """The id of a machine or a vehicle."""
+    """Id of a machine or vehicle."""
     kind: Literal["buffer", "goods", "on_board"]
-    """Material in front of a machine, what it has finished, or what a vehicle carries."""
+    """Material before a machine, finished goods of a machine, or a vehicle's load."""
     quantity: int
     capacity: int | None = None
     """Pieces that fit there; null for a vehicle."""
     on_order: int = 0
-    """Pieces that are on their way there."""
+    """Pieces on their way there."""
     spare: int = 0
-    """Finished pieces that no order wants any more: the next goal of that product at this machine takes them."""
+    """Finished pieces that no order needs any more: the next goal of that product at this machine uses
+    them."""
     seen_at_s: float
-    """Wall clock: when the agent said so."""
+    """Wall clock time of the report."""
 
 
 class StoredMaterial(msgspec.Struct, frozen=True):
-    """A material that a storage holds, as its station has told last."""
+    """A material in a storage, by its station's last report."""
 
     material: str
     capacity: int
-    """Pieces that find room there."""
+    """Pieces that fit there."""
     level: int | None = None
-    """Pieces that lie there; null when its station was never heard."""
+    """Pieces there; null if its station was never heard."""
     promised: int | None = None
-    """Pieces of these that are set aside for transports."""
+    """Pieces of these set aside for transports."""
     wanted: int | None = None
-    """Pieces that machines ask for and that cannot be promised yet."""
+    """Pieces that machines request and that cannot be promised yet."""
     on_order: int | None = None
-    """Pieces that are on their way there, or are to be."""
+    """Pieces on order or on their way there."""
 
 
 class StorageAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -61,23 +62,23 @@ class StorageAnswer(msgspec.Struct, frozen=True, kw_only=True):
     id: str
     name: str
     node: str
-    """Where vehicles dock."""
+    """Node where vehicles dock."""
     stocks: tuple[StoredMaterial, ...]
     seen_at_s: float | None = None
-    """Wall clock: when its station said so; null when it was never heard."""
+    """Wall clock time of its station's report; null if never heard."""
     clock: ClockView | None = None
-    """How far its station's clock is off; null while nothing is known of it."""
+    """Offset of its station's clock; null while unknown."""
 
 
 class MaterialAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """A material, and how much of it the agents tell of."""
+    """A material, and how much of it agents report."""
 
     id: str
     name: str
     lot: int
     """Pieces in one container."""
     storages: tuple[str, ...]
-    """Ids of those that hold it."""
+    """Ids of the storages that hold it."""
     at_machines: int
     on_board: int
     on_order: int
@@ -94,7 +95,7 @@ async def list_inventory(
     cursor: Cursor = None,
     limit: Limit = PAGE,
 ) -> Json:
-    """What there is at machines and on board of vehicles; of it all, what lies in the caller's areas."""
+    """Items at machines and on board of vehicles, in the caller's areas."""
     lines = [
         line
         for line in _lines(projection, visible)
@@ -107,7 +108,10 @@ async def list_inventory(
 async def list_storages(
     projection: Provided[Projection], visible: Visible, cursor: Cursor = None, limit: Limit = PAGE
 ) -> Json:
-    """Storages, and warehouses where vehicles fetch something: what lies there, what of it is promised, what more comes; of them all, those in the caller's areas."""
+    """Storages, and warehouses where vehicles fetch something, in the caller's areas.
+
+    With stocks, promises, and pieces on order.
+    """
     stations, plant = projection.stations, visible.plant()
     stocked = (warehouse.as_storage() for warehouse in plant.warehouses if warehouse.stocks)
     storages = sorted(
@@ -121,7 +125,7 @@ async def list_storages(
 async def list_materials(
     projection: Provided[Projection], visible: Visible, cursor: Cursor = None, limit: Limit = PAGE
 ) -> Json:
-    """What machines consume, and how much of it there is in the caller's areas."""
+    """Materials that machines consume, and how much of them is in the caller's areas."""
     plant, lines = visible.plant(), tuple(_lines(projection, visible))
     materials = [
         MaterialAnswer(

@@ -1,4 +1,4 @@
-"""What a person has seen of a load that was said to be there twice and not counted."""
+"""A person's report on a load that was twice reported as there but not counted."""
 
 from __future__ import annotations
 
@@ -26,16 +26,17 @@ router = APIRouter(tags=["factory"])
 
 
 class LoadSeenRequest(BaseModel):
-    """What somebody has seen who has looked."""
+    """The report of a person who has looked."""
 
     model_config = ConfigDict(
         extra="forbid", json_schema_extra={"examples": [{"there": False}, {"there": True}]}
     )
 
     there: Annotated[bool, Field(strict=True)]
-    """Whether the load is where it was to go."""
+    """Whether the load is at its destination."""
     command: CommandName = None
-    """A name for this word, by which the caller finds it in the stream. One that is sent again under its name is not given again."""
+    """The caller's name for this report, to find it in the stream. A repeated report of the same name is not
+    passed on again."""
 
 
 @router.post(
@@ -66,7 +67,10 @@ async def load_seen(
     task: str,
     seen: LoadSeenRequest,
 ) -> Json:
-    """Say whether the load of a transport that is held (`trouble` is `disputed`) is there: it has been delivered then, or is given out anew."""
+    """Report whether the load of a held transport (`trouble` is `disputed`) is there.
+
+    The transport then counts as delivered, or is announced anew.
+    """
     note.detail |= seen.model_dump(mode="json", exclude_none=True)
     note.waits = True
     view = projection.tasks.view(task)
@@ -86,7 +90,7 @@ async def load_seen(
 
 
 def _area_rule(projection: Projection, caller: Principal, view: TaskView) -> None:
-    """Who answers for the place where the load was to go has looked there, and nobody else.
+    """Require that the load's destination is in the caller's areas.
 
     Raises:
         Problem: 403, it is elsewhere.

@@ -1,4 +1,4 @@
-"""What a person asks of a machine (paper, case 1)."""
+"""People's commands to machines (paper, case 1)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ router = APIRouter(tags=["factory"])
 NAME = r"^[A-Za-z0-9._-]{0,64}$"
 
 QUANTITY_MAX = 1_000_000
-"""Pieces in one word: more than a place holds."""
+"""Maximum pieces in one report: more than a place holds."""
 
 
 class MachineCommandRequest(BaseModel):
@@ -56,31 +56,33 @@ class MachineCommandRequest(BaseModel):
 
     kind: MachineCommandKind
     speed_frac: Annotated[float | None, Field(strict=True, gt=0, le=1)] = None
-    """For `set_speed` only: a part of the machine's own speed."""
+    """For `set_speed` only: fraction of the machine's own speed."""
     wait_s: Annotated[float | None, Field(strict=True, gt=0, le=OUT_MAX_S)] = None
-    """For `promise`: how long from now the help will take, in factory seconds, 900 at most. For `take_out`: how long it is expected to be out
-    of service; left out where nobody knows."""
+    """For `promise`: factory seconds until the help is done, 900 at most. For `take_out`: expected factory
+    seconds out of service; left out if unknown."""
     reason: Annotated[str, Field(max_length=200, pattern=NOTE)] = ""
-    """For `take_out` only: why."""
+    """For `take_out` only: the reason."""
     after_work: bool = False
-    """For `take_out` only: the goal that it works at it finishes first."""
+    """For `take_out` only: whether it first finishes its present goal."""
     task: Annotated[str, Field(max_length=64)] = ""
-    """For `fetch_goods` and `write_off`: the transport whose goods a failed vehicle has on board. For `load_there` and `load_missing`: the one
-    that is held until somebody has looked for its load (`POST /api/tasks/{task}/load` finds the machine by itself)."""
+    """For `fetch_goods` and `write_off`: the transport whose goods are on board of a failed vehicle. For
+    `load_there` and `load_missing`: the transport held until somebody looks for its load (`POST
+    /api/tasks/{task}/load` finds the machine by itself)."""
     node: Annotated[str, Field(max_length=64)] = ""
-    """For `fetch_goods` only: where a person hands them over; left out for the nearest node beside the vehicle."""
+    """For `fetch_goods` only: node where a person hands them over; left out for the nearest node beside the
+    vehicle."""
     item: Annotated[str, Field(pattern=NAME)] = ""
-    """For words (`arrived`, `taken`, `made`, `scrapped` and `stock_is`, to a machine whose body is people): the material or product. It may be
-    left out with `made` and `scrapped`, for the product that is being made."""
+    """For words (`arrived`, `taken`, `made`, `scrapped` and `stock_is`, to a machine whose body is people):
+    the material or product. Optional with `made` and `scrapped`, which then mean the product being made."""
     quantity: Annotated[int | None, Field(strict=True, ge=0, le=QUANTITY_MAX)] = None
     """For words: pieces."""
     vehicle: Annotated[str, Field(pattern=NAME)] = ""
-    """For `arrived` and `taken`: who has brought or fetched them; left out for by hand."""
+    """For `arrived` and `taken`: the vehicle; left out if moved by hand."""
     sure: bool = False
-    """For words: the number is right, however far it is from the expected one."""
+    """For words: confirms a number far from the expected one."""
     command: CommandName = None
-    """A name for this command, by which the caller finds it in the stream. A command that is sent again under
-    its name is not given again. A word is passed on again until the machine has answered, and counts once."""
+    """The caller's name for this command, to find it in the stream. A repeated command of the same name is
+    not executed again. A word is passed on again until the machine has answered, and counts once."""
 
     @model_validator(mode="after")
     def _numbers_belong_to_their_kinds(self) -> Self:
@@ -138,7 +140,11 @@ async def command_machine(
     machine: str,
     command: MachineCommandRequest,
 ) -> Json:
-    """Promise help, clear a fault, hand goals over, slow down, restart, take out of service, fetch goods, write them off, or say what has happened; waits for its word."""
+    """Command a machine or report to it, and wait for its answer.
+
+    Commands: promise help, clear a fault, hand goals over, slow down, restart, take it out of service or
+    back, fetch goods, write them off, or report what has happened.
+    """
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = True
     place_m = goods_m(projection, machine, command.kind, command.task)
@@ -169,7 +175,10 @@ async def command_machine(
 def goods_m(
     projection: Projection, place: str, kind: MachineCommandKind, task: str
 ) -> tuple[float, float] | None:
-    """Where the goods wait, or the thing, that a command is about: who answers for that place may give it, and nobody else. None where nobody knows."""
+    """The position of the goods or thing that a command is about; None if unknown.
+
+    Only people responsible for that place may give the command.
+    """
     view = projection.tasks.view(task) if kind.is_about_goods else None
     if view is None or view.coordinator != place or view.stranded is None:
         return None
@@ -178,20 +187,20 @@ def goods_m(
 
 
 def areas_near(projection: Projection, x_m: float, y_m: float) -> frozenset[str]:
-    """The areas around a place (m)."""
+    """The areas around a point (m)."""
     return frozenset(projection.site.plant.areas_near(x_m, y_m, 0.0))
 
 
 def named(areas: frozenset[str]) -> str:
-    """Areas in words, for people."""
+    """Names of areas as text."""
     return ", ".join(sorted(areas)) or "none"
 
 
 def _area_rule(projection: Projection, caller: Principal, machine: str) -> None:
-    """A caller who is limited to areas commands the machines that stand there; of others not even that they are.
+    """A caller limited to areas commands only machines there, and does not learn whether others exist.
 
     Raises:
-        Problem: 403, it stands elsewhere; 404, there is no such machine, to a caller of the whole plant.
+        Problem: 403, it stands elsewhere; 404, no such machine, for a whole-plant caller.
     """
     plant = projection.site.plant
     if caller.areas is None:

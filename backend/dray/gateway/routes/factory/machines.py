@@ -1,4 +1,4 @@
-"""Machines, as their last heartbeats told."""
+"""Machines, by their last heartbeats."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked and answered about drafts of plants."""
+"""Requests and answers about drafts of plants."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dray.gateway.http.request_bodies import NOTE, Line
 from dray.store.factory.plant_drafts import DraftLine
 
 LONGEST_H = 8.0
-"""Of a shift that is played."""
+"""Maximum hours of a shift to play."""
 
 EXAMPLE_FIGURES = ShiftFigures(
     orders_placed=61,
@@ -37,34 +37,34 @@ EXAMPLE_FIGURES = ShiftFigures(
 
 
 class DraftView(msgspec.Struct, frozen=True, kw_only=True):
-    """A draft of a plant, and what is to be seen to in it."""
+    """A draft of a plant, and its findings."""
 
     id: str
     name: str
     version: int
-    """Also in `ETag`. Who changes the draft names it in `If-Match`."""
+    """Also in `ETag`. A change names it in `If-Match`."""
     by: str
     at_s: float
     data: dict[str, Any]
-    """A plant file of any shape; what is null in it is open. `closed` lists lanes that are not driven in the draft, `plan` says where its floor
-    plan lies."""
+    """A plant file of any shape; null means open. `closed` lists lanes not used in the draft, `plan` has the
+    position of its floor plan."""
     findings: tuple[FindingView, ...]
     notes: tuple[NoteView, ...]
-    """What was odd in the file that it was made of."""
+    """Oddities of the file that it was made from."""
     plan_type: str
-    """The media type of its floor plan; empty if it has none."""
+    """Media type of its floor plan; empty if it has none."""
 
 
 class PlanView(msgspec.Struct, frozen=True, kw_only=True):
-    """A floor plan that was laid under a draft."""
+    """A floor plan laid under a draft."""
 
     media_type: str
-    """Of the picture that it is now; DXF becomes SVG."""
+    """Media type of the stored picture; DXF becomes SVG."""
     width_m: float | None = None
-    """Of a plan that says how large it is, as DXF; else null."""
+    """Width, if the plan states its size, like DXF; else null."""
     height_m: float | None = None
     notes: tuple[NoteView, ...] = ()
-    """What of it was left out or assumed."""
+    """Parts that were left out or assumed."""
 
 
 PLAN_EXAMPLE = PlanView(
@@ -96,24 +96,25 @@ PLAY_EXAMPLE = PlayView(
 
 
 class NewDraft(BaseModel):
-    """A draft to begin with."""
+    """A new draft."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"name": "Line 4"}]})
 
     name: Line
     file: str | None = None
-    """The text of a plant file (YAML), a LIF file (JSON) or a plant model of openTCS (XML); left out, the running plant."""
+    """Text of a plant file (YAML), a LIF file (JSON) or an openTCS plant model (XML); left out for the
+    running plant."""
     file_base64: str | None = None
-    """The file itself instead of its text, where its encoding may be another one than UTF-8."""
+    """The file itself instead of its text, if its encoding may not be UTF-8."""
     file_name: Annotated[str, Field(max_length=200, pattern=NOTE)] = "draft"
     unit: Literal["", "m", "cm", "mm"] = ""
-    """Of a LIF file; found out if it is empty."""
+    """Unit of a LIF file; guessed if empty."""
     onto_running: Annotated[bool, Field(strict=True)] = False
-    """What a layout cannot tell is taken from the running plant, as far as its nodes are there."""
+    """Whether the running plant supplies what a layout lacks, where its nodes exist."""
 
 
 class ChangedDraft(BaseModel):
-    """What a draft is now."""
+    """A draft's new content."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -125,7 +126,7 @@ class ChangedDraft(BaseModel):
 
 
 class FloorPlan(BaseModel):
-    """A picture to lie under a draft."""
+    """A picture to lay under a draft."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -135,14 +136,14 @@ class FloorPlan(BaseModel):
     media_type: str
     """image/png, image/svg+xml or image/vnd.dxf."""
     base64: str
-    """Of the file; of DXF it may be packed with gzip."""
+    """The file; DXF may be gzipped."""
 
 
 class Shift(BaseModel):
-    """A shift to be played."""
+    """A shift to play."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"hours": 4, "seed": 1}]})
 
     hours: Annotated[float, Field(ge=0.05, le=LONGEST_H, allow_inf_nan=False)] = 4.0
-    """Of demand: orders as `dray sim run day` draws them from the seed."""
+    """Hours of demand: orders as `dray sim run day` draws them from the seed."""
     seed: Annotated[int, Field(ge=0, le=2**31)] = 1

@@ -1,6 +1,6 @@
-"""What takes its time about drafts: reading bodies of a megabyte, judging what is in them, writing plant files. Side work (`http.side_work`).
+"""Slow work on drafts: reading large bodies, judging them, writing plant files. Side work (`http.side_work`).
 
-Bodies, drafts and answers come and go as JSON, which costs the event loop nothing.
+Bodies, drafts and answers are passed as JSON, which costs the event loop nothing.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from dray.plant.model import PlantFile
 from dray.store.factory.plant_drafts import DraftRow
 
 MAX_TOLD = 10
-"""Faults for which a draft is not played: more of them have one cause."""
+"""Maximum faults named when a draft cannot be played: more usually have one cause."""
 
 
 class ReadDraft(msgspec.Struct, frozen=True, kw_only=True):
-    """What is to be kept."""
+    """The content to store."""
 
     name: str
     data: str = ""
     notes: str = ""
     file_name: str = ""
     fault: FieldError | None = None
-    """Why it cannot be."""
+    """Reason if it cannot be stored."""
 
 
 def new_draft(body: bytes, running: bytes) -> ReadDraft:
-    """A draft to begin with.
+    """The content of a new draft.
 
     Args:
         body: a `NewDraft`.
@@ -57,7 +57,7 @@ def new_draft(body: bytes, running: bytes) -> ReadDraft:
 
 
 def changed_draft(body: bytes) -> ReadDraft:
-    """A draft as it is to be, of a `ChangedDraft`."""
+    """The new content of a draft, from a `ChangedDraft`."""
     request = read(ChangedDraft, body)
     if deeper_than(request.data, MAX_DEPTH):
         fault = FieldError("data", f"is nested more than {MAX_DEPTH} levels deep")
@@ -71,12 +71,12 @@ def changed_draft(body: bytes) -> ReadDraft:
 
 
 def floor_plan(body: bytes) -> FloorPlan:
-    """A picture that is to lie under a draft."""
+    """A picture to lay under a draft."""
     return read(FloorPlan, body)
 
 
 def draft_view(row: DraftRow) -> bytes:
-    """A draft as it is answered."""
+    """A draft as JSON for the answer."""
     data = msgspec.json.decode(row.data)
     view = DraftView(
         id=row.id,
@@ -88,7 +88,7 @@ def draft_view(row: DraftRow) -> bytes:
         findings=tuple(findings(data)),
         notes=tuple(
             NoteView(text=each) if isinstance(each, str) else msgspec.convert(each, NoteView)
-            # One that was made before has lines of text.
+            # Older drafts have plain lines of text.
             for each in msgspec.json.decode(row.notes)
         ),
         plan_type=row.plan_type,
@@ -97,7 +97,7 @@ def draft_view(row: DraftRow) -> bytes:
 
 
 def playable(data: str) -> str:
-    """The plant file of a draft that can be played.
+    """The plant file of a draft without faults.
 
     Raises:
         Problem: it has faults.
@@ -112,7 +112,7 @@ def playable(data: str) -> str:
 
 
 def _file(request: NewDraft) -> str | bytes | FieldError | None:
-    """The file of a request, None for none, or why there is none to be had."""
+    """The file of a request, None without one, or why it is invalid."""
     if request.file_base64 is None:
         return request.file
     if request.file is not None:

@@ -1,4 +1,4 @@
-"""Drafts of plants: drawn beside the running one, checked, kept as files, and played before anybody drives by them."""
+"""Drafts of plants: drawn beside the running one, checked, exported, and played before use."""
 
 from __future__ import annotations
 
@@ -51,18 +51,18 @@ from dray.store.factory.plant_drafts import DraftLine, DraftRow
 router = APIRouter(tags=["drafts"], route_class=UnreadRoute)
 
 MAX_DRAFTS = 50
-"""Of a plant; whoever wants another one removes one."""
+"""Maximum drafts of a plant; then one must be removed for a new one."""
 
 DXF = "image/vnd.dxf"
 
 PLANS = {"image/png": b"\x89PNG\r\n\x1a\n", "image/svg+xml": b"", DXF: b""}
-"""Floor plans by media type, and how they begin."""
+"""Floor plans by media type, and their first bytes."""
 
 MAX_PLAN_BYTES = 700_000
-"""Of a floor plan."""
+"""Maximum bytes of a floor plan."""
 
 SHOWN_ALONE = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; sandbox"}
-"""A plan that is opened by itself may do nothing."""
+"""Headers that keep a plan opened by itself from doing anything."""
 
 DraftId = Annotated[str, Path(max_length=64)]
 
@@ -77,7 +77,7 @@ TOO_MANY = {"p429": "Too many files of this caller are being read", "p503": "Too
 
 @router.get("/plant-drafts", responses={200: list_of(DraftLine, "All drafts, by id")}, response_class=Json)
 async def list_drafts(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
-    """The drafts of plants that people have drawn; without their content."""
+    """The drafts of plants, without their content."""
     async with store.read() as work:
         drafts = await work.plant_drafts.all()
     return page(drafts, lambda draft: draft.id, cursor, limit)
@@ -106,7 +106,7 @@ async def begin(
     now_s: Now,
     body: Annotated[bytes, Body(), Unread(NewDraft)],
 ) -> Json:
-    """Begin a draft: of the running plant, or of a file of any of the formats that `dray plant import` reads."""
+    """Begin a draft from the running plant, or from a file in any format that `dray plant import` reads."""
     running = msgspec.json.encode(projection.site.plant.file)
     new = await side_work.do(caller.key, new_draft, body, running)
     note.detail |= {"name": new.name, "file_name": new.file_name}
@@ -137,7 +137,10 @@ async def begin(
     response_class=Json,
 )
 async def get_running(projection: Provided[Projection]) -> Json:
-    """What drafts are laid over: the plant file of the running plant. `GET /api/plant` has its floor as it is driven."""
+    """The plant file of the running plant, on which drafts are based.
+
+    `GET /api/plant` has its floor as driven.
+    """
     return Json(projection.site.plant.file)
 
 
@@ -152,7 +155,7 @@ async def get_running(projection: Provided[Projection]) -> Json:
 async def get_draft(
     store: Provided[Store], side_work: Provided[SideWork], caller: Caller, draft: DraftId
 ) -> Json:
-    """A draft with its content, its faults and its warnings."""
+    """A draft with its content, faults and warnings."""
     row = await _row(store, draft)
     view = await side_work.do(caller.key, draft_view, row)
     return Json(view, headers={"ETag": version_tag(row.version)})
@@ -182,7 +185,10 @@ async def change(
     body: Annotated[bytes, Body(), Unread(ChangedDraft)],
     if_match: IfMatch = None,
 ) -> Json:
-    """Keep what was drawn. `If-Match` names the version that it was drawn on, so that nobody's work is written over unseen."""
+    """Store a changed draft.
+
+    `If-Match` names the version it is based on, so that nobody's work is overwritten unseen.
+    """
     changed = await side_work.do(caller.key, changed_draft, body)
     note.target, note.detail["name"] = draft, changed.name
     if changed.fault is not None:
@@ -197,7 +203,7 @@ async def change(
         by=caller.name,
         at_s=now_s,
     )
-    # Judged before it is kept: what takes too long to judge could not be shown, either.
+    # Judged before it is stored: a draft too slow to judge could not be shown either.
     view = await side_work.do(caller.key, draft_view, row)
     async with store.write() as work:
         if not await work.plant_drafts.change(row):
@@ -212,7 +218,7 @@ async def change(
     response_class=Response,
 )
 async def remove(store: Provided[Store], note: Noted, draft: DraftId) -> Response:
-    """Forget a draft with its floor plan. The running plant stays as it is."""
+    """Remove a draft with its floor plan. The running plant is unchanged."""
     note.target = draft
     async with store.write() as work:
         if not await work.plant_drafts.remove(draft):
@@ -234,7 +240,7 @@ async def remove(store: Provided[Store], note: Noted, draft: DraftId) -> Respons
 async def get_file(
     store: Provided[Store], side_work: Provided[SideWork], caller: Caller, draft: DraftId
 ) -> Response:
-    """The plant file that the draft would be (YAML), for `dray plant check` and `dray up --plant`; without its closed lanes."""
+    """The draft's plant file (YAML) without closed lanes, for `dray plant check` and `dray up --plant`."""
     row = await _row(store, draft)
     return Response(
         await side_work.do(caller.key, as_yaml, row.data),
@@ -261,7 +267,10 @@ async def put_plan(
     draft: DraftId,
     body: Annotated[bytes, Body(), Unread(FloorPlan)],
 ) -> Json:
-    """Lay a floor plan under a draft: PNG, SVG or DXF, which becomes SVG. Where it lies is in the draft's `plan`."""
+    """Lay a floor plan under a draft: PNG, SVG or DXF, which becomes SVG.
+
+    Its position is in the draft's `plan`.
+    """
     request = await side_work.do(caller.key, floor_plan, body)
     note.target = draft
     if request.media_type not in PLANS:
@@ -331,9 +340,9 @@ async def play(
     draft: DraftId,
     body: Annotated[bytes, Body(), Unread(Shift)],
 ) -> Json:
-    """Play a shift in the draft and the same one in the running plant, in the simulator: a process of its own, with bounds.
+    """Play a shift in the draft and in the running plant, in a bounded simulator process.
 
-    A draft with faults cannot be played. `GET` on the same address says how far it is.
+    A draft with faults cannot be played. `GET` on the same address has the progress.
     """
     request = read(Shift, body)
     note.target = draft
@@ -348,7 +357,7 @@ async def play(
     response_class=Json,
 )
 async def get_play(player: Provided[ShiftPlayer], draft: DraftId) -> Json:
-    """What came of the shift that was played last, with the version of the draft that it was played in."""
+    """The result of the last shift played, with the version of its draft."""
     return Json(player.result(draft))
 
 

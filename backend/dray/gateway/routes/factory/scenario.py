@@ -1,4 +1,4 @@
-"""The scenario that a simulated factory plays: how far it is, and on to its next step."""
+"""The scenario of a simulated factory: its progress, and skipping to the next step."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ REFUSED = problems(
     response_class=Json,
 )
 async def get_scenario(play: Provided[ScenarioPlay]) -> Json:
-    """Which steps of the scenario have happened, when the others are expected, and how it ended."""
+    """Steps that have happened, expected times of the others, and the result."""
     return Json(play.view())
 
 
@@ -55,9 +55,11 @@ async def get_scenario(play: Provided[ScenarioPlay]) -> Json:
     response_class=Json,
 )
 async def skip_to_next_step(play: Provided[ScenarioPlay]) -> Json:
-    """Let the factory run as fast as it can until the next step has happened, or the end. The plant's clock and the wall clock of panels go ahead together.
+    """Run the factory as fast as possible until the next step or the end.
 
-    What happens is what would have happened at any speed.
+    The plant's clock and the panels' wall clock advance together.
+
+    The events are the same as at any speed.
     """
     return Json(await _skip(play, skips=True))
 
@@ -68,7 +70,7 @@ async def skip_to_next_step(play: Provided[ScenarioPlay]) -> Json:
     response_class=Json,
 )
 async def end_skip(play: Provided[ScenarioPlay]) -> Json:
-    """Let it run at its speed again, before the next step. Where nothing is skipped this changes nothing."""
+    """Return to the normal speed before the next step. Without a skip, this changes nothing."""
     return Json(await _skip(play, skips=False))
 
 

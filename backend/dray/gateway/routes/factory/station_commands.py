@@ -1,4 +1,7 @@
-"""What people say to a station: what has happened where they are its body (a storage's, a source warehouse's, or the delivery gate), and what becomes of a thing that a failed vehicle has on board."""
+"""People's reports to stations: events where people are its body (a storage, a source warehouse or the gate).
+
+Also decisions about a thing on board of a failed vehicle.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ router = APIRouter(tags=["factory"])
 
 
 class StationCommandRequest(BaseModel):
-    """A word to one station."""
+    """A report to one station."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -52,19 +55,21 @@ class StationCommandRequest(BaseModel):
 
     kind: Literal["arrived", "taken", "stock_is", "fetch_goods", "write_off"]
     item: Annotated[str, Field(pattern=NAME)] = ""
-    """For `arrived`, `taken` and `stock_is`: the material; at the gate, the goal that stands on the label."""
+    """For `arrived`, `taken` and `stock_is`: the material; at the gate, the goal on the label."""
     quantity: Annotated[int | None, Field(strict=True, ge=0, le=QUANTITY_MAX)] = None
-    """Likewise: pieces."""
+    """For `arrived`, `taken` and `stock_is`: pieces."""
     vehicle: Annotated[str, Field(pattern=NAME)] = ""
-    """For `arrived` and `taken`: who has brought or fetched them; left out for by hand."""
+    """For `arrived` and `taken`: the vehicle; left out if moved by hand."""
     task: Annotated[str, Field(max_length=64)] = ""
-    """For `fetch_goods` and `write_off`: the transport whose thing a failed vehicle has on board."""
+    """For `fetch_goods` and `write_off`: the transport whose thing is on board of a failed vehicle."""
     node: Annotated[str, Field(max_length=64)] = ""
-    """For `fetch_goods` only: where a person hands it over; left out for the nearest node beside the vehicle."""
+    """For `fetch_goods` only: node where a person hands it over; left out for the nearest node beside the
+    vehicle."""
     sure: bool = False
-    """The number is right, however far it is from the expected one."""
+    """Confirms a number far from the expected one."""
     command: CommandName = None
-    """A name for this word, by which the caller finds it in the stream. It is passed on again until the station has answered, and counts once."""
+    """The caller's name for this report, to find it in the stream. It is passed on again until the station
+    has answered, and counts once."""
 
     @model_validator(mode="after")
     def _nobody_brings_a_count(self) -> Self:
@@ -112,7 +117,10 @@ async def command_station(
     station: str,
     command: StationCommandRequest,
 ) -> Json:
-    """Say what has arrived at a storage, a warehouse or the gate (station `gate`), was taken there, or lies there, or what becomes of a thing on board of a failed vehicle; waits for its word."""
+    """Report to a station (the gate is `gate`), and wait for its answer.
+
+    Reports: arrivals, withdrawals, stock, or a decision about a thing on board of a failed vehicle.
+    """
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = True
     kind = MachineCommandKind(command.kind)
@@ -138,10 +146,10 @@ async def command_station(
 
 
 def _area_rule(projection: Projection, caller: Principal, station: str) -> None:
-    """A caller who is limited to areas says what has happened there; of other stations not even that they are.
+    """A caller limited to areas reports only on stations there, and does not learn whether others exist.
 
     Raises:
-        Problem: 403, it stands elsewhere; 404, there is no such station, to a caller of the whole plant.
+        Problem: 403, it stands elsewhere; 404, no such station, for a whole-plant caller.
     """
     plant = projection.site.plant
     is_station = station == GATE or station in plant.stores

@@ -1,4 +1,4 @@
-"""Tasks: every auction with its bids, and what came of it."""
+"""Tasks: every auction with its bids and outcome."""
 
 from __future__ import annotations
 
@@ -38,7 +38,8 @@ COLUMNS = (
 )
 
 AT_ONCE = 50
-"""Tasks that are looked at in one step of the event loop: some milliseconds, where each has 64 bids and nobody has seen why it stands as it does."""
+"""Tasks per step of the event loop: some milliseconds if each has 64 bids and its `why` is not computed
+yet."""
 
 State = Literal["bidding", "contracted", "delivered", "withdrawn"]
 
@@ -56,9 +57,9 @@ async def list_tasks(
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """Open tasks and the last fifty that ended; the whole history is in `/api/events`.
+    """Open tasks and the last fifty that ended; `/api/events` has the whole history.
 
-    Each is told as it is when it is written: one that has left the states that are asked for since it was found is left out.
+    Each task is shown as it is when written: one that has left the requested states by then is left out.
     """
     after = read_cursor(cursor, tuple[float, str])
 
@@ -88,7 +89,7 @@ async def list_tasks(
 )
 async def get_task(projection: Provided[Projection], visible: Visible, task: str) -> Json:
     """One task, open or lately ended."""
-    # Whoever may not read orders knows goals by other names, and asks by these.
+    # A caller who may not read orders knows goals by aliases, and asks by these.
     if projection.tasks.view(task) is not None:
         view = _look(projection, visible, task)
         if view is not None and view.id == task:
@@ -101,13 +102,13 @@ async def get_task(projection: Provided[Projection], visible: Visible, task: str
 
 
 def _look(projection: Projection, visible: Visibility, name: str) -> TaskView | None:
-    """A task as the caller sees it now; None for one that the caller does not see, and when it is kept no longer."""
+    """A task as the caller sees it now; None if not visible, or no longer kept."""
     whole = projection.tasks.view(name)
     return None if whole is None else visible.task(whole)
 
 
 async def _seen(projection: Projection, visible: Visibility) -> AsyncIterator[tuple[str, TaskView]]:
-    """All tasks by their names, as the caller sees them, with others' turns between: there may be thousands."""
+    """All tasks by name as the caller sees them; lets other work run, as there may be thousands."""
     for number, name in enumerate(projection.tasks.ids(), 1):
         if (view := _look(projection, visible, name)) is not None:
             yield name, view

@@ -1,1 +1,1 @@
-"""What has happened, from SQL: the agents' events, promises, figures over time, the audit log."""
+"""The past, from SQL: agents' events, promises, figures over time, the audit log."""

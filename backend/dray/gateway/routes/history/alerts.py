@@ -1,4 +1,4 @@
-"""Alerts of all history: what was wrong from when to when, who took it on, and what people said of it."""
+"""All past and present alerts: begin, end, acknowledgements and comments."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from dray.store.factory.alert_history import AlertFilter, AlertRow
 router = APIRouter(tags=["alerts"])
 
 ROWS_AT_ONCE = 1_000
-"""Alerts that are read at once for a table."""
+"""Alerts per read for a table."""
 
 COLUMNS = (
     *("number", "id", "kind", "level", "agent", "task", "order", "reference", "since_at_s", "ended_at_s"),
@@ -82,7 +82,7 @@ async def list_alert_history(
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """All alerts that are kept, lasting or ended, found by words, filters and times, with what people said of them."""
+    """All stored alerts with their comments, found by words, filters and times."""
     wanted = AlertFilter(
         kind=kind or "",
         level=level,
@@ -105,7 +105,7 @@ async def list_alert_history(
 async def _page(
     work: Work, wanted: AlertFilter, after: tuple[float, int] | None, limit: int
 ) -> tuple[list[AlertRecord], tuple[float, int] | None]:
-    """Some, and where to go on; None at the end."""
+    """One page of alerts and the next position; None at the end."""
     rows = await work.alerts.page(wanted, after, limit + 1)
     found = [(row, msgspec.json.decode(row.told, type=AlertView)) for row in rows[:limit]]
     references = await work.orders.references({view.order for _, view in found if view.order})
@@ -114,7 +114,7 @@ async def _page(
 
 
 async def _rows(store: Store, wanted: AlertFilter) -> AsyncIterator[Row]:
-    """All that are wanted, as cells."""
+    """All matching alerts as table cells."""
     after: tuple[float, int] | None = None
     while True:
         async with store.read() as work:

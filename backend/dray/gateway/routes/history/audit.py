@@ -1,4 +1,4 @@
-"""The audit log: who did what, or tried to, and what came of it."""
+"""The audit log: actions, attempts and results."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ router = APIRouter(tags=["access"])
 COLUMNS = AuditRow.__struct_fields__
 
 ROWS_AT_ONCE = 1_000
-"""Lines read in one go for a table, so that a long log does not keep others from the database."""
+"""Lines per read for a table, so that a long log does not block the database."""
 
 LAST_POSITION = 2**63 - 1
-"""The largest number that SQL can hold."""
+"""The largest integer in SQL."""
 
 LAST_S = 1e12
 """Some 30,000 years."""
 
 
 class AuditLine(AuditRow, frozen=True, kw_only=True):
-    """A line of the audit log, with what is known of the order that it is about."""
+    """A line of the audit log, with its order if it is about one."""
 
     is_order: bool = False
-    """Whether `target` is an order, and who asks may read orders."""
+    """Whether `target` is an order that the caller may read."""
     reference: str | None = None
     """The customer's own number of that order."""
 
@@ -76,9 +76,10 @@ async def list_audit(
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """What people and other systems did, or tried to do.
+    """Actions and attempts of people and other systems.
 
-    Words of `q` may stand in who, what, about what, from where and in the detail, and in what the order is called by that it was about. `since` and `until` bound the time; `who`, `action`, `target` and `result` must fit exactly.
+    Words of `q` may occur in caller, action, target, address and detail, and in the reference of the order
+    concerned. `since` and `until` bound the time; `who`, `action`, `target` and `result` must match exactly.
     """
     after = read_cursor(cursor, tuple[Annotated[int, msgspec.Meta(ge=0, le=LAST_POSITION)]])
     sees_orders = caller.may(Scope.ORDERS_READ)
@@ -92,7 +93,7 @@ async def list_audit(
         words=words,
         by_orders=sees_orders,
     )
-    # Lines of stops are written after their answers: whoever reads the log reads them all.
+    # Lines of stops are written after their answers: write them before reading the log.
     await access.audit_log.catch_up()
     if format == "csv":
         return table("audit", header_of(COLUMNS), _rows(store, wanted, oldest_first))
@@ -113,7 +114,7 @@ def _line(row: AuditRow, orders: Mapping[str, str | None]) -> AuditLine:
 
 
 async def _rows(store: Store, wanted: AuditFilter, oldest_first: bool) -> AsyncIterator[Row]:
-    """All lines that are wanted, as cells."""
+    """All matching lines as table cells."""
     after = None
     while True:
         async with store.read() as work:

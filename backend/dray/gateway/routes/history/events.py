@@ -1,4 +1,4 @@
-"""Events: the agents' numbered histories, every bid, refusal and award among them."""
+"""Events: the agents' numbered histories, including bids, refusals and awards."""
 
 from __future__ import annotations
 
@@ -20,35 +20,35 @@ from dray.store.history.events import EventFilter, EventRow
 
 router = APIRouter(tags=["history"])
 
-# Without NUL, which no text on PostgreSQL may hold.
+# Without NUL, which PostgreSQL text cannot hold.
 Word = Annotated[str, Query(max_length=128, pattern=r"^[^\x00]*$")]
 Words = Annotated[list[Word] | None, Query(max_length=50)]
 
 LAST_POSITION = 2**63 - 1
-"""The largest number that SQL can hold."""
+"""The largest integer in SQL."""
 
 Position = Annotated[int | None, Query(ge=0, le=LAST_POSITION)]
 
 
 class EventAnswer(msgspec.Struct, frozen=True):
-    """One line of an agent's history."""
+    """One event of an agent's history."""
 
     position: int
-    """Grows with every event: ask for those `since` the last one that you have."""
+    """Grows with every event: pass the last one received as `since`."""
     agent: str
     incarnation: int
     number: int
-    """1, 2, 3 ... in one incarnation of the agent."""
+    """1, 2, 3 ... within one incarnation of the agent."""
     at_s: float
     """Wall clock, seconds since 1970."""
     plant_s: float
-    """Plant clock, as are all times inside `fact`."""
+    """Plant clock, like all times inside `fact`."""
     kind: str
     task: str | None
     goal: str | None
     order: str | None
     fact: dict[str, Any] | msgspec.Raw
-    """What happened; its fields depend on `kind`."""
+    """The fact; its fields depend on `kind`."""
 
 
 @router.get("/events", responses={200: list_of(EventAnswer, "Events, oldest first")}, response_class=Json)
@@ -64,11 +64,11 @@ async def list_events(
     cursor: Cursor = None,
     limit: Limit = PAGE,
 ) -> Json:
-    """Events that were kept.
+    """Stored events.
 
-    `since` is the `position` of the last event that you have; `kind` and `agent` may be repeated;
-    `order` finds all that happened for an order: its goals, their auctions and transports. Without `orders:read` orders and goals have
-    other names, the same until the gateway is started again, and are not asked for.
+    `since` is the `position` of the last event received; `kind` and `agent` may be repeated; `order` finds
+    everything for an order: its goals, their auctions and transports. Without `orders:read`, orders and goals
+    have aliases, valid until the gateway restarts, and cannot be asked for.
     """
     sees_orders = caller.may(Scope.ORDERS_READ)
     if not sees_orders and (order or goal_alias(task) != task):
@@ -104,7 +104,7 @@ def _answer(row: EventRow) -> EventAnswer:
 
 
 def _without_orders(row: EventRow) -> EventRow:
-    """An event before who may not read orders."""
+    """An event for a caller who may not read orders."""
     return replace(
         row,
         task=row.task and goal_alias(row.task),

@@ -1,4 +1,4 @@
-"""What is kept for how long, and since when something of it is there."""
+"""How long each history is kept, and its oldest entry."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ DAY_S = 86_400.0
 KeptKind = Literal[
     "orders", "events", "replay", "samples", "figures", "lanes", "tasks", "transports", "alerts", "audit"
 ]  # fmt: skip
-"""`lanes` is the traffic of lanes by the hour, `samples` are of heartbeats, `figures` by the minute, `replay` is what panels showed."""
+"""`lanes` is lane traffic by the hour, `samples` are of heartbeats, `figures` by the minute, `replay` is what
+panels showed."""
 
 
 class KeptView(View, kw_only=True):
@@ -28,15 +29,16 @@ class KeptView(View, kw_only=True):
 
     kind: KeptKind
     days: float | None
-    """For how long it is kept; null for as long as the database, 0 for not at all."""
+    """Retention in days; null for unlimited, 0 for none."""
     setting: str
-    """What sets the days; empty where nothing does."""
+    """Setting for the days; empty if there is none."""
     since_at_s: float | None
-    """The oldest that there is; null where nothing is there yet."""
+    """Oldest entry; null if there is none yet."""
     gone_before_at_s: float | None
-    """What was before this moment is no longer kept; null where nothing is forgotten, or nothing kept."""
+    """Time before which entries are deleted; null if none are deleted or kept."""
     is_full: bool
-    """There is as much of it as may be (`DRAY_EVENTS_MOST`): the oldest is forgotten before its time."""
+    """Whether the size limit is reached (`DRAY_EVENTS_MOST`), so that the oldest entries are deleted
+    early."""
 
 
 EXAMPLE = KeptView(
@@ -53,7 +55,7 @@ EXAMPLE = KeptView(
     "/kept", responses={200: list_of(KeptView, "Kinds of history, orders first")}, response_class=Json
 )
 async def list_kept(store: Provided[Store], settings: Provided[Settings], now_s: Now) -> Json:
-    """What is kept for how long, since when something of it is there, and before when nothing is any more."""
+    """How long each history is kept, its oldest entry, and the time before which all is deleted."""
     async with store.read() as work:
         oldest = await work.kept.oldest()
     days: dict[KeptKind, tuple[float | None, str]] = {

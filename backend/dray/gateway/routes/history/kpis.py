@@ -20,10 +20,10 @@ from dray.store import Store
 router = APIRouter(tags=["factory"])
 
 SHOWN_S = 8 * 3600.0
-"""What is shown when nobody says since when: a shift."""
+"""Default period: a shift."""
 
 MOST_POINTS = 2_000
-"""Steps of one answer: more than a screen has columns."""
+"""Maximum steps per answer: more than a screen has columns."""
 
 Step = Annotated[
     Literal["60", "300", "900", "3600", "14400", "86400"],
@@ -33,7 +33,7 @@ Step = Annotated[
 
 @router.get("/kpis", responses={200: described(FactoryView, "The figures")}, response_class=Json)
 async def get_kpis(projection: Provided[Projection], now_s: Now) -> Json:
-    """The factory's figures at this moment."""
+    """The factory's figures now."""
     return Json(projection.factory(now_s))
 
 
@@ -50,9 +50,10 @@ async def get_kpi_history(
     step: Step = "300",
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """The factory's figures over time: the last eight hours when nothing else is said.
+    """The factory's figures over time, by default of the last eight hours.
 
-    By minutes, 35 days at once; docs/operating.md says for how long they are kept. Steps begin at whole multiples of `step` since 1970.
+    By minutes, at most 35 days per answer; docs/operating.md has the retention. Steps begin at whole
+    multiples of `step` since 1970.
     """
     step_s = float(step)
     until_s = now_s if until is None else until.timestamp()
@@ -60,7 +61,7 @@ async def get_kpi_history(
     begin_s, end_s = since_s // step_s * step_s, -(-until_s // step_s) * step_s
     _refuse_nonsense(begin_s, end_s, step_s)
     async with store.read() as work:
-        # A sample belongs where the middle of its minute lies.
+        # A sample counts for the middle of its minute.
         samples = await work.kpis.between(begin_s + SAMPLE_S / 2, end_s + SAMPLE_S / 2)
     found = points(samples, step_s)
     if format == "csv":

@@ -19,10 +19,10 @@ async def get_promises(
     ledger: Provided[Ledger],
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """The promise ledger: per vehicle, when transports were promised against when they were delivered.
+    """The promise ledger: per vehicle, promised against actual delivery times.
 
-    A vehicle promises a time when it is hired. Who takes a transport over promises a new one, and the one
-    that it replaces has lost it. Kept from the facts in `/api/events`, as long as these are.
+    A vehicle promises a time on contract. A vehicle that takes over promises a new time, and the replaced one
+    has lost the transport. Computed from the facts in `/api/events`, as long as these are kept.
     """
     promises = await ledger.read()
     return table("promises", header_of(FIELDS), rows(promises)) if format == "csv" else Json(promises)

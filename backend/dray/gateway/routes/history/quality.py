@@ -1,4 +1,4 @@
-"""Quality: how many good and bad pieces machines have made."""
+"""Quality: good and bad pieces made by machines."""
 
 from __future__ import annotations
 
@@ -25,34 +25,34 @@ router = APIRouter(tags=["factory"])
 
 
 class QualityLine(msgspec.Struct, frozen=True):
-    """What one machine has made of one product, in the words of ISO 22400-2."""
+    """One machine's pieces of one product, in the terms of ISO 22400-2."""
 
     machine: str
     product: str
     good_quantity: int
-    """Pieces as they should be."""
+    """Good pieces."""
     scrap_quantity: int
     """Bad pieces; each was made again."""
     produced_quantity: int
-    """Both together."""
+    """Sum of both."""
     quality_ratio: float
-    """Good quantity / produced quantity: 1 where every piece was good."""
+    """Good quantity / produced quantity: 1 if every piece was good."""
 
 
 class QualityAnswer(msgspec.Struct, frozen=True):
     """Good and bad pieces by machine and product, in whole wall hours."""
 
     since_at_s: float
-    """Wall clock, as `until_at_s`: both are whole hours."""
+    """Wall clock at a whole hour, like `until_at_s`."""
     until_at_s: float
     good_quantity: int
-    """Of all lines below, as the next three."""
+    """Sum of all lines below, like the next three."""
     scrap_quantity: int
     produced_quantity: int
     quality_ratio: float | None
-    """Null where nothing was made."""
+    """Null if nothing was made."""
     items: tuple[QualityLine, ...]
-    """By machine, then by product; those that have made something."""
+    """By machine, then by product; only those with pieces."""
 
 
 EXAMPLE = QualityAnswer(
@@ -80,8 +80,8 @@ async def get_quality(
 ) -> Response:
     """Good and bad pieces, and the quality ratio of ISO 22400-2, by machine and product.
 
-    The last eight hours when nothing else is said. They are counted by whole wall hours; 35 days are told at once. `machine` may be
-    repeated; without it it is all of them that the caller sees.
+    By default of the last eight hours. Counted by whole wall hours; at most 35 days per answer. `machine` may
+    be repeated; without it, all machines that the caller sees.
     """
     until_s = now_s if until is None else until.timestamp()
     since_s = until_s - SHOWN_S if since is None else since.timestamp()

@@ -1,4 +1,4 @@
-"""Replay: the plant as panels showed it at any moment that is kept, what each agent knew then, and what everybody did."""
+"""Replay: the plant as panels showed it at a stored moment, agents' knowledge then, and activities."""
 
 from __future__ import annotations
 
@@ -36,17 +36,17 @@ from dray.store.replay.spells import Spell
 router = APIRouter(tags=["history"])
 
 FILM_MOST_S = 3600.0
-"""Wall seconds of one film: what is too much of it for one answer is left for the next."""
+"""Maximum wall seconds of one film; the next answer continues it."""
 
 SHIFT_S, HALF_HOUR_S = 8 * 3600.0, 1800.0
 
 OVERVIEW_MOST_S = 35 * 86_400.0
 
 SPELLS_MOST = 20_000
-"""Of one answer: a shift of 20 vehicles."""
+"""Maximum spells per answer: a shift of 20 vehicles."""
 
 EVENTS_MOST = 2_000
-"""Read for what one agent knew: some transports of which each has some tens."""
+"""Maximum events read for one agent's knowledge: some transports with some tens each."""
 
 NOT_KEPT = problems(p404="Nothing is kept of that moment, nor of any before it")
 
@@ -55,9 +55,9 @@ class SpellsView(View, kw_only=True):
     """What agents did."""
 
     items: tuple[Spell, ...]
-    """In the order in which they ended; last what goes on."""
+    """In order of end; present ones last."""
     is_whole: bool
-    """Whether that is all of it."""
+    """Whether these are all."""
 
 
 _AT_S = 1_893_456_000.0
@@ -123,16 +123,17 @@ EXAMPLES = (
         is_whole=True,
     ),
 )
-"""One of each answer."""
+"""One example per answer."""
 
 
 @router.get("/replay", responses={200: described(Snapshot, "The picture"), **NOT_KEPT}, response_class=Json)
 async def get_picture(
     replay: Provided[ReplayReader], caller: Caller, now_s: Now, at: Moment | None = None
 ) -> Response:
-    """The plant as panels showed it `at` a moment, as the first frame of the stream would have told it; now without one.
+    """The plant as panels showed it `at` a moment, as the stream's first frame; the present without `at`.
 
-    `at_s` of the answer is when that was told: where it is much earlier, nothing was recorded in between.
+    `at_s` of the answer is the time of its last frame: if that is much earlier, nothing was recorded in
+    between.
     """
     if at is None:
         return in_turns(await replay.snapshot_now(caller, now_s))
@@ -152,10 +153,10 @@ async def get_film(
     until: Moment | None = None,
     every_s: Annotated[float, Query(ge=0, le=600, description="Wall seconds between two frames")] = 0.0,
 ) -> Response:
-    """The picture of a moment, and the frames after it: what lies closer together than `every_s` is one frame.
+    """The picture of a moment and the frames after it; frames closer than `every_s` are joined.
 
-    An hour at most, and less where that is too much for one answer: `until_at_s` says how far it goes. Without `since` it is the
-    picture of now alone.
+    At most an hour, and less if one answer cannot hold more: `until_at_s` has the end. Without `since`, only
+    the present picture.
     """
     if since is None:
         snapshot = msgspec.Raw(await replay.snapshot_now(caller, now_s))
@@ -184,9 +185,9 @@ async def get_overview(
     until: Moment | None = None,
     steps: Annotated[int, Query(ge=1, le=500, description="Parts in which changes are counted")] = 160,
 ) -> Json:
-    """What is kept of a time, the last eight hours when nothing else is said.
+    """What is recorded of a period, by default of the last eight hours.
 
-    How much happened in each part of it, and takeovers, failures, alerts and late orders as marks.
+    The number of changes in each part, and takeovers, failures, alerts and late orders as marks.
     """
     since_s, until_s = _span(since, until, now_s, SHIFT_S)
     overview = await replay.overview(since_s, until_s, steps, orders=caller.may(Scope.ORDERS_READ))
@@ -209,9 +210,9 @@ async def get_knowledge(
     agent: str,
     at: Moment | None = None,
 ) -> Json:
-    """What an agent knew at a moment of its transports, beside what had really happened by then; now without a moment.
+    """What an agent knew of its transports at a moment (default: now), beside what had really happened.
 
-    Without `orders:read` goals have other names, as in `GET /api/events`.
+    Without `orders:read`, goals have aliases, as in `GET /api/events`.
     """
     at_s = now_s if at is None else at.timestamp()
     picture = await replay.picture_now(now_s) if at is None else await replay.picture(at_s)
@@ -238,9 +239,9 @@ async def list_spells(
     until: Moment | None = None,
     agent: Words = None,
 ) -> Json:
-    """What vehicles and machines did from when to when, the last half hour when nothing else is said.
+    """The activities of vehicles and machines with begin and end, by default of the last half hour.
 
-    `agent` may be repeated; without it it is all of them.
+    `agent` may be repeated; without it, all agents.
 
     A vehicle `fetches`, `carries`, `waits` (for `other`), `charges`, is `idle` (and watches `other`), `stopped`, `blocked`, `out` of
     service or `silent`; a machine `makes`, `starves` (`other` is what it lacks), is `idle`, `blocked`, `broken`, `out` or `silent`.

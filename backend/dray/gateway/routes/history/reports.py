@@ -1,4 +1,4 @@
-"""Reports on shifts, and what figures of a shift should reach."""
+"""Reports on shifts, and targets for a shift's figures."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ from dray.store.shifts import LateOrder
 router = APIRouter(tags=["history"])
 
 LONGEST_DAYS = 7.0
-"""Of one report: a week, which is 20 shifts and some 10,000 minutes."""
+"""Maximum days per report: a week, which is 20 shifts and some 10,000 minutes."""
 
 SHIFT_S = 8 * 3600.0
 
 MOST = 1e9
-"""Of a target, in its unit."""
+"""Maximum target, in its unit."""
 
 WEEK_S = 7 * DAY_S
 
@@ -52,24 +52,25 @@ Value = Annotated[float, Field(ge=0, le=MOST, allow_inf_nan=False)]
 
 
 class ShiftBegin(msgspec.Struct, frozen=True):
-    """A shift of every day; it ends where the next one begins."""
+    """A daily shift; it ends where the next one begins."""
 
     name: str
     begin_min: int
-    """Minutes after midnight, by the clock of whoever looks."""
+    """Minutes after midnight, by the reader's clock."""
 
 
 class TargetsView(msgspec.Struct, frozen=True, kw_only=True):
-    """What figures should reach, and when shifts begin."""
+    """Targets for figures, and begins of shifts."""
 
     targets: dict[str, float]
-    """By figure, in its own unit: parts of 1, Wh, factory seconds, or how many. Figures that are not named have none."""
+    """By figure, in its own unit: fractions, Wh, factory seconds, or counts. Figures not named have no
+    target."""
     by: str
-    """Who has set them last; empty for nobody."""
+    """Person who set them last; empty if nobody did."""
     at_s: float | None
-    """When; wall clock."""
+    """Wall clock time of that."""
     shifts: tuple[ShiftBegin, ...]
-    """The earliest first."""
+    """Earliest first."""
 
 
 _AT_S = 1_893_456_000.0
@@ -121,11 +122,11 @@ EXAMPLES = (
         shifts=(ShiftBegin("early", 360), ShiftBegin("late", 840), ShiftBegin("night", 1320)),
     ),
 )
-"""One of each answer."""
+"""One example per answer."""
 
 
 class NewTargets(BaseModel):
-    """All targets that are to hold."""
+    """All targets from now on."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -154,9 +155,9 @@ async def get_shift_report(
     ] = "day",
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """What came of a shift, or of any time of a week at most: against an earlier one, and against targets.
+    """The outcome of a shift, or of any period up to a week, against an earlier one and against targets.
 
-    What it is compared with is as long as the time has lasted by now. `docs/reports.md` defines every figure.
+    The earlier period is as long as the elapsed part. `docs/reports.md` defines every figure.
     """
     until_s = now_s if until is None else until.timestamp()
     since_s = until_s - SHIFT_S if since is None else since.timestamp()
@@ -188,7 +189,7 @@ async def get_shift_report(
     response_class=Json,
 )
 async def get_targets(store: Provided[Store], settings: Provided[Settings]) -> Json:
-    """What figures of a shift should reach, and when shifts begin."""
+    """Targets for a shift's figures, and begins of shifts."""
     async with store.read() as work:
         targets = await work.report_targets.all()
     return Json(_view(targets, settings))
@@ -208,7 +209,7 @@ async def put_targets(
     now_s: Now,
     request: NewTargets,
 ) -> Json:
-    """Say what figures of a shift should reach. These and no others hold then."""
+    """Set the targets for a shift's figures; they replace all earlier ones."""
     note.detail["targets"] = request.targets
     faults = [wrong for name, value in request.targets.items() if (wrong := _wrong(name, value))]
     if faults:
@@ -237,7 +238,7 @@ def _view(targets: list[Target], settings: Settings) -> TargetsView:
 
 
 def _rows(report: ShiftReport) -> Iterator[Row]:
-    """Every figure on a line of its own; of a line with a moment it is the `figure`."""
+    """One line per figure; lines about a moment have it as their `unit`."""
     for each in report.figures:
         yield "figures", "plant", each.name, each.unit, each.value, each.before, each.target
     for agent in report.agents:

@@ -1,4 +1,4 @@
-"""Tasks of all history: what was carried or made, by whom, and whether as promised; and the story of each that is carried."""
+"""All past and present tasks: content, carriers, and promises; and each transport's timeline."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ from dray.store.orders.tasks import Place, SortedBy, TaskFilter, TaskRow, TaskSt
 router = APIRouter(tags=["history"])
 
 ROWS_AT_ONCE = 1_000
-"""Tasks that are read at once for a table."""
+"""Tasks per read for a table."""
 
 Id = Annotated[str, Query(max_length=128, pattern=r"^[^\x00]*$")]
 
 
 class TaskRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """A task as its coordinator told of it. Times are wall clock seconds."""
+    """A task by its coordinator's reports. Times are wall clock seconds."""
 
     id: str
     kind: Literal["transport", "production"]
@@ -56,28 +56,29 @@ class TaskRecord(msgspec.Struct, frozen=True, kw_only=True):
     destination: str
     goal: str
     order: str
-    """For which it is made; empty for material."""
+    """Order for which it is made; empty for material."""
     reference: str | None = None
     """The customer's own number of that order."""
     state: TaskState
     carrier: str
-    """Who carries or makes it, or did so last."""
+    """Vehicle or machine that carries or makes it, or did last."""
     standby: str
     epoch: int
     round: int
     opened_at_s: float
     contracted_at_s: float | None
     promised_at_s: float | None
-    """When its last carrier had promised to be done; told at its end."""
+    """Promised end of its last carrier, reported at the end."""
     deadline_at_s: float
     closed_at_s: float | None
     held: str = ""
-    """Of a late task: what held its carrier up longest. `waits`, `stopped`, `blocked`, `silent`, `charges`, `out`, `starves` or `broken`,
-    as `GET /api/spells` has them; empty where nothing did, or where it is not kept any more."""
+    """For a late task: what held up its carrier longest. `waits`, `stopped`, `blocked`, `silent`, `charges`,
+    `out`, `starves` or `broken`, as in `GET /api/spells`; empty if nothing did or it is not stored any
+    more."""
     held_by: str = ""
-    """For whom or what it waited longest, or what was wrong."""
+    """What it waited for longest, or what was wrong."""
     held_s: float = 0.0
-    """How long that held it up, all together."""
+    """Total duration of that."""
 
 
 EXAMPLE = TaskRecord(
@@ -106,11 +107,11 @@ EXAMPLE = TaskRecord(
 COLUMNS = TaskRecord.__struct_fields__
 
 EVENTS_MOST = 2_000
-"""Events that are read for one task, as for an attempt at a plain transport."""
+"""Maximum events read per task, as for an attempt at a plain transport."""
 
 
 class TaskStory(TransportTimeline, kw_only=True):
-    """All of one task that is carried, and the task itself."""
+    """One transport task with its timeline."""
 
     transport: TaskRecord
 
@@ -171,7 +172,10 @@ async def list_task_history(
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """All tasks that are kept, open or ended, found by words, filters and times. Without `orders:read` none says for which order it is."""
+    """All stored tasks, open or ended, found by words, filters and times.
+
+    Without `orders:read`, orders are not shown.
+    """
     sees_orders = caller.may(Scope.ORDERS_READ)
     if order and not sees_orders:
         raise missing(caller, Scope.ORDERS_READ)
@@ -206,9 +210,9 @@ async def list_task_history(
     response_class=Json,
 )
 async def task_timeline_of(store: Provided[Store], caller: Caller, now_s: NowS, task: str) -> Json:
-    """All of one task that is carried, also long after it has ended: material that a machine has brought, say.
+    """The timeline of one transport task, even long after its end.
 
-    `called`, `won`, `fetched`, handed over, and whoever took it over. Tasks in which something is made are told by their order's timeline.
+    `called`, `won`, `fetched`, handed over, and takeovers. Production tasks are in their order's timeline.
     """
     async with store.read() as work:
         row = (await work.tasks.many([task])).get(task)
@@ -239,7 +243,7 @@ async def _page(
     sees_orders: bool,
     now_s: float,
 ) -> tuple[list[TaskRecord], Place | None]:
-    """Some, and where to go on; None at the end."""
+    """One page of tasks and the next position; None at the end."""
     async with store.read() as work:
         found = await work.tasks.page(wanted, after, limit + 1, sort, descending=descending)
         references = await work.orders.references({row.order_id for row, _ in found if row.order_id})
@@ -252,7 +256,7 @@ async def _page(
 async def _rows(
     store: Store, wanted: TaskFilter, sort: SortedBy, descending: bool, sees_orders: bool, now_s: float
 ) -> AsyncIterator[Row]:
-    """All that are wanted, as cells."""
+    """All matching tasks as table cells."""
     after: Place | None = None
     while True:
         records, after = await _page(store, wanted, sort, descending, after, ROWS_AT_ONCE, sees_orders, now_s)

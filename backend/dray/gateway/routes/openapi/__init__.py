@@ -1,1 +1,1 @@
-"""The OpenAPI document: what FastAPI knows of the routers (`document`), with examples that fit together (`examples`)."""
+"""The OpenAPI document: FastAPI's description of the routers (`document`), with `examples`."""

@@ -1,4 +1,4 @@
-"""The OpenAPI document: what FastAPI knows of the routers, and the shapes of our structs."""
+"""The OpenAPI document: FastAPI's description of the routers, with the shapes of our structs."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ SHAPES = (
     TransportTrackAnswer,
     WaitView,
 )
-"""Structs that routers answer with, and the frames of the stream."""
+"""Structs in routers' answers, and the frames of the stream."""
 
 DESCRIPTION = """\
 Orders for a factory without a dispatcher, and everything that can be seen of it.
@@ -166,13 +166,13 @@ SECURITY = {
 }
 
 SPARSE = frozenset({ProblemDetails.__name__, FieldError.__name__})
-"""Of these what has its default is left out."""
+"""Structs that omit fields with default values."""
 
 PROBLEM = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetails"}}}
 
 
 def install(app: FastAPI) -> None:
-    """Let `app` tell of itself in this way."""
+    """Make `app` describe itself in this way."""
 
     def document() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -203,14 +203,17 @@ def _document(app: FastAPI) -> dict[str, Any]:
 
 
 def _tell_what_is_always_there(shapes: dict[str, Any]) -> None:
-    """Of a struct, msgspec calls a field with a default optional, for a reader; an answer always has it."""
+    """Mark all fields of answers as required.
+
+    msgspec calls those with defaults optional, but answers always have them.
+    """
     for name, shape in shapes.items():
         if "properties" in shape and name not in SPARSE:
             shape["required"] = list(shape["properties"])
 
 
 def _tell_differences(shapes: dict[str, Any]) -> None:
-    """A delta tells of an entity that was told before its id and what has changed: `AtvPatch` is such a part of `AtvView`."""
+    """Describe known entities in a delta: id and changes only, as `AtvPatch` for `AtvView`."""
     for collection in COLLECTIONS.values():
         entities = shapes[Delta.__name__]["properties"][collection]["items"]
         whole = _name(entities)
@@ -220,13 +223,13 @@ def _tell_differences(shapes: dict[str, Any]) -> None:
 
 
 def _tell_what_is_seen(plant: dict[str, Any]) -> None:
-    """A plant file has at least one of everything; the part of it that somebody sees may have none."""
+    """Allow empty lists in a plant: the part that a caller sees may have none of a kind."""
     for part in plant["properties"].values():
         part.pop("minItems", None)
 
 
 def _tell_problems(method: str, operation: dict[str, Any]) -> None:
-    """Every operation refuses a parameter that it does not know; those with a body have more ways to."""
+    """Add the refusals of every operation: for unknown parameters, and for invalid bodies."""
     refusals = {"422": "Some fields cannot be used, or the query has a parameter that is not known here"}
     if method == "post":
         refusals |= {"403": "Another site's page asked", "413": "The body is too large"}
@@ -241,7 +244,7 @@ def _tell_problems(method: str, operation: dict[str, Any]) -> None:
 
 
 def _tell_rule(rule: Rule, operation: dict[str, Any]) -> None:
-    """Who may, and what everybody else is told."""
+    """Add the required right, and the refusals without it."""
     if rule.public:
         operation["security"] = []
         return
@@ -261,7 +264,7 @@ def _tell_rule(rule: Rule, operation: dict[str, Any]) -> None:
 
 
 def _tell_shapes(operation: dict[str, Any]) -> None:
-    """FastAPI takes what is encoded already for text, and says so beside the shape that it has."""
+    """Correct the shapes of encoded answers, which FastAPI takes for text, and add examples."""
     for answer in operation["responses"].values():
         content = answer.get("content", {}).get("application/json", {})
         schema = content.get("schema", {})
@@ -278,7 +281,7 @@ def _tell_shapes(operation: dict[str, Any]) -> None:
 
 
 def _with_nulls(example: dict[str, Any], name: str) -> object:
-    """An example as its struct writes it: FastAPI leaves out whatever is null."""
+    """An example as its struct writes it, with the nulls that FastAPI leaves out."""
     shape = next(shape for shape in SHAPES if shape.__name__ == name)
     return msgspec.to_builtins(msgspec.convert(example, shape))
 

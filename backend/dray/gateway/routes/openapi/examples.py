@@ -1,4 +1,4 @@
-"""Examples for the OpenAPI document: one moment of a small factory, in which all of them fit together."""
+"""Examples for the OpenAPI document: one consistent moment of a small factory."""
 
 from __future__ import annotations
 
@@ -59,10 +59,10 @@ from dray.gateway.tracking.track import StageName, TrackedItem
 from dray.plant import default_plant
 
 NOW_S = ORDER.created_at_s + 60.0
-"""A minute after the order of the example was placed."""
+"""A minute after the example's order was placed."""
 
 SHOWN = 2
-"""Of each kind of thing in the plant: its whole file is too long for an example."""
+"""Maximum entries per section of the plant: the whole file is too long for an example."""
 
 PARTS_S = {"empty_way": 14.0, "loaded_way": 31.5, "energy": 2.5, "suitability": 0.0}
 
@@ -343,7 +343,7 @@ _STRUCTS = (
 
 @lru_cache(maxsize=1)
 def examples() -> dict[str, Any]:
-    """Per name of a shape, an example of it."""
+    """Name of a shape -> its example."""
     plant: dict[str, Any] = msgspec.to_builtins(default_plant().file)
     some = {name: value[:SHOWN] if isinstance(value, list) else value for name, value in plant.items()}
     return {type(one).__name__: msgspec.to_builtins(one) for one in _STRUCTS} | {"PlantFile": some}

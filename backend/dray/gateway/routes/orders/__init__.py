@@ -1,1 +1,1 @@
-"""Orders over REST: one by one, as files, and as the customer is shown them."""
+"""Orders over REST: single orders, files, and the customers' view."""

@@ -1,4 +1,4 @@
-"""Changes of orders and transports, for systems that follow them."""
+"""Changes of orders and transports, for other systems."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from dray.store.orders.transports import TransportFilter
 router = APIRouter(tags=["orders"])
 
 LAST_POSITION = 2**63 - 1
-"""The largest number that SQL can hold."""
+"""The largest integer in SQL."""
 
 
 class ChangeAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -34,9 +34,10 @@ class ChangeAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """order or transport."""
     id: str
     reference: str | None
-    """What its customer calls an order."""
+    """The customer's own number of an order."""
     status: str
-    """As this change has left it: GET /api/orders/ID or /api/transports/ID tells the rest, as it is now."""
+    """Status after this change: GET /api/orders/ID or /api/transports/ID has the rest, in its present
+    state."""
 
 
 class ChangesAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -44,9 +45,9 @@ class ChangesAnswer(msgspec.Struct, frozen=True, kw_only=True):
 
     items: tuple[ChangeAnswer, ...]
     since: int
-    """Ask for those `since` this next."""
+    """Pass this as `since` next time."""
     more: bool
-    """Whether there are more already."""
+    """Whether more changes are available now."""
 
 
 EXAMPLE = ChangesAnswer(
@@ -90,10 +91,11 @@ async def list_changes(
     ] = 0.0,
     limit: Limit = PAGE,
 ) -> Json:
-    """Every change of orders and transports, in the order in which they were written, without a gap.
+    """Every change of orders and transports, in the order written, without gaps.
 
-    Begin without `since`: the answer is empty and says where you are. Then read the lists, and ask for what has changed since
-    then, again and again, with `wait=30`. Transports are told to whom GET /api/transports shows them.
+    Begin without `since`: the answer is empty and has the present position. Then read the lists, and
+    repeatedly ask for changes since that position, with `wait=30`. Transports are shown as in GET
+    /api/transports.
     """
     if since is None:
         return Json(ChangesAnswer(items=(), since=await feed.newest(), more=False))

@@ -1,4 +1,4 @@
-"""Changing an order that was placed."""
+"""Changing a placed order."""
 
 from __future__ import annotations
 
@@ -53,9 +53,12 @@ async def change_order(
     draft: OrderChangeDraft,
     if_match: IfMatch = None,
 ) -> Json:
-    """Change quantities, due time, priority or reference of an order, or its place in the queue; doing it twice is harmless.
+    """Change an order's quantities, due time, priority, reference or place in the queue.
 
-    What a machine has begun it keeps, so a quantity may become more than was asked for; `changing` is true until that is known.
+    Doing it twice is harmless.
+
+    A machine keeps what it has begun, so a quantity may end up higher than requested; `changing` is true
+    until that is known.
     """
     note.target = order
     note.detail["change"] = draft.model_dump_json(exclude_unset=True)

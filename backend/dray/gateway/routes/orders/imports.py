@@ -1,4 +1,4 @@
-"""Imports: files of orders, placed all or none."""
+"""Imports: files of orders, all placed or none."""
 
 from __future__ import annotations
 
@@ -53,17 +53,18 @@ class ImportedOrder(msgspec.Struct, frozen=True, kw_only=True):
     reference: str | None
     items: int
     pieces: int
-    """Over all of its items."""
+    """Total of all its items."""
 
 
 class ImportAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """What was in the file."""
+    """The content of the file."""
 
     orders: tuple[ImportedOrder, ...]
     faults: tuple[RowFault, ...]
-    """What is wrong with it, by row; 50 at most. Empty when it was placed."""
+    """Faults by row, at most 50; empty if it was placed."""
     hints: tuple[RowFault, ...]
-    """What is odd in it and placed all the same, by row; 50 at most. Orders that were placed already, say, or letters of an unknown encoding."""
+    """Oddities by row that do not prevent placing, at most 50: orders placed already, for example, or letters
+    of an unknown encoding."""
 
 
 @router.post(
@@ -89,15 +90,15 @@ async def import_orders(
 ) -> Json:
     """Place the orders of a spreadsheet, all of them or none.
 
-    The first row names the columns: `customer`, `reference`, `product`, `quantity`, `due_at`, `release`. Rows
-    that follow one another with the same customer and reference are one order. A dry run places nothing and
-    tells what is wrong in which row; without one, a single fault refuses the whole file.
+    The first row names the columns: `customer`, `reference`, `product`, `quantity`, `due_at`, `release`.
+    Successive rows with the same customer and reference are one order. A dry run places nothing and lists the
+    faults by row; otherwise a single fault refuses the whole file.
     """
     file = await side_work.do(caller.key, read_file, body, placement.products, placement.now_s)
     drafts = [each.draft for each in file.orders]
     note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
-    # Without a key of its own every request is another one. An order and a file of that order alone are
-    # answered differently, so a key stands for another thing here.
+    # Without a key every request is a new one. A file's answer differs from a single order's, so the key is
+    # prefixed here.
     own = own_key(caller, f"import {key or new_token()}")
     if key and not file.dry_run and not file.faults:
         kept = await placement.answered(drafts, own, note)

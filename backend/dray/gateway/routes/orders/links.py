@@ -1,4 +1,4 @@
-"""Links to the pages of orders and plain transports, as REST makes, tells and takes them back."""
+"""Links to the pages of orders and plain transports: creating, showing and revoking them."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ DAY_S = 86_400.0
 
 
 class LinkView(msgspec.Struct, frozen=True):
-    """A link to a page; its address is told once, when it is made. Times are wall clock seconds."""
+    """A link to a page; its address is shown once, on creation. Times are wall clock seconds."""
 
     created_at_s: float
     expires_at_s: float | None
-    """None: a quarter after the order or transport has ended."""
+    """None: three months after the order or transport has ended."""
     revoked_at_s: float | None
 
 
 class LinkDraft(BaseModel):
-    """A link to make."""
+    """A link to create."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"days": 30}, {}]})
 
@@ -35,31 +35,31 @@ class LinkDraft(BaseModel):
     )
 
     def ends_s(self, now_s: float) -> float | None:
-        """When it ends, in wall clock seconds; None for a quarter after the end of what it leads to."""
+        """The link's end in wall clock seconds; None for three months after its subject's end."""
         return None if self.days is None else now_s + self.days * DAY_S
 
 
 class NewLink(msgspec.Struct, frozen=True):
-    """A link that was made."""
+    """A new link."""
 
     tracking_url: str
-    """Told this once, and kept nowhere."""
+    """Shown only here, and not stored."""
     expires_at_s: float | None
 
 
 class LinksRevoked(msgspec.Struct, frozen=True):
-    """Links that were taken back."""
+    """The number of revoked links."""
 
     count: int
 
 
 def link_view(link: Link) -> LinkView:
-    """What is told of a link."""
+    """A link for the answer."""
     return LinkView(link.created_at_s, link.expires_at_s, link.revoked_at_s)
 
 
 def too_many_links(kind: str, subject: str) -> Problem:
-    """As many links lead to the page of an order or transport as may be."""
+    """The problem: the page has its maximum of links."""
     return Problem(
         HTTPStatus.CONFLICT,
         "too-many-links",

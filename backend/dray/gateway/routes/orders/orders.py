@@ -57,17 +57,18 @@ class OrderAnswer(OrderView, kw_only=True):
     due_at: str | None = None
     delivered_at: str | None = None
     updated_at: str
-    """When anything of it has changed last: what `updated_since` asks for."""
+    """Time of its last change, as in `updated_since`."""
     tracking_url: str
     etag: str
-    """Its `ETag`: what `If-Match` takes when it is changed."""
+    """Its `ETag`, for `If-Match` when it is changed."""
 
 
 class PlacedOrder(OrderAnswer, kw_only=True):
-    """An order that was placed."""
+    """A new order."""
 
     hints: tuple[FieldError, ...] = ()
-    """What is odd in it: its customer and reference are those of another order of the last hour. It is placed all the same."""
+    """Oddities: another order of the last hour has the same customer and reference. The order is placed
+    anyway."""
 
 
 def _placed_order(answer: OrderAnswer, hints: tuple[FieldError, ...]) -> PlacedOrder:
@@ -91,10 +92,10 @@ EXAMPLE = OrderAnswer(
 )
 
 ROWS_AT_ONCE = 500
-"""Orders that are read at once for a table."""
+"""Orders per read for a table."""
 
 Text = Annotated[str, Query(max_length=200, pattern=r"^[^\x00]*$")]
-"""As long as the longest customer; without NUL, which no text on PostgreSQL may hold."""
+"""As long as the longest customer; without NUL, which PostgreSQL text cannot hold."""
 
 
 async def _wanted(
@@ -131,7 +132,7 @@ async def _wanted(
 
 
 Wanted = Annotated[OrderFilter, Depends(_wanted)]
-"""A router's parameter: which orders a list is asked for."""
+"""A router's parameter: the filter of a list of orders."""
 
 COLUMNS = (
     *("order", "customer", "reference", "status"),
@@ -187,7 +188,7 @@ DRAFTS = {
 )
 async def place_order(request: Request, draft: OrderDraft, key: Key = None) -> Json:
     """Place an order."""
-    # What others ask for by parameters: each of those costs as much as the JSON of an order.
+    # Dependencies as parameters, as used elsewhere, would each cost as much as an order's JSON.
     base = public_url(provided(request.app, Settings), request)
     caller, placement = caller_of(request), provided(request.app, OrderPlacement)
     hints = await placement.look_twice(draft)
@@ -209,10 +210,10 @@ async def place_order(request: Request, draft: OrderDraft, key: Key = None) -> J
     response_class=Json,
 )
 async def preview_order(placement: Provided[OrderPlacement], draft: WorkDraft) -> Json:
-    """What an order would need if it were published now; nothing is kept.
+    """The needs of an order if it were published now; nothing is stored.
 
-    Materials against what is there and what other orders want, the machines that can make it and how busy
-    they are, and an estimate of when it would be delivered.
+    Materials against stocks and other orders' needs, capable machines and their queues, and an estimated
+    delivery.
     """
     return Json(await placement.preview(draft))
 
@@ -235,11 +236,11 @@ async def list_orders(
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """All orders there ever were; as a table with a row for each of their items.
+    """All orders ever; as a table, with a row for each of their items.
 
-    They come newest first; any other `sort` begins with the smallest, unless it is to be `descending`.
-    Filters are narrowed down by one another. Who follows all changes asks with `updated_since` as the newest
-    `updated_at` of the answer before: orders that have changed at that very moment come again, and none is missed.
+    Newest first; any other `sort` is ascending, unless `descending` is set. Filters are combined. To follow
+    changes, pass the newest `updated_at` of the last answer as `updated_since`: orders changed at that very
+    moment appear again, and none is missed.
     """
     sorting = Sorting(sort, sort == "created" if descending is None else descending)
     if format == "csv":
@@ -286,7 +287,7 @@ async def get_order(
 async def release_order(
     actions: Provided[OrderActions], projection: Provided[Projection], base: BaseUrl, order: str
 ) -> Json:
-    """Hand a stored order to the factory; doing it twice is harmless."""
+    """Release a stored order to the factory; doing it twice is harmless."""
     return _answer(projection, await actions.release(order), order, base)
 
 
@@ -301,11 +302,11 @@ async def release_order(
 async def revoke_order(
     actions: Provided[OrderActions], projection: Provided[Projection], base: BaseUrl, order: str
 ) -> Json:
-    """Take the start of an order back; doing it twice is harmless.
+    """Take back an order's release; doing it twice is harmless.
 
-    What has arrived stays delivered. `revoked_at_s` is set at once; when the factory has confirmed that it
-    has stopped, `status` is `stored`, and the rest can be released again. Pieces that are made and have not
-    arrived go to the next order of that product.
+    What has arrived stays delivered. `revoked_at_s` is set at once; once the factory has confirmed, `status`
+    is `stored`, and the rest can be released again. Finished pieces that have not arrived go to the next
+    order of that product.
     """
     return _answer(projection, await actions.revoke(order), order, base)
 
@@ -321,17 +322,17 @@ async def revoke_order(
 async def cancel_order(
     actions: Provided[OrderActions], projection: Provided[Projection], base: BaseUrl, order: str
 ) -> Json:
-    """Cancel an order; doing it twice is harmless. What is made already is not taken apart."""
+    """Cancel an order; doing it twice is harmless. Finished pieces stay."""
     return _answer(projection, await actions.cancel(order), order, base)
 
 
 def order_answer(order: Order, base_url: str, waits: CauseView | None = None) -> OrderAnswer:
-    """An order, as REST shows it.
+    """An order as in REST answers.
 
     Args:
         order: the order.
-        base_url: where this gateway is reached, without a slash at the end.
-        waits: why it waits; None when it goes on.
+        base_url: this gateway's address, without a slash at the end.
+        waits: why it waits; None when it does not.
     """
     view = order_view(order, waits)
     fields = {name: getattr(view, name) for name in view.__struct_fields__}
@@ -347,7 +348,7 @@ def order_answer(order: Order, base_url: str, waits: CauseView | None = None) ->
 
 
 async def _rows(store: Store, wanted: OrderFilter, sorting: Sorting) -> AsyncIterator[Row]:
-    """All orders, read page by page: nobody else waits for a long table."""
+    """All orders, read page by page, so that a long table blocks nobody."""
     after: Place | None = None
     while True:
         async with store.read() as work:

@@ -1,4 +1,4 @@
-"""Recurring work: plain transports that are called, and orders that are placed, again and again, by a calendar."""
+"""Recurring work: plain transports and orders, repeated by a calendar."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from dray.store.orders.schedules import ScheduleRow
 router = APIRouter(tags=["transports"])
 
 NEXT_RUNS = 3
-"""That a list tells of each; a preview tells more."""
+"""Next moments per schedule in a list; a preview has more."""
 
 LISTED = "GET /api/schedules"
 
@@ -50,13 +50,13 @@ IfMatch = Annotated[
 
 
 class RecurringTransport(msgspec.Struct, frozen=True, kw_only=True, rename={"source": "from"}):
-    """What is brought each time, as `POST /api/transports` takes it."""
+    """The transport each time, as in `POST /api/transports`."""
 
     source: str | None = None
     to: str | None = None
     item: str | None = None
     thing: str | None = None
-    """What has no master data, instead of an item."""
+    """A thing without master data, instead of an item."""
     quantity: int | None = None
     priority: str = "normal"
     vehicle: str | None = None
@@ -72,26 +72,26 @@ class RecurringItem(msgspec.Struct, frozen=True):
 
 
 class RecurringOrderAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """The order that is placed each time."""
+    """The order placed each time."""
 
     customer: str
     items: tuple[RecurringItem, ...]
     reference: str | None = None
     priority: str = "normal"
     due_after_s: float | None = None
-    """Wall seconds from its moment until it is due."""
+    """Wall seconds from each moment to its due time."""
 
 
 class LastRun(msgspec.Struct, frozen=True, kw_only=True):
-    """What came of the last moment that was used."""
+    """The result of the last moment used."""
 
     planned_at: str
     transport: str | None = None
-    """GET /api/transports tells of it; null where none was called."""
+    """See GET /api/transports; null if there was none."""
     order: str | None = None
-    """GET /api/orders tells of it; null where none was placed."""
+    """See GET /api/orders; null if there was none."""
     refused: str | None = None
-    """Why nothing came of it."""
+    """Reason if it was refused."""
 
 
 class ScheduleAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -105,31 +105,31 @@ class ScheduleAnswer(msgspec.Struct, frozen=True, kw_only=True):
     time_zone: str
     holidays: tuple[str, ...]
     skipped: tuple[str, ...] = ()
-    """Moments of its calendar at which nothing is done, in its time zone."""
+    """Moments of its calendar that are left out, in its time zone."""
     missed: str
-    """skip or catch_up: what is done about moments that have passed while no gateway was there."""
+    """skip or catch_up: treatment of moments that passed without a gateway."""
     paused: bool
     transport: RecurringTransport | None = None
-    """What is brought each time..."""
+    """The transport each time; null for orders."""
     order: RecurringOrderAnswer | None = None
-    """...or the order that is placed: one of both."""
+    """The order each time; null for transports."""
     next_runs: tuple[str, ...]
-    """In the calendar's time zone; none while it is paused."""
+    """In the calendar's time zone; empty while paused."""
     owner_gone: bool = False
-    """Its owner may do nothing any more: the key was taken back or has run out, or the person may not log in. It has paused then, until
-    somebody lets it go on, whose it is from then on."""
+    """Whether its owner has lost all rights: the key was revoked or expired, or the person may not log in. It
+    pauses then. A person who resumes it becomes its owner."""
     last: LastRun | None = None
     missed_at: str | None = None
-    """The last moment that was left out because it was past."""
+    """The last moment skipped because it had passed."""
     changed_by: str
     changed_at: str
 
 
 class RunsPreview(msgspec.Struct, frozen=True):
-    """When a calendar's moments are."""
+    """The moments of a calendar."""
 
     runs: tuple[str, ...]
-    """In its time zone, with the offset of each."""
+    """In its time zone, each with its offset."""
 
 
 EXAMPLES = (
@@ -150,7 +150,7 @@ EXAMPLES = (
     ),
     RunsPreview(("2030-01-01T05:45:00+01:00", "2030-01-02T05:45:00+01:00")),
 )
-"""One of each answer."""
+"""One example per answer."""
 
 
 COLUMNS = (
@@ -184,9 +184,10 @@ async def list_schedules(
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """What is brought or ordered again and again: by which calendar, when next, and what came of it last.
+    """Recurring work: calendars, next moments, and last results.
 
-    As a table it has a row for each transport, and for each item of an order. Without `orders:read` only one's own orders are listed.
+    As a table, it has a row per transport and per item of an order. Without `orders:read`, only your own
+    orders are listed.
     """
     async with store.read() as work:
         rows = [row for row in await work.schedules.all() if may_see(row, caller)]
@@ -211,11 +212,11 @@ async def list_schedules(
 async def add_schedule(
     scheduler: Provided[Scheduler], caller: Caller, note: Noted, draft: ScheduleDraft
 ) -> Json:
-    """Have a transport called or an order placed again and again, at every moment of a calendar, once for each.
+    """Repeat a transport or an order at every moment of a calendar, once for each.
 
-    Orders ask for the right to place them, too (`orders:write`).
+    Orders also need the right to place them (`orders:write`).
 
-    Sent twice it is refused the second time: no two have the same name.
+    A repeated request is refused, since names are unique.
     """
     note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
     row = await scheduler.define(draft, caller)
@@ -231,7 +232,7 @@ async def add_schedule(
     response_class=Json,
 )
 async def preview_runs(now_s: Now, draft: PreviewDraft) -> Json:
-    """When the next moments of a calendar are; nothing is kept."""
+    """The next moments of a calendar; nothing is stored."""
     try:
         calendar = Calendar(draft.calendar, draft.time_zone, frozenset(draft.holidays))
     except CalendarError as error:
@@ -250,7 +251,10 @@ async def preview_runs(now_s: Now, draft: PreviewDraft) -> Json:
     response_class=Json,
 )
 async def get_schedule(store: Provided[Store], caller: Caller, now_s: Now, schedule: ScheduleId) -> Json:
-    """One schedule; its `ETag` is for changing it. Another's recurring order asks for `orders:read`, too."""
+    """One schedule; its `ETag` is for changing it.
+
+    Another owner's recurring order also needs `orders:read`.
+    """
     async with store.read() as work:
         row = await work.schedules.get(schedule)
         gone = await work.schedules.owners_gone(now_s)
@@ -283,10 +287,12 @@ async def change_schedule(
     draft: ScheduleChange,
     if_match: IfMatch = None,
 ) -> Json:
-    """Change a schedule, leave out single moments, pause it or let it go on. What passes while it is paused is never made up for.
+    """Change, pause or resume a schedule, or leave out single moments.
 
-    Whoever changes what it asks for, or its calendar, is its owner from then on; so is who lets it go on when its owner was gone
-    (`owner_gone`). Of one that orders nothing is changed without the right to place orders (`orders:write`).
+    Moments during a pause are never made up for.
+
+    A caller who changes its content or calendar becomes its owner; so does one who resumes it after its owner
+    was gone (`owner_gone`). Changing one with orders also needs the right to place orders (`orders:write`).
     """
     note.target = schedule
     note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
@@ -316,7 +322,10 @@ async def remove_schedule(
     schedule: ScheduleId,
     if_match: IfMatch = None,
 ) -> Response:
-    """Remove a schedule; what it has asked for already is done all the same. One that orders asks for the right to place orders, too."""
+    """Remove a schedule; work already requested continues.
+
+    One with orders also needs the right to place orders.
+    """
     note.target = schedule
     if not await scheduler.remove(schedule, if_match, caller):
         raise not_found("schedule", schedule, LISTED)
@@ -324,7 +333,10 @@ async def remove_schedule(
 
 
 async def _answers(rows: Sequence[ScheduleRow], gone: frozenset[str]) -> AsyncIterator[ScheduleAnswer]:
-    """One after the other, with others' turns between: to find the next moments of a calendar that has many days off takes milliseconds."""
+    """Answers one by one, letting other work run.
+
+    Next moments of a calendar with many holidays take milliseconds.
+    """
     for row in rows:
         yield _answer(row, gone)
         await asyncio.sleep(0)
@@ -337,7 +349,7 @@ async def _rows(rows: Sequence[ScheduleRow], gone: frozenset[str]) -> AsyncItera
 
 
 def _answer(row: ScheduleRow, gone: frozenset[str] = frozenset()) -> ScheduleAnswer:
-    """It as its readers see it; `gone` are the owners who may do nothing any more."""
+    """A schedule as its readers see it; `gone` holds owners without rights."""
     last = None
     if row.last_at_s is not None:
         last = LastRun(
@@ -368,7 +380,7 @@ def _answer(row: ScheduleRow, gone: frozenset[str] = frozenset()) -> ScheduleAns
 
 
 def _lines(each: ScheduleAnswer) -> Iterator[Row]:
-    """As rows of a table, with the cells of COLUMNS."""
+    """A schedule as table rows with the cells of COLUMNS."""
     days, skipped = " ".join(each.holidays), " ".join(each.skipped)
     begin = (each.name, each.calendar, each.time_zone, days, skipped, each.missed, each.paused)
     last = LastRun(planned_at="") if each.last is None else each.last

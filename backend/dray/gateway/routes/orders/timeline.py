@@ -1,4 +1,4 @@
-"""All of one order: its goals and transports in time, when it is expected, and its customer's links."""
+"""A whole order: goals and transports over time, expected delivery, and the customer's links."""
 
 from __future__ import annotations
 
@@ -42,41 +42,43 @@ from dray.store.orders.tracking_links import Link
 router = APIRouter(tags=["orders"])
 
 EVENTS_MOST = 5_000
-"""Events that are read for one order: 1,000 pieces with their transports, of which one may take some takeovers."""
+"""Maximum events read per order: 1,000 pieces with their transports, including some takeovers."""
 
 
 class ExpectedView(msgspec.Struct, frozen=True):
-    """When an order is expected (wall clock, seconds)."""
+    """Expected delivery of an order (wall clock, seconds)."""
 
     from_at_s: float
     to_at_s: float
 
 
 class EstimateView(msgspec.Struct, frozen=True):
-    """When an order was expected, as told from a moment on. Times are wall clock seconds."""
+    """An earlier estimate of the delivery. Times are wall clock seconds."""
 
     at_s: float
     from_at_s: float | None
-    """None where nothing could be told."""
+    """None if there was no estimate."""
     to_at_s: float | None
     cause: EstimateCause
-    """Why it moved: `first`, `changed` (by people), `moved` (to another machine), `stands`, `silent` or `material` (of a machine), `passed` (by another
-    order), `replaced` (a carrier), `held_up` (its goods), `no_machine`, `later`, `sooner`, `closer` (known more exactly), `again`, `unknown`."""
+    """Cause of the move: `first`, `changed` (by people), `moved` (to another machine), `stands`, `silent` or
+    `material` (of a machine), `passed` (by another order), `replaced` (a carrier), `held_up` (its goods),
+    `no_machine`, `later`, `sooner`, `closer` (more exact), `again`, `unknown`."""
     agent: str
-    """The machine or vehicle that it is about; of `replaced` and `moved` the one before."""
+    """The machine or vehicle concerned; for `replaced` and `moved`, the earlier one."""
     other: str
-    """Of `replaced` and `moved` who goes on, of `material` what was lacking, of `passed` the other order."""
+    """For `replaced` and `moved` the successor, for `material` the missing material, for `passed` the other
+    order."""
 
 
 class OrderStory(TimelineView, kw_only=True):
-    """The timeline of an order, what is expected of it, and its customer's links."""
+    """The timeline of an order, its estimates, and its customer's links."""
 
     expected: ExpectedView | None = None
-    """None when nothing can be said honestly, and when it has ended."""
+    """None if no honest estimate is possible, and after the end."""
     estimates: tuple[EstimateView, ...] = ()
-    """How the expectation has moved, oldest first: a step for each time that an end of it moved by more than a step of the clock in which it is told."""
+    """Earlier estimates, oldest first: one for each move of an end by more than the rounding step."""
     late: str = ""
-    """How the expectation stands to the due time: `maybe`, `yes`, or empty."""
+    """Estimate against the due time: `maybe`, `yes`, or empty."""
     links: tuple[LinkView, ...] = ()
     """Newest first."""
 
@@ -137,9 +139,9 @@ EXAMPLE = OrderStory(
 async def order_timeline(
     store: Provided[Store], projection: Provided[Projection], now_s: Now, order: str
 ) -> Json:
-    """All of an order from its start to its end.
+    """A whole order from start to end.
 
-    Read from agents' histories, and from what is kept with the order of those that are forgotten.
+    Read from agents' histories, and from the order's own copy of forgotten ones.
     """
     async with store.read() as work:
         found = await work.orders.get(order)
@@ -187,7 +189,7 @@ async def make_link(
     order: str,
     draft: LinkDraft,
 ) -> Json:
-    """Make another link to the customer's page of an order."""
+    """Create another link to an order's customer page."""
     token, ends_s = new_token(), draft.ends_s(now_s)
     async with store.write() as work:
         if await work.orders.get(order) is None:
@@ -207,7 +209,7 @@ async def make_link(
     response_class=Json,
 )
 async def revoke_links(store: Provided[Store], now_s: Now, note: Noted, order: str) -> Json:
-    """Take all links of an order back, also the one that came with it; their pages say so from now on."""
+    """Revoke all links of an order, including the first one; their pages say so from now on."""
     async with store.write() as work:
         if await work.orders.get(order) is None:
             raise not_found("order", order, "GET /api/orders")

@@ -1,4 +1,4 @@
-"""The customer's view of an order or a plain transport for programs: no login, no names, no vehicles."""
+"""The customer's view of an order or plain transport for programs: no login, no names, no vehicles."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from dray.store import Store
 router = APIRouter(tags=["orders"])
 
 PRIVATE = {
-    # Whoever has the link may see the page; search engines and caches may not keep it.
+    # Only holders of the link see the page; search engines and caches must not store it.
     "X-Robots-Tag": "noindex, nofollow",
     "Cache-Control": "private, no-store",
-    # Nor may the pages that it leads to learn the address.
+    # Pages linked from it must not learn the address.
     "Referrer-Policy": "no-referrer",
 }
-"""Headers of everything that a link leads to."""
+"""Headers of everything behind a link."""
 
 TRANSPORT = TransportTrackAnswer(
     status="assigned",
@@ -59,7 +59,7 @@ async def track_order(
     now_s: Now,
     token: Annotated[str, Path(max_length=64)],
 ) -> Json:
-    """An order, for whoever knows its token."""
+    """An order, by its token."""
     found = await facts_of(store, projection, token, now_s)
     if found.facts is None:
         raise _no_page(found.why or NoPage.UNKNOWN, token)
@@ -80,7 +80,7 @@ async def track_transport(
     now_s: Now,
     token: Annotated[str, Path(max_length=64)],
 ) -> Json:
-    """A plain transport, for whoever knows its token."""
+    """A plain transport, by its token."""
     found = await transport_of(store, token, now_s)
     if found.row is None:
         raise _no_page(found.why or NoPage.UNKNOWN, token)
@@ -89,7 +89,7 @@ async def track_transport(
 
 
 def material_name(projection: Projection, item: str) -> str:
-    """What people call a material."""
+    """The name of a material for people."""
     spec = projection.site.plant.materials.get(item)
     return item if spec is None else spec.name
 

@@ -1,4 +1,4 @@
-"""Plain transports: something is brought from one place to another."""
+"""Plain transports: bringing something from one place to another."""
 
 from __future__ import annotations
 
@@ -71,36 +71,37 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     quantity: int
     priority: str
     vehicle: str | None = None
-    """The only one that may carry it..."""
+    """The only vehicle that may carry it."""
     vehicle_until: str | None = None
-    """...until then; null for always."""
+    """End of that limit; null if there is none."""
     vehicle_waits: str | None = None
-    """Why that one does not carry it at present: gone, silent, shut_out, carried_away, out_of_service, error, stopped, busy, battery, charging,
-    or the reason for which it has not bid, as no_way."""
+    """Why that vehicle does not carry it now: gone, silent, shut_out, carried_away, out_of_service, error,
+    stopped, busy, battery, charging, or its reason not to bid, such as no_way."""
     ability: str | None = None
-    """What its vehicle must be able to carry beside what the material asks for."""
+    """Ability that its vehicle needs beside the material's."""
     called_by: str
     created_at: str
     due_at: str
     not_before: str | None = None
-    """Nobody is asked to carry it before then."""
+    """Earliest time at which it is announced."""
     cancel_at: str | None = None
-    """When somebody has called it off: it is cancelled when the factory has confirmed."""
+    """Time of the cancellation; it is cancelled once the factory has confirmed."""
     ended_at: str | None = None
     updated_at: str
     shortage: Shortage | None = None
-    """What its source lacks at present, and which storages have as much, where that keeps it waiting."""
+    """Shortage at its source that keeps it waiting, and storages with enough."""
     carrier: str | None = None
     expected_at: str | None = None
-    """When its carrier has promised to be there."""
+    """Time promised by its carrier."""
     task: str | None = None
-    """Under which name it is given out: GET /api/tasks tells who has bid, and why others have not."""
+    """Name of its task: GET /api/tasks has bids and refusals."""
     wait: str | None = None
-    """Why nobody carries it: not_before while its time has not come, no_room where it goes, short where it is fetched, no_bid, or undecided yet."""
+    """Why no vehicle carries it: not_before before its time, no_room at the destination, short at the source,
+    no_bid, or undecided yet."""
     refused: str | None = None
-    """Why it cannot be done, where that has ended it."""
+    """Why it was impossible, if that ended it."""
     thing: str | None = None
-    """What people call it, where it has no master data."""
+    """People's name for it, if it has no master data."""
 
 
 EXAMPLE = TransportAnswer(
@@ -123,22 +124,22 @@ EXAMPLE = TransportAnswer(
 COLUMNS = tuple(
     name for name in TransportAnswer.__struct_fields__ if name not in ("vehicle_waits", "shortage")
 )
-"""Of a table: all but what is so at this moment only."""
+"""Columns of a table: all but momentary values."""
 
 HEADER = tuple(each.encode_name for each in fields(TransportAnswer) if each.name in COLUMNS)
 
 ROWS_AT_ONCE = 500
-"""Transports read in one go for a table."""
+"""Transports per read for a table."""
 
 ATTEMPTS_MOST = 100
-"""Times that one transport may have been given out and is told so: once usually, and again for each restart of its destination."""
+"""Maximum attempts shown per transport: usually one, and one more per restart of its destination."""
 
 EVENTS_MOST = 2_000
-"""Events that are read for one transport: ten takeovers of each attempt have fewer."""
+"""Maximum events read per transport: ten takeovers of each attempt have fewer."""
 
 
 class TransportStory(TransportTimeline, kw_only=True):
-    """All of a plain transport, and the links to its page for others."""
+    """A whole plain transport, and the links to its page."""
 
     links: tuple[LinkView, ...] = ()
     """Newest first."""
@@ -214,7 +215,7 @@ async def call_transport(
     draft: TransportDraft,
     key: Key = None,
 ) -> Json:
-    """Have one load brought from one place to another, once, however often this is sent under one key."""
+    """Bring one load from one place to another; under one key, only once however often this is sent."""
     note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
     kept, replayed = await transports.call(
         draft,
@@ -253,7 +254,7 @@ async def list_transports(
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """All plain transports that are kept; a caller that is limited to areas sees those from and to them."""
+    """All stored plain transports; a caller limited to areas sees those from and to them."""
     after = read_cursor(cursor, tuple[float, str])
     own = transports.places_of(caller)
     places = own if not place else frozenset({place}) if own is None else own & {place}
@@ -284,7 +285,7 @@ async def list_transports(
 async def _rows(
     store: Store, wanted: TransportFilter, sort: SortedBy, descending: bool
 ) -> AsyncIterator[Row]:
-    """All that are wanted, as cells, read page by page."""
+    """All matching transports as table cells, read page by page."""
     after: tuple[float, str] | None = None
     while True:
         async with store.read() as work:
@@ -332,7 +333,7 @@ async def get_transport(
 async def transport_timeline_of(
     store: Provided[Store], transports: Provided[PlainTransports], caller: Caller, transport: str
 ) -> Json:
-    """All of one plain transport: called for, won, fetched, handed over, and whoever took it over."""
+    """A whole plain transport: call, award, fetch, hand-over, and takeovers."""
     async with store.read() as work:
         row = await work.transports.get(transport)
         if row is None or not transports.may_see(row, caller):
@@ -371,7 +372,7 @@ async def make_transport_link(
     transport: str,
     draft: LinkDraft,
 ) -> Json:
-    """Make a link to a page of a transport for others: what, from where to where, how far it is, and when it is expected."""
+    """Create a link to a transport's page: content, route, progress, and expected time."""
     token, ends_s = new_token(), draft.ends_s(now_s)
     async with store.write() as work:
         row = await work.transports.get(transport)
@@ -399,7 +400,7 @@ async def revoke_transport_links(
     note: Noted,
     transport: str,
 ) -> Json:
-    """Take all links of a transport back; their pages say so from now on."""
+    """Revoke all links of a transport; their pages say so from now on."""
     async with store.write() as work:
         row = await work.transports.get(transport)
         if row is None or not transports.may_see(row, caller):
@@ -420,7 +421,7 @@ async def revoke_transport_links(
 async def cancel_transport(
     transports: Provided[PlainTransports], caller: Caller, note: Noted, transport: str
 ) -> Json:
-    """Call a transport off, as long as it is not on board; doing it twice is harmless."""
+    """Cancel a transport that is not on board; doing it twice is harmless."""
     note.target = transport
     row = await transports.cancel(transport, caller)
     if row is None:
@@ -431,7 +432,7 @@ async def cancel_transport(
 def transport_answer(
     row: TransportRow, vehicle_waits: str | None = None, shortage: Shortage | None = None
 ) -> TransportAnswer:
-    """A transport, as REST shows it, why the vehicle that is wanted does not carry it, and what its source lacks."""
+    """A transport as in REST answers, with its wanted vehicle's obstacle and its source's shortage."""
     return TransportAnswer(
         id=row.id,
         status=row.status.value,
@@ -462,5 +463,5 @@ def transport_answer(
 
 
 def _only_own(caller: Principal) -> str:
-    """Whose transports the caller is shown; empty for everybody's."""
+    """The caller to whose transports the list is limited; empty for all."""
     return "" if caller.may(Scope.FACTORY_READ) else caller.key

@@ -1,1 +1,1 @@
-"""What a browser shows: the panels, the login, the customer's page, and the API's documentation."""
+"""Pages for browsers: the panels, the login, the customer's page, and the API's documentation."""

@@ -1,7 +1,8 @@
-"""The page of a call key: a plain form for a phone or a screen at a machine, whole without a script.
+"""The page of a call key: a plain form for a phone or a screen at a machine, complete without a script.
 
-The key is in the address, as that of a customer's page is. So it opens only with a key that may call for transports at one place
-and nothing else: whoever finds the address can have things brought to one place and taken away, and sees of the plant how its places are called.
+The key is in the address, like a customer page's token. The page opens only for a key whose one right is
+transports of one place. Anybody with the address can move things to and from that place, and learns only the
+names of places.
 """
 
 from __future__ import annotations
@@ -40,18 +41,19 @@ from dray.store.orders.transports import TransportFilter
 router = APIRouter(include_in_schema=False)
 
 HEADERS = {"Cache-Control": "no-store", "Vary": "Accept-Language, Cookie", "Referrer-Policy": "same-origin"}
-"""No other site is told the address, which holds the key. With `no-referrer` browsers would not say either that a form of this page is ours
-(`Origin: null`), and it would be refused."""
+"""Other sites do not learn the address, which holds the key. With `no-referrer`, browsers would also hide a
+form's origin (`Origin: null`), and the form would be refused."""
 
 NOT_BUILT = "This page cannot be shown at the moment. Please try again later.\n"
 
 ONLY = frozenset({Scope.TRANSPORTS_CALL})
 
 FIELDS = 8
-"""In a form of this page, which has five at most."""
+"""Maximum fields in a form of this page, which has five at most."""
 
 DIGITS = 9
-"""Of a quantity: more than may be called for. Python refuses to make a number of some thousands of them."""
+"""Maximum digits of a quantity, more than allowed quantities have. Python refuses to convert thousands of
+digits."""
 
 Item = Annotated[str, Query(max_length=32, pattern=r"^[^\x00]*$")]
 
@@ -68,7 +70,7 @@ async def call_page(
     token: str,
     item: Item = "",
 ) -> Response:
-    """What can be called, and how far that is which was called."""
+    """The possible calls, and the progress of those made."""
     caller = await _caller(access, request, token)
     if caller is None:
         return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
@@ -84,7 +86,7 @@ async def call_sign(
     request: Request,
     token: str,
 ) -> Response:
-    """What is printed and hung up at the place: the page's address as a QR code and in letters."""
+    """A sign to print for the place: the page's address as a QR code and as text."""
     caller = await _caller(access, request, token)
     if caller is None:
         return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
@@ -121,7 +123,7 @@ async def call(
     note: Noted,
     token: str,
 ) -> Response:
-    """Have something brought or taken away, once however often the form is sent."""
+    """Call for a transport to or from the place, once however often the form is sent."""
     caller = note.who = await _caller(access, request, token)
     note.target = ""
     if caller is None:
@@ -134,14 +136,14 @@ async def call(
         kept, _ = await transports.call(
             draft,
             caller,
-            # The same page, gone back to and sent with something else, is another call.
+            # The same page, reopened and sent with other content, is another call.
             own_key(caller, f"transport {form.get('key') or new_token()} {draft.text()}"),
             lambda row: msgspec.json.encode(transport_answer(row)),
-            waits=True,  # The second of two touches is shown what became of the first, a refusal too.
+            waits=True,  # A second tap shows the first one's result, even a refusal.
         )
     except (Problem, ValidationError) as error:
         if isinstance(error, Problem) and error.kind == AT_WORK:
-            return _back(token)  # The same touch twice, and another gateway has taken it.
+            return _back(token)  # The same tap twice, handled by another gateway.
         note.result = "refused"
         reason = error.detail if isinstance(error, Problem) else error.errors()[0]["msg"]
         return await _shown(store, projection, panels, transports, request, caller, now_s, form, reason)
@@ -159,7 +161,7 @@ async def call_off(
     token: str,
     transport: str,
 ) -> Response:
-    """Call off what was called with this key, as long as it is not on board; then the page says so."""
+    """Cancel a call of this key that is not on board; the page then says so."""
     caller = note.who = await _caller(access, request, token)
     note.target = transport
     if caller is None:
@@ -175,7 +177,7 @@ async def call_off(
 
 
 def _wanted(form: Mapping[str, str], station: str) -> dict[str, object]:
-    """What a form asks for: a material in pieces, or a thing that somebody has named."""
+    """The draft in a form: a material in pieces, or a named thing."""
     end, other = ("from", "to") if form.get("way") == "take" else ("to", "from")
     if "thing" in form:
         place, ability = form.get("place") or None, form.get("ability") or None
@@ -184,12 +186,12 @@ def _wanted(form: Mapping[str, str], station: str) -> dict[str, object]:
 
 
 def _pieces(written: str) -> int:
-    """How many somebody has written; 0, which nobody may call for, where it is no number or more than anybody writes."""
+    """The number written; 0, which is refused, if it is no number or too long."""
     return int(written) if written.isdecimal() and len(written) <= DIGITS else 0
 
 
 async def _caller(access: Access, request: Request, token: str) -> Principal | None:
-    """Whose key this is; None for one that may do anything else, or is of no place.
+    """The caller of a call key; None if the key has other rights or no place.
 
     Raises:
         Problem: 429, too many tries.

@@ -1,7 +1,7 @@
-"""The customer's page: an order or a plain transport, for whoever has its link.
+"""The customer's page: an order or a plain transport, for holders of its link.
 
-Made whole on the server, so it needs no script; its script asks for the same page again and shows what has
-changed. The time zone is the one that the script has noted, else this computer's.
+The server renders it completely, so it needs no script; its script reloads the page and shows the changes.
+The time zone is the one noted by the script, else this computer's.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ async def customer(
     request: Request,
     token: str,
 ) -> Response:
-    """The page of an order or a transport, or of a link that leads to none."""
+    """The page of an order or a transport, or of an invalid link."""
     found = await facts_of(store, projection, token, now_s)
     language = language_of(request)
     texts = TEXTS[language]
@@ -64,7 +64,7 @@ async def customer(
         "zone": clock.zone,
         "as_of": clock.full(now_s),
     }
-    # Not of the time it was asked at: else no page would ever be the same again.
+    # Without the time of the request: otherwise the tag would never match again.
     tag = entity_tag(told, language, clock.zone, clock.date())
     if tag in _known(request):
         return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=HEADERS | {"ETag": tag})
@@ -92,5 +92,5 @@ def _answer(
 
 
 def _known(request: Request) -> set[str]:
-    """The entity tags that the one who asks has already."""
+    """The entity tags in the request."""
     return {tag.strip() for tag in request.headers.get("if-none-match", "").split(",")}

@@ -1,4 +1,4 @@
-"""The API's documentation as a page: no script, nothing from elsewhere, so it works without a network."""
+"""The API's documentation as a page: no scripts and no external content, so it works offline."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ PAGE = """\
 STYLE_HASH = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
 
 HEADERS = {"Content-Security-Policy": f"{CONTENT_POLICY}; style-src 'sha256-{STYLE_HASH}'"}
-"""Only this page has a style written into it, and only this one."""
+"""Headers that allow the style of this page, and no other."""
 
 
 @router.get("/docs")

@@ -1,6 +1,6 @@
 """The login: pages that work without a script, one for managers and one for operators.
 
-A form of a page is answered with a page; a program that sends the same form gets problems as JSON.
+A page's form is answered with a page; a program that sends the same form gets problems as JSON.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from dray.store.access.people import Person
 
 
 class _Page(APIRoute):
-    """Tells a person that the database is away as a page, too."""
+    """Shows a missing database to a person as a page."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """See `fastapi.routing.APIRoute`."""
@@ -56,7 +56,7 @@ class _Page(APIRoute):
 router = APIRouter(include_in_schema=False, route_class=_Page)
 
 FIELDS = 10
-"""In a form: the login's has six."""
+"""Maximum fields in a form: the login's has six."""
 
 Next = Annotated[str, Query(alias="next", max_length=2000)]
 As = Annotated[Literal["", "manager", "operator"], Query(alias="as")]
@@ -66,7 +66,7 @@ As = Annotated[Literal["", "manager", "operator"], Query(alias="as")]
 async def login_page(
     access: Provided[Access], panels: Provided[Panels], request: Request, wanted: Next = "", role: As = ""
 ) -> Response:
-    """Who are you?"""
+    """The login form."""
     caller = await access.sessions.recognise(request.cookies.get(COOKIE, ""))
     if caller is not None and caller.role is not None and not caller.over:
         return _go(redirect_target(wanted, caller.role))
@@ -81,7 +81,7 @@ async def log_in(
     request: Request,
     note: Noted,
 ) -> Response:
-    """Log somebody in by name and password or PIN, or by badge."""
+    """Log a person in by name and password or PIN, or by badge."""
     form = await read_form(request, FIELDS)
     login, address = access.login, address_of(request.scope)
     note.detail["by"] = "badge" if form.get("badge") else "name"
@@ -108,7 +108,7 @@ async def station_page(
     caller: Caller,
     wanted: Next = "",
 ) -> Response:
-    """Where do you work?"""
+    """The form for an operator's station."""
     stations = stations_in(projection.site.plant.file, caller.areas or ())
     return page(
         panels,
@@ -126,7 +126,7 @@ async def station_page(
 async def take_station(
     access: Provided[Access], projection: Provided[Projection], request: Request, caller: Caller, note: Noted
 ) -> Response:
-    """Work at this machine from now on."""
+    """Set the operator's station."""
     form = await read_form(request, FIELDS)
     station = note.target = form.get("station", "")
     if station not in {machine.id for machine in stations_in(projection.site.plant.file, caller.areas or ())}:
@@ -141,7 +141,7 @@ async def take_station(
 async def link_page(
     access: Provided[Access], panels: Provided[Panels], request: Request, token: str
 ) -> Response:
-    """Whom this link logs in. Looking uses nothing up: programs look at links before people do."""
+    """The person whom a link logs in. Viewing does not use it up, because programs preview links."""
     try:
         person = await access.login.whose_link(token)
     except LinkUsedUp as used:
@@ -158,7 +158,7 @@ async def use_link(
     note: Noted,
     token: str,
 ) -> Response:
-    """Log somebody in by a link, once."""
+    """Log a person in by a link, once."""
     note.target, note.detail["by"] = "", "link"
     try:
         person = await access.login.by_link(token, address_of(request.scope))
@@ -172,7 +172,7 @@ async def use_link(
 
 @router.post("/logout")
 async def log_out(access: Provided[Access], request: Request, note: Noted) -> Response:
-    """End the session of this browser; done again, it does nothing."""
+    """End this browser's session; harmless when done twice."""
     ended = await access.sessions.end(request.cookies.get(COOKIE, ""))
     if ended is not None:
         note.who = principal_of(*ended)
@@ -185,7 +185,7 @@ async def log_out(access: Provided[Access], request: Request, note: Noted) -> Re
 async def _welcome(
     access: Access, plant: PlantFile, request: Request, note: Noted, person: Person, wanted: str
 ) -> Response:
-    """Begin a session, and go on."""
+    """Begin a session and redirect."""
     role = Role(person.role)
     station = _station(plant, request, person) if role is Role.OPERATOR else ""
     token, session = await access.sessions.begin(
@@ -206,7 +206,7 @@ async def _welcome(
 
 
 def _station(plant: PlantFile, request: Request, person: Person) -> str:
-    """Where this device stands, if that is in one of the operator's areas; else the only machine there."""
+    """This device's station, if it is in the operator's areas; else the only machine there."""
     stations = [machine.id for machine in stations_in(plant, person.areas)]
     here = request.cookies.get(cookies.STATION, "")
     if here in stations:

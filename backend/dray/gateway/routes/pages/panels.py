@@ -1,4 +1,4 @@
-"""Pages: what a browser shows. The panels themselves are built from `frontend/`."""
+"""Pages of the panels, which are built from `frontend/`."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ To build the panels, run `make panels` in the checkout and load this page again.
 async def manager(
     settings: Provided[Settings], panels: Provided[Panels], request: Request, caller: Caller
 ) -> Response:
-    """The management panel; whoever is limited to areas has another one."""
+    """The management panel; callers limited to areas are redirected to their own."""
     if caller.areas is not None:
         return RedirectResponse(HOMES[Role.OPERATOR], HTTPStatus.SEE_OTHER)
     return _panel(settings, panels, request, "manager.html")
@@ -47,19 +47,19 @@ async def editor(settings: Provided[Settings], panels: Provided[Panels], request
 
 @router.get("/operator")
 async def operator(settings: Provided[Settings], panels: Provided[Panels], request: Request) -> Response:
-    """The operator panel. The page is the same for everybody: what it shows comes by the stream."""
+    """The operator panel. The page is the same for everybody; its data comes by the stream."""
     return _panel(settings, panels, request, "operator.html")
 
 
 @router.get("/operator/shell")
 async def shell(settings: Provided[Settings], panels: Provided[Panels], request: Request) -> Response:
-    """The same page for the service worker, to be shown where there is no network. It holds nobody's data."""
+    """The same page for the service worker, shown when offline. It holds no data."""
     return _panel(settings, panels, request, "operator.html")
 
 
 @router.get("/operator/worker.js")
 async def worker(panels: Provided[Panels]) -> Response:
-    """The service worker, with the files to keep: another build is another text, which browsers notice."""
+    """The service worker with its list of files: each build changes the text, which browsers notice."""
     try:
         files = [*panels.files("src/theme/init.ts", "src/operator/main.tsx"), "/static/icon.svg"]
         source = panels.source("src/operator/shell/worker.ts")
@@ -67,7 +67,7 @@ async def worker(panels: Provided[Panels]) -> Response:
         return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE)
     version = sha256("\n".join(files).encode()).hexdigest()[:16]
     told = msgspec.json.encode({"version": version, "page": "/operator/shell", "files": files}).decode()
-    # By itself it could look after what lies below its folder, and the panel's own address is no such place.
+    # By default it controls only paths below its folder, which excludes the panel's own address.
     headers = {"Cache-Control": "no-cache", "Service-Worker-Allowed": "/operator"}
     return Response(f"self.SHELL = {told};\n{source}", media_type="text/javascript", headers=headers)
 
@@ -78,7 +78,7 @@ def _panel(settings: Settings, panels: Panels, request: Request, template: str) 
         page = panels.render(template, language=language_of(request), stop=stop)
     except NotBuilt:
         return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE)
-    # The page names the built scripts: an old page would ask for scripts that are gone.
+    # The page names built scripts: a cached page would request scripts that are gone.
     headers = {"Cache-Control": "no-store"}
     if stop:
         headers["Content-Security-Policy"] = f"{CONTENT_POLICY}; connect-src 'self' {stop}"

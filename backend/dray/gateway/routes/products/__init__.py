@@ -1,1 +1,1 @@
-"""Products: what this plant can make."""
+"""Products that this plant can make."""

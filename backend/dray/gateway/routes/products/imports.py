@@ -1,4 +1,4 @@
-"""Imports: files of products, defined all or none."""
+"""Imports: files of products, all defined or none."""
 
 from __future__ import annotations
 
@@ -46,17 +46,17 @@ class ImportedProduct(msgspec.Struct, frozen=True, kw_only=True):
     name: str
     becomes: Literal["new", "changed", "unchanged"]
     revision: int
-    """Of it when the file has been taken."""
+    """Revision once the file is taken."""
 
 
 class ProductsAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """What was in the file."""
+    """The content of the file."""
 
     products: tuple[ImportedProduct, ...]
     faults: tuple[RowFault, ...]
-    """What is wrong with it, by row; 50 at most. Empty when it was taken."""
+    """Faults by row, at most 50; empty if it was taken."""
     hints: tuple[RowFault, ...]
-    """What is odd in it and taken all the same, as letters of an unknown encoding."""
+    """Oddities that do not prevent taking it, such as letters of an unknown encoding."""
 
 
 @router.post(
@@ -84,10 +84,11 @@ async def import_products(
 ) -> Json:
     """Define the products of a spreadsheet, all of them or none.
 
-    The first row names the columns: `product`, `name`, `lot`, `ability`, `material`, `pieces`, `machine`, `cycle_s`, `document`,
-    `address`, `media_type`, `sha256`. Rows that follow one another with the same product are one product; each may name one line
-    of its bill, one machine and one document. One that exists becomes another revision, unless nothing has changed. A dry run
-    defines nothing and tells what is wrong in which row; without one, a single fault refuses the whole file.
+    The first row names the columns: `product`, `name`, `lot`, `ability`, `material`, `pieces`, `machine`,
+    `cycle_s`, `document`, `address`, `media_type`, `sha256`. Successive rows with the same product are one
+    product; each may name one line of its bill, one machine and one document. An existing product gets a new
+    revision, unless nothing has changed. A dry run defines nothing and lists the faults by row; otherwise a
+    single fault refuses the whole file.
     """
     judged = projection.site.plant
     read = await side_work.do(caller.key, read_file, body, catalogue.known())

@@ -1,4 +1,4 @@
-"""What this plant can make: master data, which people define while it runs."""
+"""Products of this plant: master data that people define at run time."""
 
 from __future__ import annotations
 
@@ -52,15 +52,15 @@ class ProductAnswer(msgspec.Struct, frozen=True, kw_only=True):
     lot: int
     """Pieces in one container."""
     bill: dict[str, int]
-    """Pieces of each material that one piece takes."""
+    """Pieces of each material per piece."""
     ability: str
-    """What a vehicle must be able to carry."""
+    """Ability that a vehicle needs to carry it."""
     machines: dict[str, float]
-    """Seconds for one piece, by machine that can make it."""
+    """Seconds per piece, by capable machine."""
     documents: tuple[Document, ...]
-    """What whoever makes it needs: machines verify their checksums before they begin."""
+    """Documents for its makers: machines verify their checksums before they begin."""
     revision: int
-    """Grows with every change; orders that are released from now on are made by it."""
+    """Grows with every change; orders released from now on use it."""
 
 
 EXAMPLE = ProductAnswer(
@@ -138,8 +138,8 @@ async def define(
 ) -> Json:
     """Define a product: a new one with `If-None-Match: *`, another revision with `If-Match`.
 
-    It can be ordered at once, with no restart of anything. What cannot be made or carried in this plant is refused, with the reason. Goals in
-    work keep the revision with which they were given out.
+    It can be ordered at once, without a restart. A product that cannot be made or carried in this plant is
+    refused with the reason. Goals in work keep their revision.
     """
     note.target, note.detail["name"] = product, request.name
     before = catalogue.revision(product) if product in projection.site.products else None

@@ -1,7 +1,7 @@
 """Texts of the customer's page, and dates and numbers in its languages.
 
-Written here and not taken from a library of locales: three languages need some sixty words of calendar, and
-the page keeps to the panels' rule of a 24 hour clock, which such a library would have to be talked out of.
+Our own and not a locale library: three languages need some sixty calendar words, and the panels' 24 hour
+clock would have to be forced on such a library.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The shape of a language: every language has all of it, so that no page ever shows a bare key."""
+"""The shape of a language: all texts are required, so that no page ever shows a bare key."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ Names = tuple[str, ...]
 
 
 class Calendar(msgspec.Struct, frozen=True, kw_only=True):
-    """How days and times are written; the clock has 24 hours in all of our languages."""
+    """Forms of days and times; the clock has 24 hours in all our languages."""
 
     weekdays: Names
     """Monday first, abbreviated."""
     months: Names
     """January first, abbreviated."""
     day: str
-    """With {weekday}, {day} and {month}."""
+    """Form with {weekday}, {day} and {month}."""
     day_of_year: str
-    """With {day}, {month} and {year}."""
+    """Form with {day}, {month} and {year}."""
     yesterday: str
     """As within a sentence, like the other two."""
     today: str
     tomorrow: str
     thousands: str
-    """Between groups of three digits."""
+    """Separator of groups of three digits."""
     thousands_from: int
-    """The first number that is grouped."""
+    """First number that is grouped."""
 
 
 class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
-    """All texts of the customer's page in one language; braces hold what is filled in."""
+    """All texts of the customer's page in one language; braces hold values."""
 
     calendar: Calendar
 
@@ -59,7 +59,7 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     why: dict[str, str]
     """Per `Reason`."""
     why_material: str
-    """For want of material, where its names are known."""
+    """Lack of material whose names are known."""
 
     parts_title: str
     made: str
@@ -76,7 +76,7 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     not_reached: str
 
     transport: str
-    """Of a plain transport, with {source} and {to}."""
+    """Form for a plain transport, with {source} and {to}."""
     transport_stages: dict[str, str]
     """Per `TransportState`, without cancelled."""
     transport_why: dict[str, str]

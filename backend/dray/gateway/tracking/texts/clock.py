@@ -9,26 +9,26 @@ from dray.gateway.tracking.eta import Range
 from dray.gateway.tracking.texts.catalogue import Catalogue
 
 ZONE_CHARS = 64
-"""The longest name of a time zone has about 32."""
+"""Maximum characters of a time zone's name; the longest has about 32."""
 
 
 def zone_named(name: str) -> tzinfo | None:
-    """The time zone of this name; None when there is none, or the name is no name."""
+    """The time zone of this name; None if it is unknown or invalid."""
     if not name or len(name) > ZONE_CHARS:
         return None
     try:
         return ZoneInfo(name)
     except (KeyError, OSError, ValueError):
-        # Not known here, or a path that leads elsewhere.
+        # Unknown here, or a path to another file.
         return None
 
 
 class Clock:
-    """Writes moments as people read them.
+    """Writes times for people.
 
     Args:
         texts: the language.
-        zone: where the reader's clock hangs; None for where this computer's does.
+        zone: the reader's time zone; None for this computer's.
         now_s: wall clock.
     """
 
@@ -38,7 +38,7 @@ class Clock:
 
     @property
     def zone(self) -> str:
-        """The zone as people know it, as Europe/Madrid or CET."""
+        """The zone's usual name, as Europe/Madrid or CET."""
         return self._zone.key if isinstance(self._zone, ZoneInfo) else (self._local(0).tzname() or "UTC")
 
     def time(self, at_s: float) -> str:
@@ -61,13 +61,13 @@ class Clock:
         )
 
     def full(self, at_s: float) -> str:
-        """17 Mar 2030, 13:10: also right on paper, on another day."""
+        """17 Mar 2030, 13:10: also correct on paper, on another day."""
         calendar, date = self._texts.calendar, self._local(at_s).date()
         month = calendar.months[date.month - 1]
         return f"{calendar.day_of_year.format(day=date.day, month=month, year=date.year)}, {self.time(at_s)}"
 
     def moment(self, at_s: float) -> str:
-        """Today, 13:10: on its own."""
+        """Today, 13:10: standing alone."""
         return _begun(self.inside(at_s))
 
     def inside(self, at_s: float) -> str:
@@ -75,7 +75,7 @@ class Clock:
         return f"{self.day(at_s)}, {self.time(at_s)}"
 
     def range(self, between: Range, now_s: float) -> str:
-        """Today, 13:10 – 13:50; once it may be at any moment, only its end."""
+        """Today, 13:10 – 13:50; once the range has begun, only its end."""
         first, last = self.day(between.from_s), self.day(between.to_s)
         if between.from_s <= now_s:
             return _begun(self._texts.by_about.format(day=last, to=self.time(between.to_s)))
@@ -93,11 +93,11 @@ class Clock:
 
     @staticmethod
     def iso(at_s: float) -> str:
-        """For machines, in UTC."""
+        """The time in ISO 8601, in UTC."""
         return datetime.fromtimestamp(at_s, UTC).isoformat(timespec="seconds").replace("+00:00", "Z")
 
     def date(self) -> str:
-        """The reader's day, for machines."""
+        """The reader's date in ISO 8601."""
         return self._today.isoformat()
 
     def _local(self, at_s: float) -> datetime:
@@ -105,5 +105,5 @@ class Clock:
 
 
 def _begun(text: str) -> str:
-    """With a capital, as what stands on its own begins; the rest stays as it is."""
+    """The text with a capital first letter, and no other change."""
     return text[:1].upper() + text[1:]

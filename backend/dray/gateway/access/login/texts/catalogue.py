@@ -1,4 +1,4 @@
-"""The shape of a language: every language has all of it, so that no page ever shows a bare key."""
+"""The shape of a language: all texts are required, so that no page ever shows a bare key."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import msgspec
 
 
 class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
-    """All texts of the login pages in one language; braces hold what is filled in."""
+    """All texts of the login pages in one language; braces hold values."""
 
     languages: str
     skip: str

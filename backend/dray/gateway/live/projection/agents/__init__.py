@@ -1,1 +1,1 @@
-"""What is known of agents: vehicles, machines and stations, their silence, and what is held against them."""
+"""What is known of agents: vehicles, machines, stations, their silence, and disputes about them."""

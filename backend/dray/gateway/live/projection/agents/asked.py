@@ -1,4 +1,4 @@
-"""What agents ask of people, and what people have told them, as panels see it."""
+"""Agents' requests to people and people's orders to agents, as panels see them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dray.store.history.clocks import ToWall
 
 
 def out_view(out: OutOfService, to_wall_s: ToWall) -> OutOfServiceView:
-    """That it is out of service; `to_wall_s` makes wall clock of the plant's."""
+    """An agent's state out of service; `to_wall_s` converts plant clock to wall clock."""
     return OutOfServiceView(
         by=out.by,
         since_at_s=to_wall_s(out.since_s),
@@ -21,17 +21,17 @@ def out_view(out: OutOfService, to_wall_s: ToWall) -> OutOfServiceView:
 
 
 def help_view(wanted: HelpWanted, to_wall_s: ToWall) -> HelpView:
-    """How long its work waits for a person."""
+    """An agent's call for help: how long its work waits for a person."""
     return HelpView(until_at_s=to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
 
 
 def wait_view(wait: BodyWait, to_wall_s: ToWall) -> BodyWaitView:
-    """What its body waits for."""
+    """What an agent's body waits for."""
     return BodyWaitView(what=wait.what, until=wait.until, since_at_s=to_wall_s(wait.since_s))
 
 
 def problem_view(problem: Problem) -> ProblemView:
-    """What is known of its problem."""
+    """The details of an agent's problem."""
     return ProblemView(
         kind=cast(Any, str(problem.kind)),
         passes=problem.passes,

@@ -26,19 +26,19 @@ from dray.plant.model import Charging, VehicleSpec, VehicleType
 from dray.store.history.clocks import Clocks, ToWall
 
 ANY_MUST_CHARGE_FRAC = Charging().must_below_frac
-"""Of a vehicle whose type is not known here."""
+"""Charging threshold of a vehicle whose type is unknown here."""
 
 JOINING_LEAST = 256
-"""So many agents of a kind may join a plant of any size without a new plant file."""
+"""Minimum number of agents of a kind that may join any plant without a new plant file."""
 
 
 def joining_max(known: int) -> int:
-    """How many agents of a kind may join while everything runs: as many as there are. Who invents names ends here."""
+    """Maximum agents of a kind that may join at run time: as many as there are. It bounds invented names."""
     return max(JOINING_LEAST, known)
 
 
 def clock_of(clocks: Clocks, agent: str) -> ClockView | None:
-    """How far an agent's clock is off, as panels are told."""
+    """The clock offset of an agent, as panels are told."""
     offset = clocks.offset(agent)
     if offset is None:
         return None
@@ -50,17 +50,18 @@ class Atvs:
     """The fleet.
 
     Args:
-        fleet: the plant's vehicles; others may come.
-        types: of vehicles.
+        fleet: the plant's vehicles; others may join.
+        types: the vehicle types.
         to_wall_s: plant clock to wall clock.
-        outsiders: who is shut out.
-        removals: who was carried away.
+        outsiders: the agents that are shut out.
+        removals: the vehicles that were carried away.
         clocks: of all agents.
         silence: of all agents.
-        top_mps: no vehicle is faster.
+        top_mps: top speed of the fastest vehicle.
 
     Attributes:
-        strangers: heartbeats of vehicles that the plant file does not know and that are more than could have joined.
+        strangers: heartbeats ignored because their vehicles are not in the plant file and too many have
+            joined.
     """
 
     def __init__(
@@ -87,7 +88,7 @@ class Atvs:
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
         self._shown: dict[str, tuple[AtvHeartbeat, AtvView]] = {}
-        """What was made of the heartbeat beside it; nothing once something else of the vehicle has changed."""
+        """The view made of the heartbeat beside it; dropped when anything else about the vehicle changes."""
         self.changes = Changes("atv")
         self.by_status: Counter[str] = Counter()
         self.fleet = Fleet(top_mps)
@@ -96,14 +97,14 @@ class Atvs:
         """Vehicles that were heard and are not in the plant file."""
 
     def __contains__(self, atv: object) -> bool:
-        """Whether the plant has it, or it was heard of."""
+        """Whether the vehicle is in the plant file or was heard."""
         return atv in self._types or atv in self._last
 
     def fold(self, heartbeat: AtvHeartbeat) -> bool:
         """Take a heartbeat in.
 
         Returns:
-            False when it is older than the last one, or of one vehicle too many that nobody knows.
+            False when it is older than the last one, or exceeds the number of vehicles that may join.
         """
         atv = heartbeat.atv
         last = self._last.get(atv)
@@ -121,7 +122,7 @@ class Atvs:
                 self.by_status[last.status.value] -= 1
         self.fleet.fold(last, heartbeat, self._battery_wh.get(atv, 0.0))
         if last is not None and last.floor is not heartbeat.floor is UNSET and _stands_as(last, heartbeat):
-            # By radio it tells less. Whoever has not moved holds what it has held.
+            # Radio heartbeats omit reservations; a vehicle that has not moved keeps its last known ones.
             heartbeat = msgspec.structs.replace(heartbeat, floor=last.floor)
         self._last[atv] = heartbeat
         self.changes.mark(atv)
@@ -141,7 +142,7 @@ class Atvs:
         return None if heartbeat is None else (heartbeat.pose.x_m, heartbeat.pose.y_m)
 
     def mark(self, agents: Iterable[str]) -> None:
-        """Something else is to be shown of these, as far as they were heard."""
+        """Mark these vehicles as changed, if they were heard."""
         for agent in agents:
             if agent in self._last:
                 self._shown.pop(agent, None)
@@ -226,7 +227,7 @@ class Atvs:
 
 
 def _stands_as(last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> bool:
-    """Whether a vehicle stands where it stood, in the same life."""
+    """Whether a vehicle has not moved, in the same incarnation."""
     there = (last.incarnation, last.node, last.pose) == (
         heartbeat.incarnation,
         heartbeat.node,
@@ -236,11 +237,11 @@ def _stands_as(last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> bool:
 
 
 def probation_of(heartbeat: Heartbeat) -> ProbationView | None:
-    """How far an agent on probation has come; None for one that is not."""
+    """The progress of an agent on probation; None for one that is not."""
     probation = heartbeat.probation
     return None if probation is None else ProbationView(of=probation.of, done=probation.done)
 
 
 def plain(word: Any) -> Any:
-    """An enumeration's word as the plain text that views have; both lists of words are the same."""
+    """The enumeration member as the plain text that views use; both have the same words."""
     return str(word)

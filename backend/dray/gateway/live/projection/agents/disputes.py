@@ -1,4 +1,4 @@
-"""Disputes: what coordinators do not believe of vehicles and machines, as long as it is worth a look."""
+"""Disputes: what coordinators do not believe of vehicles and machines, while it is worth a look."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from dray.messages.fact import BookRefused, HandoverDisputed, NameMisused, WordD
 from dray.protocol.contract_net.trust.reliability import HALF_LIFE_S
 
 AGENTS_KEPT = 1_000
-"""More than anybody could look at."""
+"""Maximum agents per kind of dispute: more than people could look at."""
 
 
 class Dispute(msgspec.Struct):
-    """What is held against one agent."""
+    """The latest dispute about one agent."""
 
     agent: str
     by: str
-    """Whose word it is: the last coordinator."""
+    """The last agent to report it."""
     cause: CauseView
-    """What it has said, and how often."""
+    """The disputed statement, and how often it was reported."""
     at_s: float
     task: str = ""
 
@@ -33,7 +33,7 @@ class Disputes:
     """The disputes of the last half hour, by agent."""
 
     heeded: ClassVar[tuple[type, ...]] = (HandoverDisputed, WordDisbelieved, NameMisused, BookRefused)
-    """Kinds of facts that hold something against an agent."""
+    """Kinds of facts that dispute an agent's word."""
 
     def __init__(self) -> None:
         self._handovers: dict[str, Dispute] = {}
@@ -69,7 +69,7 @@ class Disputes:
         return _lately(self._handovers, now_s)
 
     def words(self, now_s: float) -> Iterator[Dispute]:
-        """Agents that have said what cannot be."""
+        """Agents that made impossible statements."""
         return _lately(self._words, now_s)
 
 

@@ -1,4 +1,4 @@
-"""Loads that wait for a word of people, as panels see them."""
+"""Loads that wait for a person's confirmation, as panels see them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dray.messages import PeopleAsBody
 
 
 def loads_of(people: PeopleAsBody | UnsetType) -> tuple[LoadView, ...] | None:
-    """Those of an agent, the oldest first; None where its body is not people."""
+    """The unconfirmed loads of an agent, oldest first; None where its body is not people."""
     if people is UNSET:
         return None
     return tuple(

@@ -33,8 +33,8 @@ from dray.store.history.clocks import Clocks, ToWall
 MAKING, STARVED, IDLE, BROKEN, DOWN, RESTING = "making", "starved", "idle", "broken", "down", "resting"
 
 DOINGS = (MAKING, STARVED, IDLE, BROKEN, DOWN, RESTING)
-"""What a machine may do. It is broken when it cannot work at a goal that it has, and down without one; what it rests by its working
-time is no part of its time otherwise."""
+"""What a machine may do. A machine in error is broken with a goal, and down without one. Rest by working time
+does not count as other time."""
 
 WITH_GOAL = (MAKING, STARVED, BROKEN)
 
@@ -43,12 +43,12 @@ class Machines:
     """The machines.
 
     Args:
-        site: knows their names.
+        site: knows the machines' names.
         to_wall_s: plant clock to wall clock.
-        outsiders: who is shut out.
+        outsiders: the agents that are shut out.
         clocks: of all agents.
         silence: of all agents.
-        materials: knows their names.
+        materials: knows the materials' names.
     """
 
     def __init__(
@@ -64,28 +64,28 @@ class Machines:
         self._outsiders = outsiders
         self._clocks, self._silence = clocks, silence
         self._known = frozenset(site.plant.machines)
-        """Those of the plant file."""
+        """Machines in the plant file."""
         self.strangers = 0
-        """Heartbeats of machines that the plant file does not know and that are more than could have joined."""
+        """Heartbeats ignored because their machines are not in the plant file and too many have joined."""
         self._joined = 0
         self._site = site
         self._to_wall_s = to_wall_s
         self._last: dict[str, MachineHeartbeat] = {}
         self._since_s: dict[str, float] = {}
-        """Per machine, since when it has had its status (plant clock)."""
+        """Per machine, the time since which it has had its status (plant clock)."""
         self.use = TimeUse(DOINGS)
         self.changes = Changes("machine")
         self.due_of: Callable[[str], float | None] = lambda _goal: None
-        """By a goal, when its order is due (wall clock); None where that is not known."""
+        """The due time of a goal's order (wall clock); None where it is not known."""
         self.order_of: Callable[[str], tuple[str, str]] = lambda _goal: ("", "")
-        """By a goal, the id of its order and the name that people know it by."""
+        """The id of a goal's order, and the order's name for people."""
         self.by_status: Counter[str] = Counter()
 
     def fold(self, heartbeat: MachineHeartbeat) -> bool:
         """Take a heartbeat in.
 
         Returns:
-            False when it is older than the last one, or of one machine too many.
+            False when it is older than the last one, or exceeds the number of machines that may join.
         """
         last = self._last.get(heartbeat.machine)
         if last is None:
@@ -110,13 +110,13 @@ class Machines:
         return True
 
     def product_of(self, goal: str) -> str:
-        """What a goal is about, by the words of who makes it; empty where nobody does."""
+        """The product of a goal, by its machine's heartbeat; empty where no machine makes it."""
         made = (each for heartbeat in self._last.values() for each in heartbeat.goals if each.goal == goal)
         brief = next(made, None)
         return "" if brief is None else brief.product
 
     def starved_frac(self, now_s: float) -> float | None:
-        """Part of the last hour's time with a goal in which material was missing; None without any.
+        """Fraction of last hour's time with a goal in which material was missing; None without such time.
 
         Args:
             now_s: plant clock.
@@ -129,7 +129,7 @@ class Machines:
         return ((heartbeat, self._since_s[machine]) for machine, heartbeat in self._last.items())
 
     def mark(self, agents: Iterable[str]) -> None:
-        """Something else is to be shown of these, as far as they were heard."""
+        """Mark these machines as changed, if they were heard."""
         for agent in agents:
             if agent in self._last:
                 self.changes.mark(agent)

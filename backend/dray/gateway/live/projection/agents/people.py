@@ -1,4 +1,4 @@
-"""Who is on duty, and who calls for help, as it was heard last. Nothing of it is kept: who is not heard any more is gone."""
+"""Operators on duty and calls for help, by their last messages. Nothing is stored: silent ones disappear."""
 
 from __future__ import annotations
 
@@ -9,25 +9,26 @@ from dray.messages import CallState, HelpCall, OperatorHeartbeat
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s
 
 PEOPLE_MAX, CALLS_MAX = 256, 2_000
-"""More people than one shift has; a call for each vehicle and machine of the largest plant."""
+"""Maximum people and calls: more people than a shift has, and a call per vehicle and machine of the largest
+plant."""
 
 SILENT_S = bound_s(IDLE_INTERVAL_S)
-"""Plant seconds: operators and callers speak every 5 s."""
+"""Plant seconds of silence after which they are dropped: operators and callers speak every 5 s."""
 
 _Key = TypeVar("_Key")
 _Heard = TypeVar("_Heard")
 
 
 class People:
-    """Of one plant. Times are the gateway's own, on the plant's clock."""
+    """The people of one plant. Times are the gateway's own, on the plant's clock."""
 
     def __init__(self) -> None:
         self._operators: dict[str, tuple[OperatorHeartbeat, float]] = {}
         self._calls: dict[tuple[str, str], tuple[HelpCall, float]] = {}
-        """By what is called for."""
+        """Calls by their subject."""
 
     def fold(self, message: OperatorHeartbeat | HelpCall, now_s: float) -> bool:
-        """Note what was said; False for what was overtaken."""
+        """Note a message; False when a newer one came before."""
         if isinstance(message, HelpCall):
             return self._on_call(message, now_s)
         before = self._operators.get(message.operator)
@@ -54,13 +55,13 @@ class People:
         return True
 
     def on_duty(self, now_s: float) -> Iterator[OperatorHeartbeat]:
-        """Who is there at this moment."""
+        """The operators on duty now."""
         for heartbeat, heard_s in self._operators.values():
             if now_s - heard_s <= SILENT_S and not heartbeat.draining:
                 yield heartbeat
 
     def calls(self, now_s: float) -> Iterator[HelpCall]:
-        """Who calls at this moment."""
+        """The calls that are open now."""
         for call, heard_s in self._calls.values():
             if call.state is not CallState.ENDED and now_s - heard_s <= SILENT_S:
                 yield call

@@ -1,4 +1,4 @@
-"""Vehicles that people have carried away, as panels are told of them: by whom, what is free since, and which place is kept."""
+"""Vehicles that people have carried away, as panels see them: by whom, places freed, and places kept."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from dray.messages.fact import PlaceKept, PlacesFreed
 
 
 class Removals:
-    """Those that were not heard since. Whoever reads them from SQL says so here."""
+    """The vehicles carried away and not heard since. The reader of SQL puts them here."""
 
     heeded: ClassVar[tuple[type, ...]] = (PlacesFreed, PlaceKept)
-    """Kinds of facts that tell what was done about a removal."""
+    """Kinds of facts that report the handling of a removal."""
 
     def __init__(self) -> None:
         self._views: dict[str, RemovalView] = {}
         self._freed: dict[tuple[str, int], tuple[str, ...]] = {}
-        """Vehicle and number of the removal -> places, of those that are shown."""
+        """Vehicle and removal number -> freed places, for the vehicles shown."""
         self._kept: set[tuple[str, int]] = set()
 
     def __contains__(self, atv: object) -> bool:
@@ -29,7 +29,7 @@ class Removals:
         return atv in self._views
 
     def put(self, views: Iterable[tuple[str, RemovalView]]) -> set[str]:
-        """Show these, by vehicle, and no others; returns the vehicles of which something else is said now."""
+        """Show exactly these removals, by vehicle; returns the vehicles whose removal changed."""
         before, self._views = self._views, dict(views)
         numbers = {(atv, view.number) for atv, view in self._views.items()}
         self._kept &= numbers
@@ -37,7 +37,7 @@ class Removals:
         return {atv for atv in before.keys() | self._views.keys() if before.get(atv) != self._views.get(atv)}
 
     def fold(self, event: Event) -> tuple[str, ...]:
-        """Whoever keeps a reservation table tells what was done; returns the vehicle that it is about, if one that is shown."""
+        """Take in a reservation table keeper's report; returns the vehicle concerned, if it is shown."""
         fact = event.fact
         if not isinstance(fact, PlacesFreed | PlaceKept) or fact.atv not in self._views:
             return ()
@@ -49,11 +49,11 @@ class Removals:
         return (fact.atv,)
 
     def views(self) -> Mapping[str, RemovalView]:
-        """Those that are off the floor, as they were decided."""
+        """The vehicles off the floor, as decided by people."""
         return self._views
 
     def view(self, atv: str) -> RemovalView | None:
-        """What is told of one vehicle; None when it is on the floor."""
+        """The removal of one vehicle; None when it is on the floor."""
         view = self._views.get(atv)
         if view is None:
             return None

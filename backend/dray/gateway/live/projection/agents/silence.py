@@ -1,11 +1,11 @@
-"""When silence of one agent means that what is shown of it is a memory: by the rule of the agents themselves.
+"""The silence after which an agent counts as lost: the rule of the agents themselves.
 
-The rule is `dray.protocol.liveness.suspicion`, applied to heartbeats as they arrive here. Panels are told what it gives and
-have no rule of their own.
+The rule is `dray.protocol.liveness.suspicion`, applied to heartbeats as they arrive here. Panels get its
+result and have no rule of their own.
 
-It is judged against the newest that was heard of the plant, and not against the gateway's clock alone. A simulation that
-runs slower than was asked for, a gateway with more to read than it can, a network that holds everything up: all of
-them make everybody's words old alike, and nobody is suspected for that. It is said once, of the plant.
+Silence is judged against the newest message of the plant, not against the gateway's clock alone. A slow
+simulation, an overloaded gateway or a network delay makes all messages old alike. Then no agent is suspected,
+and the plant as a whole is reported as behind.
 """
 
 from __future__ import annotations
@@ -25,34 +25,35 @@ from dray.protocol.liveness.suspicion import (
 )
 
 LEAST_AGENTS = 4
-"""Of fewer agents it cannot be told whether they are silent or nobody can be heard."""
+"""Minimum agents heard: with fewer, silent agents cannot be told from a broken connection."""
 
 WITNESSES = 2
-"""The plant is as far as so many say: one whose clock is ahead must not make all others look silent."""
+"""Agents that must confirm how far the plant is: one fast clock must not make the others look silent."""
 
 LEAST_S = 2.0
-"""Wall seconds, however fast the factory runs: what is on its way to the gateway is not lost yet."""
+"""Minimum wall seconds of silence at any factory speed: a message on its way is not lost yet."""
 
 LEAST_OVERDUE_S = 1.2
-"""Wall seconds before anything is overdue: browsers are told ten times a second at most, and a page may be busy."""
+"""Minimum wall seconds before a heartbeat is overdue: browsers get ten frames a second at most, and may be
+busy."""
 
 
 class _Heard:
-    """What was heard of one agent."""
+    """The heartbeats of one agent."""
 
     __slots__ = ("arrivals", "beat_s", "incarnation", "lost_after_s", "seq", "view")
 
     def __init__(self) -> None:
         self.arrivals = ArrivalStatistics()
         self.incarnation = self.seq = 0
-        """Of its newest heartbeat."""
+        """Both of its newest heartbeat."""
         self.beat_s = self.lost_after_s = 0.0
-        """What `view` was made of: on a clean link the same from one heartbeat to the next."""
+        """Inputs of `view`: on a clean link they are equal from one heartbeat to the next."""
         self.view: SilenceView | None = None
 
 
 class Silence:
-    """How the heartbeats of each agent arrive, and how long it may be silent.
+    """The arrival of each agent's heartbeats, and how long it may be silent.
 
     Args:
         speed: factory seconds per real second.
@@ -61,17 +62,17 @@ class Silence:
     def __init__(self, speed: float) -> None:
         self._speed, self._least_s = speed, LEAST_S * speed
         self._heard: dict[str, _Heard] = {}
-        """By agent: bounded by whoever lets agents in."""
+        """By agent; bounded because only admitted agents are noted."""
         self._nobody = _Heard()
-        """Instead of one that was never heard."""
+        """Stands in for an agent that was never heard."""
 
     def note(self, agent: str, heartbeat: AnyHeartbeat, delay_s: float) -> None:
-        """A heartbeat has come, newer than those before.
+        """Note a heartbeat that is newer than those before.
 
         Args:
-            agent: whose.
-            heartbeat: what it says.
-            delay_s: how long it was under way, by the plant's clock; 0 where nobody knows.
+            agent: its sender.
+            heartbeat: the message.
+            delay_s: time under way by the plant's clock; 0 where unknown.
         """
         heard = self._heard.get(agent)
         if heard is None:
@@ -81,12 +82,12 @@ class Silence:
         heard.incarnation, heard.seq = incarnation, seq
 
     def bound_s(self, agent: str, heartbeat: AnyHeartbeat) -> float:
-        """After how much silence an agent counts as lost, in factory seconds."""
+        """Factory seconds of silence after which an agent counts as lost."""
         arrivals = self._heard.get(agent, self._nobody).arrivals
         return max(self._least_s, silence_bound_s(heartbeat, arrivals))
 
     def view(self, agent: str, heartbeat: AnyHeartbeat) -> SilenceView:
-        """The same as panels are told it."""
+        """The same bounds as panels get them."""
         heard = self._heard.get(agent, self._nobody)
         beat_s, lost_after_s = interval_s(heartbeat), silence_bound_s(heartbeat, heard.arrivals)
         if heard.view is None or heard.lost_after_s != lost_after_s or heard.beat_s != beat_s:
@@ -100,7 +101,7 @@ class Silence:
 
 
 def plant_bound_s(speed: float) -> float:
-    """How old the newest may be that is heard of the plant, in factory seconds.
+    """Maximum age of the newest message of the plant, in factory seconds.
 
     Args:
         speed: factory seconds per real second.
@@ -109,10 +110,10 @@ def plant_bound_s(speed: float) -> float:
 
 
 def heard_until_s(told_s: Iterable[float], now_s: float) -> float:
-    """How far the plant was heard, on its own clock; never beyond now.
+    """The time up to which the plant was heard, on its own clock; never beyond now.
 
     Args:
-        told_s: of every agent, the time of its newest heartbeat.
+        told_s: per agent, the time of its newest heartbeat.
         now_s: the present time on the plant's clock.
     """
     newest = nlargest(LEAST_AGENTS, told_s)

@@ -1,4 +1,4 @@
-"""The stations of storages as panels see them, and the delivery gate: the last heartbeat of each, which tells what lies there."""
+"""The stations of storages and the delivery gate, as panels see them: the last heartbeat of each."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ class Stations:
     """The stations.
 
     Args:
-        storages: those of the plant file, by id. No other station is heard but the gate: a storage does not come by itself.
+        storages: storages of the plant file, by id. Only these stations and the gate are heard: storages do
+            not join at run time.
         to_wall_s: plant clock to wall clock.
-        outsiders: who is shut out.
+        outsiders: the agents that are shut out.
         clocks: of all agents.
         silence: of all agents.
     """
@@ -43,13 +44,13 @@ class Stations:
         self._last: dict[str, StationHeartbeat] = {}
         self.changes = Changes("station")
         self.product_of: Callable[[str], str] = lambda _goal: ""
-        """By a goal, what it is about; empty where that is not known."""
+        """The product of a goal; empty where it is not known."""
 
     def fold(self, heartbeat: StationHeartbeat) -> bool:
         """Take a heartbeat in.
 
         Returns:
-            False when it is older than the last one, or of a storage that the plant does not have.
+            False when it is older than the last one, or from a storage that is not in the plant.
         """
         if heartbeat.station not in self._storages and heartbeat.station != GATE:
             return False
@@ -65,7 +66,7 @@ class Stations:
         return self._last.values()
 
     def mark(self, agents: Iterable[str]) -> None:
-        """Something else is to be shown of these, as far as they were heard."""
+        """Mark these stations as changed, if they were heard."""
         for agent in agents:
             if agent in self._last:
                 self.changes.mark(agent)
@@ -84,7 +85,7 @@ class Stations:
         return tuple(self._view(self._last[storage]) for storage in self.changes.take_changed())
 
     def _name(self, station: str) -> str:
-        """A storage's by the plant file; the gate has none there, and panels have words for it."""
+        """A storage's name by the plant file; the gate's id, since panels have words for it."""
         return self._storages[station].name if station in self._storages else station
 
     def _view(self, heartbeat: StationHeartbeat) -> StationView:

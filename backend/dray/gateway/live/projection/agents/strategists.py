@@ -1,4 +1,4 @@
-"""The strategists of a plant that has several: the last heartbeat of each. One alone has none."""
+"""The last heartbeat of each strategist, where a plant has several. A single strategist sends none."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from dray.messages.keys import STRATEGISTS
 
 
 class Strategists:
-    """Those that were heard."""
+    """The strategists that were heard."""
 
     def __init__(self) -> None:
         self._last: dict[str, StrategistHeartbeat] = {}
 
     def fold(self, heartbeat: StrategistHeartbeat) -> bool:
-        """Take a heartbeat in; returns False when it is older than the last one, or nobody's of that name."""
+        """Take a heartbeat in; False when it is older than the last one, or names no strategist."""
         name, last = heartbeat.strategist, self._last.get(heartbeat.strategist)
         if name not in STRATEGISTS:
             return False

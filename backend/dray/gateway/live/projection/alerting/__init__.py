@@ -1,1 +1,1 @@
-"""What is wrong: `alert_rules` says it whenever somebody looks, `alerts` keeps since when and who has taken it on."""
+"""What is wrong: `alert_rules` finds it at each look, `alerts` keeps since when and who has taken it on."""

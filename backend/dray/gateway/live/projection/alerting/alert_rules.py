@@ -1,6 +1,6 @@
-"""Alert rules: what of machines, storages, vehicles, transports and orders is not as it should be. Pure rules.
+"""Alert rules: what is wrong with machines, storages, vehicles, transports and orders. Pure rules.
 
-Each thing has at most one trouble at a time, the gravest: who is silent is not said to be starved as well.
+Each thing has at most one trouble at a time, the gravest: a silent machine is not reported as starved too.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ from dray.store.factory.exclusions import Exclusion
 from dray.store.history.clocks import Offset, ToWall
 
 PATIENCE_S = 120.0
-"""Factory seconds that a machine may wait for a vehicle before it is worth a look: longer than most
-transports take. A machine whose material is on its way asks nothing of people."""
+"""Factory seconds that a machine may wait for a vehicle before it gets an alert: longer than most transports.
+A machine whose material is on its way needs no person."""
 
 
 class Moment(msgspec.Struct, frozen=True):
-    """When it is looked at."""
+    """The moment of a look."""
 
     plant_s: float
     heard_s: float
-    """How far the plant was heard (plant clock): silence is judged against this."""
+    """Time up to which the plant was heard (plant clock): silence is judged against this."""
     wall_s: float
     speed: float
     """Factory seconds per real second."""
@@ -55,25 +55,25 @@ class Moment(msgspec.Struct, frozen=True):
     silence: Silence
 
     def is_lost(self, agent: str, last: AnyHeartbeat) -> bool:
-        """Whether nothing was heard of an agent since this heartbeat for longer than it may be silent."""
+        """Whether an agent has been silent for longer than allowed since this heartbeat."""
         return self.heard_s - last.at_s > self.silence.bound_s(agent, last)
 
 
 def of_the_plant(now: Moment) -> Iterator[Condition]:
-    """What is wrong with all that is heard: it is old."""
+    """The plant is behind: everything heard is old."""
     behind_s = now.plant_s - now.heard_s
     if behind_s > plant_bound_s(now.speed):
         yield Condition(kind="plant_behind", behind_s=round(behind_s / now.speed))
 
 
 def of_demand(overload: Overload, tasks: Tasks, vehicles: int, now: Moment) -> Iterator[Condition]:
-    """What is wrong with what is asked for: it is more than the vehicles can carry.
+    """The plant is overloaded: demand exceeds what the vehicles can carry.
 
     Args:
-        overload: what was found at the last look.
-        tasks: all of them.
-        vehicles: that are heard and not shut out.
-        now: when it is looked at.
+        overload: the result of the last look.
+        tasks: all tasks.
+        vehicles: number of vehicles heard and not shut out.
+        now: the moment of the look.
     """
     present_s = now.to_wall_s(min(now.plant_s, now.heard_s))
     waited_s = (
@@ -93,7 +93,7 @@ def of_demand(overload: Overload, tasks: Tasks, vehicles: int, now: Moment) -> I
 def of_outsiders(
     exclusions: Iterable[Exclusion], atvs: Container[str], storages: Container[str]
 ) -> Iterator[Condition]:
-    """What is wrong with agents that are shut out: nothing else, since what they have said counts no more."""
+    """Agents that are shut out. They have no other trouble, since their word no longer counts."""
     for each in exclusions:
         kind: AlertKind = "atv_shut_out" if each.agent in atvs else "machine_shut_out"
         if each.agent in storages:
@@ -102,18 +102,18 @@ def of_outsiders(
 
 
 def of_clocks(wrong: Iterable[tuple[str, Offset]]) -> Iterator[Condition]:
-    """Agents whose clocks are wrong beyond doubt."""
+    """Agents whose clocks are certainly wrong."""
     for agent, offset in wrong:
         yield Condition(kind="clock_wrong", agent=agent, clock_ahead_s=round(offset.ahead_s))
 
 
 def of_disputes(disputes: Disputes, wrong: Container[str], now: Moment) -> Iterator[Condition]:
-    """What coordinators do not believe.
+    """Statements that coordinators do not believe.
 
     Args:
-        disputes: of the last half hour.
-        wrong: agents of whose clock is told already.
-        now: when it is looked at.
+        disputes: those of the last half hour.
+        wrong: agents with a clock alert already.
+        now: the moment of the look.
     """
     for each in disputes.handovers(now.plant_s):
         yield Condition(kind="handover_disputed", agent=each.agent, cause=each.cause, by=each.by)
@@ -123,7 +123,7 @@ def of_disputes(disputes: Disputes, wrong: Container[str], now: Moment) -> Itera
 
 
 def of_strangers(dropped: int) -> Iterator[Condition]:
-    """Names that are not of this plant, and more than could have joined it."""
+    """Agents that are not in the plant file and exceed the number that may join."""
     if dropped:
         yield Condition(kind="strangers")
 
@@ -134,14 +134,15 @@ def of_machines(
     """What is wrong with machines.
 
     Args:
-        heartbeats: the last one of each, and since when it has had that status (plant clock).
-        materials: knows their names.
-        now: when it is looked at.
+        heartbeats: the last one of each machine, and the time since which it has had that status (plant
+            clock).
+        materials: knows the materials' names.
+        now: the moment of the look.
     """
     for heard, since_s in heartbeats:
         agent, patient = heard.machine, now.heard_s - since_s < PATIENCE_S
         if heard.out_of_service is not UNSET and not heard.product:
-            continue  # Whoever has taken it out knows; what it still makes may go wrong as ever.
+            continue  # The person who took it out of service knows; a product still being made may go wrong.
         if now.is_lost(agent, heard):
             yield Condition(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.status is MachineStatus.ERROR:
@@ -167,7 +168,7 @@ def _dock_not_ready(place: str, waits: DockWait, now: Moment) -> Condition:
 
 
 def _unusable(heard: MachineHeartbeat) -> str:
-    """The first document that a machine cannot use, in words; empty for none."""
+    """The first document that a machine cannot use, in words; empty if there is none."""
     for each in heard.documents or ():
         if each.state in (DocumentState.DIFFERS, DocumentState.UNREACHABLE):
             return f"{each.document.name}, {each.product}: {each.detail}"
@@ -175,7 +176,10 @@ def _unusable(heard: MachineHeartbeat) -> str:
 
 
 def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator[Condition]:
-    """What is wrong with stations: nothing is promised or handed out where a storage's is silent, and nothing is told as delivered without the gate."""
+    """What is wrong with stations.
+
+    A silent storage promises and hands out nothing; without the gate, nothing counts as delivered.
+    """
     for heard in heartbeats:
         if now.is_lost(heard.station, heard):
             kind: AlertKind = "gate_lost" if heard.station == GATE else "station_lost"
@@ -187,7 +191,7 @@ def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator
 
 
 def of_strategists(heartbeats: Iterable[StrategistHeartbeat], now: Moment) -> Iterator[Condition]:
-    """What is wrong with several strategists: others go on with the orders of those that are silent, as long as there are others."""
+    """Silent strategists, where a plant has several: the others go on with their orders."""
     silence_s = max(GOAL_SILENCE_S, LEAST_S * now.speed)
     heard = sorted(heartbeats, key=lambda each: each.strategist)
     silent = [each for each in heard if now.heard_s - each.at_s > silence_s]
@@ -200,14 +204,17 @@ def of_strategists(heartbeats: Iterable[StrategistHeartbeat], now: Moment) -> It
 
 
 def in_vain(call: HelpCall) -> CallKind | None:
-    """Why nobody comes: nobody is on duty there, or nobody who was asked has taken the call; None while somebody is asked, or comes."""
+    """Why nobody comes: nobody is on duty there, or nobody asked has taken the call.
+
+    None while somebody is asked or comes.
+    """
     if call.state is not CallState.RESTING:
         return None
     return "call_nobody" if call.on_duty == 0 else "call_unanswered"
 
 
 def of_calls(calls: Iterable[HelpCall], now: Moment) -> Iterator[Condition]:
-    """Who calls for help in vain. Of goods that were left on board their own alert tells that (`goods_rules`)."""
+    """Calls for help in vain. Goods left on board have their own alert (`goods_rules`)."""
     for call in calls:
         kind = in_vain(call)
         if kind is not None and not call.goods:
@@ -225,20 +232,20 @@ def of_atvs(
     """What is wrong with vehicles.
 
     Args:
-        heartbeats: the last one of each.
-        explained: of whose silence people know, or are told something graver.
-        now: when it is looked at.
+        heartbeats: the last one of each vehicle.
+        explained: vehicles whose silence people know of, or which have a graver alert.
+        now: the moment of the look.
     """
     for heard in heartbeats:
         agent, help_ = heard.atv, heard.help
         if heard.out_of_service is not UNSET and heard.task is None:
-            continue  # Whoever has taken it out knows; what it still carries is others' business.
+            continue  # The person who took it out of service knows; a load on board has its own alert.
         if now.is_lost(agent, heard):
             if agent in explained:
                 continue
             yield Condition(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif help_ is not None and (help_.promised_by or heard.status is not AtvStatus.STOPPED):
-            # Who is on the way has answered: there is less to ask for. Who was stopped by a person asks for nobody.
+            # A promise of help makes the alert milder. A vehicle stopped by a person asks for nobody.
             yield Condition(
                 kind="atv_promised" if help_.promised_by else "atv_help",
                 agent=agent,
@@ -250,10 +257,10 @@ def of_atvs(
             yield Condition(kind="atv_error", agent=agent, cause=detail_of(heard.problem))
         elif heard.status is AtvStatus.STOPPED:
             yield Condition(kind="atv_stopped", agent=agent, cause=detail_of(heard.problem))
-        # It goes to a charger long before it touches its reserve: something keeps it from there.
+        # A vehicle charges long before it touches its reserve: something keeps it from the charger.
         elif heard.battery_frac < RESERVE_FRAC and heard.status is not AtvStatus.CHARGING:
             yield Condition(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
-        # Its heartbeat tells that at once, over others; the fact of it may be under way for long.
+        # The heartbeat reports this at once by mesh; the fact may be delayed for long.
         elif heard.link is Link.MESH:
             lost = heard.lost_wlan or None
             yield Condition(
@@ -266,17 +273,17 @@ def of_atvs(
 
 
 def of_transports(tasks: Iterable[TaskView], told: Iterable[Condition]) -> Iterator[Condition]:
-    """What is wrong with transports, unless their carrier tells of it already.
+    """What is wrong with transports, unless their vehicle has the same alert.
 
     Args:
-        tasks: those that have not ended. Of a production goal its order tells.
-        told: what is wrong with the vehicles.
+        tasks: open tasks. Production goals have their order's alert.
+        told: the vehicles' troubles.
     """
     tells = {(each.agent, each.cause.detail) for each in told if each.cause is not None}
     for task in tasks:
         if task.trouble is None or task.kind != "transport" or task.stranded is not None:
-            continue  # Of goods that were left on board their own alert tells.
-        # Silence has no detail: that a vehicle is lost tells nothing of its transport.
+            continue  # Goods left on board have their own alert.
+        # Silence has no detail: a lost vehicle's alert says nothing of its transport.
         if not task.trouble.detail or (task.primary, task.trouble.detail) not in tells:
             yield Condition(
                 kind="task_trouble",
@@ -290,9 +297,9 @@ def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Mome
     """What is wrong with orders.
 
     Args:
-        orders: those that may be in trouble, none of which has ended.
-        impossible: ids of those that this plant cannot make.
-        now: when it is looked at.
+        orders: open orders that may be in trouble.
+        impossible: ids of orders that this plant cannot make.
+        now: the moment of the look.
     """
     for order in orders:
         if order.id in impossible:
@@ -300,5 +307,5 @@ def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Mome
         elif order.waits and order.waits.machines:
             yield Condition(kind="order_waits", order=order.id, cause=order.waits)
         elif order.due_at_s is not None and order.due_at_s < now.wall_s:
-            # It may wait for material, or for a way: no machine that comes back to work would help it.
+            # It may wait for material or for a way: a repaired machine would not help it.
             yield Condition(kind="order_late", order=order.id, until_at_s=order.due_at_s, cause=order.waits)

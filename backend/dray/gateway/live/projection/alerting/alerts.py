@@ -1,9 +1,9 @@
 """Alerts: what is wrong, since when, and who has taken it on.
 
-They are made of how things are and not of what has happened, so no alert outlives its cause and none is
-missing because a message was lost. Whoever acknowledges one says that it is in good hands; it stays until
-its cause is gone. Who has taken it on until some moment is asked for no longer than that: then it comes back, and sooner
-when it is worse. When the same comes later, it is a new alert that nobody has acknowledged.
+Alerts follow from present conditions, not from past events. No alert outlives its cause, and no lost message
+hides one. A person who acknowledges an alert takes it on; the alert stays until its cause is gone. An alert
+taken on until a set time asks again then, or sooner when it is worse. If the same cause returns later, that
+is a new, unacknowledged alert.
 """
 
 from __future__ import annotations
@@ -61,20 +61,20 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "order_waits": ("warning", "restore_machines"),
     "order_late": ("warning", "tell_customer"),
 }
-"""How grave each kind is, and what it asks of people."""
+"""Level of each kind, and the response that it asks of people."""
 
 ORDER = {kind: place for place, kind in enumerate(get_args(AlertKind))}
-"""Graver kinds come first in their level."""
+"""Rank of each kind in its level: graver kinds come first."""
 
 LOOK_S = 1.0
-"""Wall seconds between two looks: sooner than anybody could do something about it."""
+"""Wall seconds between two looks: shorter than any person's reaction."""
 
 REMEMBERED_S = 60.0
-"""Wall seconds after a start in which all agents have spoken: what is not wrong again by then has ended."""
+"""Wall seconds after a start, in which all agents have spoken: a trouble not seen again by then has ended."""
 
 
 ComeBack = Literal["over", "worse"]
-"""Why an alert asks again that somebody had taken on: the time is over, or it is worse."""
+"""Reason why an alert that was taken on asks again: its time is over, or it is worse."""
 
 
 class Alerts:
@@ -83,19 +83,19 @@ class Alerts:
     def __init__(self) -> None:
         self._alerts: dict[str, AlertView] = {}
         self._taken: dict[str, Acknowledgement] = {}
-        """Of alerts that somebody has taken on."""
+        """Acknowledgements of alerts that are taken on."""
         self._remembered: dict[str, Acknowledgement] = {}
-        """Of an earlier life of the gateway: what was wrong then and may still be so."""
+        """Acknowledgements from before the gateway's start, whose causes may still last."""
         self._forget_at_s = 0.0
         self.changes = Changes("alert")
 
     def restore(self, lasting: Iterable[Acknowledgement], wall_s: float) -> None:
-        """Start from what SQL knows."""
+        """Restore acknowledgements from SQL."""
         self._remembered = {each.alert: each for each in lasting}
         self._forget_at_s = wall_s + REMEMBERED_S
 
     def look(self, conditions: Iterable[Condition], wall_s: float) -> list[str]:
-        """Compare what is wrong now with what was wrong before.
+        """Compare present troubles with those before.
 
         Returns:
             The alerts that have ended.
@@ -114,25 +114,25 @@ class Alerts:
         return over
 
     def come_back(self, wall_s: float) -> Iterator[tuple[Acknowledgement, ComeBack]]:
-        """Let those ask again whose time is over, or that are worse than when they were taken on until then; tells which, and why."""
+        """Let alerts ask again whose time is over or which are worse; yields them with the reason."""
         for taken in list(self._taken.values()):
             if why := why_back(self._alerts[taken.alert], taken, wall_s):
                 self._show(msgspec.structs.replace(taken, came_back=why))
                 yield taken, why
 
     def on_acknowledged(self, lasting: Iterable[Acknowledgement]) -> None:
-        """Take in what SQL knows: people at other gateways have acknowledged some."""
+        """Take in acknowledgements from SQL that people made at other gateways."""
         for each in lasting:
             alert = self._alerts.get(each.alert)
             if alert is not None and each.by and is_meant(alert, each):
                 self._show(each)
 
     def get(self, alert: str) -> AlertView | None:
-        """One alert, as long as its cause lasts."""
+        """One alert, while its cause lasts."""
         return self._alerts.get(alert)
 
     def acknowledge(self, acknowledgement: Acknowledgement) -> AlertView | None:
-        """Somebody has taken an alert on; who was first stays.
+        """Take on an alert for a person; the first person to do so keeps it.
 
         Returns:
             The alert as it is now; None when it has ended.
@@ -143,7 +143,7 @@ class Alerts:
         return self._show(acknowledgement)
 
     def views(self) -> tuple[AlertView, ...]:
-        """All of them: alarms first, and graver kinds before others; of one kind the oldest first."""
+        """All alerts: alarms first, then graver kinds, then older ones."""
         return tuple(sorted(self._alerts.values(), key=_rank))
 
     def take_changed(self) -> tuple[AlertView, ...]:
@@ -193,10 +193,10 @@ _OF_PEOPLE = (
 
 
 def weight_of(alert: AlertView) -> float:
-    """How bad it is, to be compared with how bad the same alert was.
+    """The severity of an alert, to compare with its earlier severity.
 
-    More when it has become an alarm, when help was called in vain, when more suffer from it, and with each doubling of what is
-    measured.
+    It rises when the alert becomes an alarm, or when help was called in vain. It also rises with more
+    affected agents, and with each doubling of the measured value.
     """
     weight = 1000.0 * (alert.level == "alarm") + 100.0 * (alert.call is not None)
     if alert.kind in OF_MANY:
@@ -209,7 +209,10 @@ def weight_of(alert: AlertView) -> float:
 
 
 def why_back(alert: AlertView, taken: Acknowledgement, wall_s: float) -> ComeBack | None:
-    """Why an alert asks again that was taken on until some moment; None while it does not, or was taken on for good."""
+    """Why an alert taken on until a set time asks again.
+
+    None while it does not, or if it was taken on for good.
+    """
     if taken.until_at_s is None:
         return None
     if wall_s >= taken.until_at_s:
@@ -218,9 +221,9 @@ def why_back(alert: AlertView, taken: Acknowledgement, wall_s: float) -> ComeBac
 
 
 def is_meant(alert: AlertView, acknowledgement: Acknowledgement) -> bool:
-    """Whether this alert was taken on, and not an earlier one of the same cause.
+    """Whether the acknowledgement is for this alert, not for an earlier one of the same cause.
 
-    At another gateway it may have begun a look earlier.
+    Another gateway may have seen its begin one look earlier.
     """
     return max(acknowledgement.at_s, acknowledgement.since_at_s) + LOOK_S > alert.since_at_s
 

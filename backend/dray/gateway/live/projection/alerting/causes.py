@@ -1,6 +1,6 @@
-"""Causes: what is wrong with many for one reason is one alert, and names the reason. Pure rules.
+"""Causes: many troubles with one reason become one alert that names the reason. Pure rules.
 
-A person sees to a cause once. Ten alerts of it hide the eleventh, which is about something else.
+A person deals with a cause once. Ten alerts of one cause hide the eleventh, which has another.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from dray.gateway.live.views.alert import Condition
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 
 SHARED_BY_LEAST = 2
-"""Vehicles without WLAN that were on the same access point: of one alone, the vehicle may be at fault."""
+"""Minimum vehicles that lost the same access point: with one, the vehicle may be at fault."""
 
 SILENT_LEAST = 3
-"""Agents that fell silent at the same moment: more than two do not fail by chance at once."""
+"""Minimum agents that fell silent at once: more than two do not fail together by chance."""
 
 _CALLS = {"call_nobody", "call_unanswered"}
 _SILENT = {"machine_lost", "station_lost", "gate_lost", "atv_lost"}
@@ -25,10 +25,10 @@ _OF_THE_CALLER = _SILENT | {"machine_error", "atv_error", "atv_help"}
 
 
 def gathered(wrong: Iterable[Condition], speed: float) -> Iterator[Condition]:
-    """The same troubles, those of one cause as one.
+    """The same troubles, with those of one cause joined.
 
     Args:
-        wrong: what is wrong now.
+        wrong: the present troubles.
         speed: factory seconds per real second.
     """
     left = list(wrong)
@@ -39,14 +39,14 @@ def gathered(wrong: Iterable[Condition], speed: float) -> Iterator[Condition]:
 
 
 def _without_late_clocks(wrong: list[Condition]) -> list[Condition]:
-    """Where the plant is behind, so is all that is heard: no clock is to be set."""
+    """Where the plant is behind, all messages are late: drop alerts of clocks that seem slow."""
     if not any(each.kind == "plant_behind" for each in wrong):
         return wrong
     return [each for each in wrong if each.kind != "clock_wrong" or (each.clock_ahead_s or 0) > 0]
 
 
 def _with_their_calls(wrong: list[Condition]) -> list[Condition]:
-    """Who calls in vain, and for what, in one."""
+    """Join a call in vain with the alert of its caller."""
     calls = {each.agent: each.kind for each in wrong if each.kind in _CALLS}
     told = {each.agent for each in wrong if each.kind in _OF_THE_CALLER}
     return [
@@ -57,7 +57,7 @@ def _with_their_calls(wrong: list[Condition]) -> list[Condition]:
 
 
 def _by_access_point(wrong: list[Condition]) -> list[Condition]:
-    """Vehicles that lost the WLAN of one access point."""
+    """Join vehicles that lost the same access point."""
     of_point: dict[str, list[Condition]] = defaultdict(list)
     for each in wrong:
         if each.kind == "atv_mesh" and each.access_point:
@@ -75,7 +75,7 @@ def _by_access_point(wrong: list[Condition]) -> list[Condition]:
 
 
 def _by_moment(wrong: list[Condition], window_s: float) -> list[Condition]:
-    """Agents of which the last was heard within one interval of heartbeats (wall seconds): whatever they share has failed."""
+    """Join agents last heard within one heartbeat interval (wall seconds): a shared part has failed."""
     silent = sorted((each for each in wrong if each.kind in _SILENT), key=lambda each: each.seen_at_s or 0.0)
     parts: list[list[Condition]] = []
     for each in silent:

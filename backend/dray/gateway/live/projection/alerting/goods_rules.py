@@ -1,4 +1,4 @@
-"""Goods and things that failed vehicles have on board: one alert for each, until a person has handed them over or written them off. Pure rules."""
+"""Goods on board of failed vehicles: one alert each, until a person deals with them. Pure rules."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ def of_goods(
     products: Mapping[str, Product],
     now: Moment,
 ) -> Iterator[Condition]:
-    """Whose goods wait for a person, where, until when they are kept, and whether somebody comes.
+    """Goods that wait for a person: where, until when they are kept, and whether somebody comes.
 
     Args:
-        tasks: those that have not ended.
-        calls: those of this moment.
-        on_duty: who is there.
-        products: of the plant, by id.
-        now: when it is looked at.
+        tasks: open tasks.
+        calls: open calls for help.
+        on_duty: operators on duty.
+        products: the plant's products, by id.
+        now: the moment of the look.
     """
     left = [task for task in tasks if task.stranded is not None]
     if not left:

@@ -1,6 +1,6 @@
-"""Wait rules: when vehicles that wait for one another are worth a look. Pure rules.
+"""Wait rules: when vehicles that wait for one another need a person. Pure rules.
 
-A wait that ends by itself asks nothing of people, and most do.
+Most waits end by themselves and need nobody.
 """
 
 from __future__ import annotations
@@ -16,27 +16,28 @@ from dray.gateway.live.views import CauseView, WaitView
 from dray.gateway.live.views.alert import Condition
 
 LONG_WAIT_S = 120.0
-"""Factory seconds for which a vehicle may stand and wait for others."""
+"""Factory seconds that a vehicle may wait for others."""
 
 CIRCLE_S = 30.0
-"""Factory seconds for which vehicles may wait in a circle: one of them makes room within a few."""
+"""Factory seconds that vehicles may wait in a circle: normally one makes room within a few."""
 
 UNHEARD_S = 30.0
-"""Factory seconds for which a vehicle may wait for one that nobody has heard: whoever has just joined is heard by then."""
+"""Factory seconds that a vehicle may wait for one that was never heard: a vehicle that joined is heard by
+then."""
 
 JAM_LEAST = 3
-"""Vehicles that wait for one and the same are a jam, when one of them has waited long."""
+"""Minimum vehicles waiting for the same thing that make a jam, when one has waited long."""
 
 
 def of_waits(waits: Waits, told_of: Container[str], now: Moment) -> Iterator[Condition]:
-    """Jams, each with all that wait in it, vehicles that have waited for too long elsewhere, and those that were never heard and hold what others need.
+    """Jams with all their vehicles, long waits elsewhere, and unheard vehicles that block others.
 
-    Where none of them has a task nobody is late: idle vehicles that look for room ask nothing of people.
+    A group without a task is not late: idle vehicles that look for room need nobody.
 
     Args:
         waits: who waits for whom, as of now.
-        told_of: vehicles that something graver is told of already.
-        now: when it is looked at.
+        told_of: vehicles that have a graver alert.
+        now: the moment of the look.
     """
     present_s = now.to_wall_s(min(now.plant_s, now.heard_s))
     behind: dict[str, list[WaitView]] = {}
@@ -64,14 +65,14 @@ def of_recovery_polls(awaited: Mapping[str, Collection[str]]) -> Iterator[Condit
     """Vehicles that were not heard since reservation tables were lost, so that nothing is granted there.
 
     Args:
-        awaited: by vehicle, who awaits its word.
+        awaited: by vehicle, the keepers that await its answer.
     """
     for atv, keepers in sorted(awaited.items()):
         yield Condition(kind="atv_awaited", agent=atv, keepers=tuple(sorted(keepers)))
 
 
 def _end(view: WaitView, waits: Waits) -> str:
-    """What all that wait for the same have in common: a dock, a circle, or a vehicle."""
+    """The common end of a chain of waits: a dock, a circle, or a vehicle."""
     chain = waits.chain(view.id)
     if chain.circle:
         return chain.circle[0]

@@ -1,4 +1,4 @@
-"""Every auction as panels see it (paper, 4.1): its bids and refusals, who carries the task, and why that one.
+"""Every auction as panels see it (paper, 4.1): bids, refusals, the carrier, and why it was chosen.
 
-`tasks` folds the facts; `reorder_buffer` keeps those that were heard before their task was opened.
+`tasks` folds the facts; `reorder_buffer` keeps facts that arrive before their task is opened.
 """

@@ -1,6 +1,6 @@
-"""The bids on one task as panels see them, and those who did not bid.
+"""The bids on one task as panels see them, and the refusals.
 
-What tells of an epoch that is over changes nothing, and False is returned.
+Facts of an epoch that is over change nothing: the functions return False.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from dray.store.history.clocks import ToWall
 S = TypeVar("S", BidView, RefusalView)
 
 MAX_BIDS = 64
-"""Bids kept per task and role, newest last, and as many refusals: a person reads no more, and a task that waits
-for days would gather them without end. Those for the watch, which come later, push out none for the contract."""
+"""Maximum bids per task and role, newest last, and as many refusals: nobody reads more, and a task that waits
+for days would gather them without end. Later bids for the secondary role push out none for the contract."""
 
 
 def add_bid(task: TaskView, fact: BidReceived, to_wall_s: ToWall) -> bool:
-    """Somebody has bid; in the place of what it had bid in that round."""
+    """Add a bid; it replaces the bidder's earlier bid of that round."""
     if fact.epoch < task.epoch:
         return False
     bid = BidView(
@@ -29,7 +29,7 @@ def add_bid(task: TaskView, fact: BidReceived, to_wall_s: ToWall) -> bool:
         role=plain(fact.role),
         epoch=fact.epoch,
         round=fact.round,
-        # As its coordinator ranks it: with what is held against the bidder.
+        # The coordinator's rank value: with the surcharge for the bidder's reliability.
         total_s=fact.total_s + fact.surcharge_s,
         parts_s=_parts(fact.cost) | ({"reliability": fact.surcharge_s} if fact.surcharge_s else {}),
         finish_at_s=to_wall_s(fact.finish_s),
@@ -43,7 +43,7 @@ def add_bid(task: TaskView, fact: BidReceived, to_wall_s: ToWall) -> bool:
 
 
 def add_refusal(task: TaskView, event: Event, fact: BidRefused) -> bool:
-    """Somebody does not bid, and says why."""
+    """Add a refusal with its reason."""
     if fact.epoch < task.epoch:
         return False
     refusal = RefusalView(
@@ -61,13 +61,13 @@ def add_refusal(task: TaskView, event: Event, fact: BidRefused) -> bool:
 
 
 def _newest(said: list[S], role: str) -> list[S]:
-    """All but the oldest of this role, where there is no room for one more."""
+    """The list without the oldest entry of this role, if it is full."""
     of_role = [place for place, each in enumerate(said) if each.role == role]
     return said if len(of_role) < MAX_BIDS else said[: of_role[0]] + said[of_role[0] + 1 :]
 
 
 def note_award(task: TaskView, _event: Event, fact: AwardGiven) -> bool:
-    """A bidder was asked to do what it has bid for."""
+    """Note that a bidder was offered the contract."""
     bid = last_bid(task, fact.bidder, fact.role, fact.epoch)
     if fact.epoch < task.epoch or bid is None:
         return False
@@ -76,7 +76,7 @@ def note_award(task: TaskView, _event: Event, fact: AwardGiven) -> bool:
 
 
 def last_bid(task: TaskView, bidder: str, role: Role, epoch: int) -> BidView | None:
-    """The newest bid of somebody in an epoch; None when none was heard."""
+    """The newest bid of a bidder in an epoch; None if there is none."""
     for bid in reversed(task.bids):
         if (bid.bidder, bid.role, bid.epoch) == (bidder, role.value, epoch):
             return bid

@@ -1,9 +1,8 @@
 """Tasks as panels see them: every auction, from the announcement to the end.
 
-The coordinator's facts are the truth about a task; a contractor's facts add who refused and how far
-the transport has come. Facts of different agents may overtake one another, so what a contractor says
-of a task that nobody has opened yet is kept for a while. What tells of an epoch that is over is
-ignored.
+The coordinator's facts are the truth about a task. A contractor's facts add refusals and the transport's
+progress. Facts of different agents may overtake one another, so a contractor's fact about an unopened task is
+kept for a while. Facts of an epoch that is over are ignored.
 """
 
 from __future__ import annotations
@@ -51,16 +50,17 @@ from dray.messages.heartbeat import GOODS_ABOARD
 from dray.store.history.clocks import ToWall
 
 CLOSED_KEPT = 50
-"""Ended tasks that panels still show; the whole history is in the events."""
+"""Ended tasks that panels still show; the events have the whole history."""
 
 MAX_OPEN = 5_000
-"""Open tasks at once: five per vehicle of the largest plant. The oldest leaves first."""
+"""Maximum open tasks: five per vehicle of the largest plant. The oldest leaves first."""
 
 MAX_OPEN_EACH = 1_000
-"""Of one coordinator: many times what a machine's buffers, or a strategist's products, can ask for."""
+"""Maximum open tasks per coordinator: many times what a machine's buffers or a strategist's products can ask
+for."""
 
 MAX_BOUND = 10_000
-"""Contractors whose contract is remembered: as many as vehicles."""
+"""Maximum contractors whose contract is remembered: as many as vehicles."""
 
 
 EARLY_KEPT = 512
@@ -68,20 +68,20 @@ EARLY_KEPT = 512
 
 
 MAX_CARRIERS = 16
-"""Changes of a task's carrier that are kept, newest last: more than one task sees while somebody looks."""
+"""Maximum carrier changes kept per task, newest last: more than a person watches happen."""
 
 
 def reopen_task(task: TaskView) -> None:
-    """Nobody carries it any more: another one is sought, in a new epoch."""
+    """Mark a task as open for bids again, in a new epoch."""
     task.trouble = None
     task.state, task.primary, task.phase, task.source = "bidding", "", "", ""
     task.contracted_at_s = task.promised_at_s = None
 
 
 def give_to(task: TaskView, carrier: str, epoch: int) -> None:
-    """Somebody else carries it."""
+    """Give a task to another carrier."""
     if carrier != task.primary:
-        # What the one before has promised binds nobody any more.
+        # The previous carrier's promise no longer binds anybody.
         task.phase, task.promised_at_s = "", None
     task.epoch, task.primary, task.state = epoch, carrier, "contracted"
     if task.secondary == carrier:
@@ -89,16 +89,16 @@ def give_to(task: TaskView, carrier: str, epoch: int) -> None:
 
 
 def add_carrier(task: TaskView, carrier: CarrierView) -> None:
-    """Add to the list of carriers, which has one line per epoch."""
+    """Add a line to the list of carriers, which has one per epoch."""
     others = [other for other in task.carriers if other.epoch != carrier.epoch]
     task.carriers = (*others[1 - MAX_CARRIERS :], carrier)
 
 
 def undo_takeover(task: TaskView, event: Event, fact: ContractEnded) -> bool:
-    """A takeover that its coordinator has refused is undone: the carrier before it still carries.
+    """Undo a takeover that the coordinator has refused: the carrier before it still carries.
 
     Returns:
-        False when the contract that has ended is none of that kind.
+        False when the ended contract is not of that kind.
     """
     last = task.carriers[-1] if task.carriers else None
     if last is None or last.confirmed or (last.carrier, last.epoch) != (event.agent, fact.epoch):
@@ -116,7 +116,7 @@ def undo_takeover(task: TaskView, event: Event, fact: ContractEnded) -> bool:
 
 
 def stranded_of(brief: TaskBrief, order: tuple[str, str], to_wall_s: ToWall) -> StrandedView | None:
-    """What a coordinator tells of goods that wait for a person's word; and for which order they are: its id, and its name."""
+    """A coordinator's word on goods that wait for a person, with the id and name of their order."""
     goods = brief.stranded
     if goods is UNSET:
         return None
@@ -132,7 +132,7 @@ def stranded_of(brief: TaskBrief, order: tuple[str, str], to_wall_s: ToWall) -> 
 
 
 class ReorderBuffer:
-    """The facts, the oldest first; when there are too many the oldest leaves."""
+    """Facts that came before their task, oldest first; when full, the oldest leaves."""
 
     def __init__(self) -> None:
         self._events: deque[Event] = deque(maxlen=EARLY_KEPT)
@@ -142,7 +142,7 @@ class ReorderBuffer:
         self._events.append(event)
 
     def take(self, task: str) -> list[Event]:
-        """What was heard of a task that has been opened now; it is kept no longer."""
+        """Remove and return the facts of a task that was just opened."""
         taken = [event for event in self._events if task_of(event) == task]
         if taken:
             self._events = deque((event for event in self._events if event not in taken), maxlen=EARLY_KEPT)
@@ -150,7 +150,7 @@ class ReorderBuffer:
 
 
 def task_of(event: Event) -> str:
-    """The task that a fact is about, if any; a goal is the task that gives it out."""
+    """The task of a fact, if any; a goal is the task that gives it out."""
     fact = event.fact
     name: str = fact.goal if isinstance(fact, GoalWaits) else getattr(fact, "task", "")
     return name
@@ -161,23 +161,23 @@ class Tasks:
 
     Args:
         to_wall_s: plant clock to wall clock.
-        order_of: of a goal; its id, and the name that people know it by.
+        order_of: the id of a goal's order, and the order's name for people.
     """
 
     def __init__(self, to_wall_s: ToWall, order_of: Callable[[str], tuple[str, str]]) -> None:
         self._to_wall_s, self._order_of = to_wall_s, order_of
         self._open: dict[str, TaskView] = {}
         self._opened_by: Counter[str] = Counter()
-        """How many of them each coordinator has opened."""
+        """Open tasks per coordinator."""
         self._closed: dict[str, TaskView] = {}
         """Oldest first."""
         self._reorder_buffer = ReorderBuffer()
         self._bound: dict[str, tuple[str, str]] = {}
-        """Per contractor that carries something, by its own word: the task, and for whom."""
+        """Per contractor that carries something, by its own word: the task and its coordinator."""
         self._lives: dict[str, int] = {}
-        """Per open task, the life of its coordinator that announced it last."""
+        """Per open task, the incarnation of the coordinator that announced it last."""
         self._unexplained: set[str] = set()
-        """Tasks that have changed since `why` was computed."""
+        """Tasks that changed since `why` was computed."""
         self._on: dict[type, Callable[[TaskView, Event, Any], bool]] = {
             BidReceived: lambda task, _event, fact: add_bid(task, fact, to_wall_s),
             BidRefused: add_refusal,
@@ -193,14 +193,14 @@ class Tasks:
             GoalWaits: _waits,
         }
         self.heeded = (TaskOpened, TaskClosed, *self._on)
-        """Kinds of facts that are about a task."""
+        """Kinds of facts about tasks."""
         self.changes, self.transports = Changes("task"), Transports()
 
     def fold(self, event: Event) -> bool:
         """Take an event in.
 
         Returns:
-            False when it tells nothing new about a task.
+            False when it says nothing new about a task.
         """
         fact = event.fact
         if isinstance(fact, ContractTaken | ContractEnded) and fact.role is Role.PRIMARY:
@@ -224,7 +224,7 @@ class Tasks:
         return True
 
     def on_heartbeat(self, heartbeat: MachineHeartbeat | StationHeartbeat) -> None:
-        """Take in what a machine or a station says about its open tasks."""
+        """Take in a machine's or station's report of its open tasks."""
         for brief in heartbeat.tasks:
             task = self._open.get(brief.task)
             if task is None:
@@ -240,30 +240,30 @@ class Tasks:
         """One task, open or lately ended."""
         view = self._open.get(task) or self._closed.get(task)
         if view is not None and task in self._unexplained:
-            # Here and not with every fact: of twenty bids between two looks only the last one counts.
+            # Computed here, not per fact: of twenty bids between two looks only the last counts.
             self._unexplained.discard(task)
             view.why = why_of(view)
             view.goods_aboard = bool(view.goal) and view.phase in GOODS_ABOARD
         return view
 
     def under_way(self) -> Iterable[TaskView]:
-        """Those that have not ended; their `why` may be older than they are."""
+        """The open tasks; their `why` may be out of date."""
         return self._open.values()
 
     def views(self, most: int | None = None) -> tuple[TaskView, ...]:
-        """The open ones, and the last that ended; the first `most` of them, where that is given."""
+        """The open tasks and the last ended ones; only the first `most` if given."""
         return tuple(view for name in self.ids()[:most] if (view := self.view(name)) is not None)
 
     def ids(self) -> tuple[str, ...]:
-        """Of the open ones, and of the last that ended."""
+        """The ids of the open tasks and the last ended ones."""
         return (*self._open, *self._closed)
 
     def take_changed(self, most: int | None = None) -> tuple[TaskView, ...]:
-        """Those that have changed since the last call; the first `most` of them, where that is given."""
+        """Tasks that changed since the last call; only the first `most` if given."""
         return tuple(task for name in self.changes.take_changed(most) if (task := self.view(name)))
 
     def _leave(self, task: TaskView) -> None:
-        """A task is open no more."""
+        """Count a task as open no more."""
         self._opened_by[task.coordinator] -= 1
         if not self._opened_by[task.coordinator]:
             del self._opened_by[task.coordinator]
@@ -277,7 +277,7 @@ class Tasks:
         self.changes.drop(task)
 
     def _note_bound(self, agent: str, fact: ContractTaken | ContractEnded) -> None:
-        """Remember for whom a contractor works, to say so where it has no time for another one."""
+        """Remember a contractor's coordinator, to name it when the contractor is busy."""
         if isinstance(fact, ContractTaken):
             if agent in self._bound or len(self._bound) < MAX_BOUND:
                 self._bound[agent] = (fact.task, fact.coordinator)
@@ -298,7 +298,7 @@ class Tasks:
         if fact.epoch > task.epoch:
             reopen_task(task)
         elif fact.round <= task.round:
-            # Doubled, or overtaken by what came of it.
+            # A duplicate, or overtaken by its own result.
             return False
         task.epoch, task.round, task.radius_m = fact.epoch, fact.round, fact.radius_m
         task.deadline_at_s = self._to_wall_s(fact.deadline_s)
@@ -309,7 +309,7 @@ class Tasks:
     def _born(self, event: Event, fact: TaskOpened) -> None:
         is_greedy = self._opened_by[event.agent] >= MAX_OPEN_EACH
         if is_greedy or len(self._open) >= MAX_OPEN:
-            # Whoever opens tasks without end pushes out its own.
+            # A coordinator with too many open tasks pushes out its own.
             own = (name for name, each in self._open.items() if each.coordinator == event.agent)
             oldest = next(own if is_greedy else iter(self._open))
             self._leave(self._open.pop(oldest))
@@ -333,7 +333,7 @@ class Tasks:
         if bid is not None:
             bid.answer = fact.answer if fact.reason is None else fact.reason.value
             bound = self._bound.get(fact.bidder)
-            # A machine that has no time any more has other goals, of which it may have several.
+            # A busy machine has other goals, perhaps several, so none is named.
             busy = fact.reason is Refusal.BUSY and task.kind == "transport"
             if busy and bound is not None and bound[0] != task.id:
                 bid.taken_for = bound[1]
@@ -350,7 +350,7 @@ class Tasks:
         won = self._carrier(event, fact.bidder, fact.epoch)
         before = task.carriers[-1] if task.carriers else None
         if before is not None and before.epoch == fact.epoch and before.how == "announced_anew":
-            # Who failed before it, and why, is still a part of the answer.
+            # The previous carrier's failure is still part of the answer.
             won.replaced, won.reason, won.silent_s = before.replaced, before.reason, before.silent_s
         add_carrier(task, won)
         return True
@@ -358,11 +358,11 @@ class Tasks:
     def _recovered(
         self, task: TaskView, brief: TaskBrief, heartbeat: MachineHeartbeat | StationHeartbeat
     ) -> None:
-        """A coordinator that was away names a carrier that has accepted while it could not hear that."""
+        """A coordinator that was away names a carrier that accepted while it could not hear."""
         if task.state != "bidding" or not brief.primary or brief.epoch < task.epoch:
             return
         if heartbeat.incarnation <= self._lives[task.id]:
-            return  # The life that has announced it tells itself who has accepted, in an event.
+            return  # The incarnation that announced it reports acceptance itself, in an event.
         give_to(task, brief.primary, brief.epoch)
         carrier = CarrierView(
             carrier=brief.primary,
@@ -374,14 +374,14 @@ class Tasks:
         self._mark(task.id)
 
     def _carrier_changed(self, task: TaskView, event: Event, fact: CarrierChanged) -> bool:
-        """The coordinator's word on who carries the task: it counts for more than a carrier's own."""
+        """Take the coordinator's word on the carrier: it overrides the carrier's own."""
         if fact.epoch < task.epoch:
             return False
         if fact.carrier:
             give_to(task, fact.carrier, fact.epoch)
         else:
             reopen_task(task)
-            # The announcement that follows begins with round 1 of the new epoch.
+            # The next announcement is round 1 of the new epoch.
             task.epoch, task.round = fact.epoch, 0
         changed = self._carrier(event, fact.carrier, fact.epoch)
         changed.how = "took_over" if fact.carrier else "announced_anew"
@@ -390,7 +390,7 @@ class Tasks:
         return True
 
     def _took_over(self, task: TaskView, event: Event, fact: TookOver) -> bool:
-        """A secondary carries the task: it may say so before the coordinator does."""
+        """Note a secondary's takeover, which it may report before the coordinator does."""
         if fact.epoch < task.epoch or (fact.epoch == task.epoch and task.primary != event.agent):
             return False
         give_to(task, event.agent, fact.epoch)
@@ -403,7 +403,7 @@ class Tasks:
         return True
 
     def _taken(self, task: TaskView, event: Event, fact: ContractTaken) -> bool:
-        """A carrier with a higher epoch has taken over: it may say so before the coordinator does."""
+        """Note a carrier's takeover in a higher epoch, which it may report before the coordinator does."""
         if fact.role is Role.SECONDARY or fact.epoch <= task.epoch:
             return False
         give_to(task, event.agent, fact.epoch)
@@ -416,7 +416,7 @@ class Tasks:
         task = self._open.pop(fact.task, None)
         if task is None:
             if fact.task not in self._closed:
-                # Its announcement was lost, and may be fetched again: it must not stay open then.
+                # Its announcement was lost and may be fetched again: the task must not stay open then.
                 self._reorder_buffer.keep(event)
             return False
         task.epoch = max(task.epoch, fact.epoch)
@@ -458,7 +458,7 @@ def _new_task(event: Event, fact: TaskOpened, to_wall_s: ToWall) -> TaskView:
             task.item, task.goal = work.item, work.goal
             task.sources, task.destination = work.sources, work.destination
         case Production():
-            # A production goal is known by the name of the task that gives it out.
+            # A production goal is named by the task that gives it out.
             task.item, task.goal, task.order = work.product, fact.task, work.order
     return task
 
@@ -471,7 +471,7 @@ def _failed(task: TaskView, _event: Event, fact: RoundFailed) -> bool:
 
 
 def _waits(task: TaskView, _event: Event, fact: GoalWaits) -> bool:
-    """Nobody can make this goal; the next machine that takes it ends that."""
+    """Nobody can make this goal, until the next machine takes it."""
     trouble = failures_of(fact)
     if task.state != "bidding" or task.trouble == trouble:
         return False

@@ -1,8 +1,8 @@
-"""Why this contractor? Answered from a task's own record: nothing is said that the bids do not show.
+"""Why was this contractor chosen? Answered from the task's own record of bids only.
 
-A coordinator asks its bidders in the order of their prices until one accepts (`dray.protocol.contract_net.auction`). So who
-was chosen was the cheapest one that was left, and every cheaper one either gave no contract when it was
-asked, or was never asked, which means that its bid came after the window. Pure.
+A coordinator asks its bidders in the order of their prices until one accepts
+(`dray.protocol.contract_net.auction`). The chosen bidder was the cheapest one left. Every cheaper bidder
+either gave no contract when asked, or bid after the window and was never asked. Pure.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from dray.gateway.live.views import BidView, CarrierView, PassedView, RefusedVie
 from dray.protocol.contract_net.auction_rules import rank
 
 TIE_S = 0.05
-"""A smaller difference is not seen in figures with one decimal."""
+"""Price difference in seconds that figures with one decimal do not show."""
 
 MOST_FRAC = 0.6
-"""A part of the price is called the reason only where it makes this much of the difference."""
+"""Minimum share of the price difference for which a part of the price is called the reason."""
 
 ACCEPTED, ASKED, SILENT, LATE, QUEUE = "accepted", "asked", "silent", "late", "queue"
 
@@ -24,7 +24,7 @@ def why_of(task: TaskView) -> WhyView:
     """The reason, as far as the record tells it.
 
     Args:
-        task: as it stands; its own `why` is not looked at.
+        task: its present state; its own `why` is not read.
     """
     why = _reason(task)
     why.coordinator = task.coordinator
@@ -48,7 +48,7 @@ def _reason(task: TaskView) -> WhyView:
 
 
 def _carrier(task: TaskView) -> CarrierView | None:
-    """The newest line of the carriers, if it is about the present state."""
+    """The newest line of the carriers, if it describes the present state."""
     last = task.carriers[-1] if task.carriers else None
     return last if last is not None and last.epoch == task.epoch and last.carrier == task.primary else None
 
@@ -59,7 +59,7 @@ def _carrier(task: TaskView) -> CarrierView | None:
 def _undecided(task: TaskView, carrier: CarrierView | None) -> WhyView:
     bids = _bids(task, task.epoch)
     refused = _refused(task, task.epoch, {bid.bidder for bid in bids})
-    # Those that were asked in vain are out, until they bid again.
+    # Bidders asked in vain are out until they bid again.
     left = [bid for bid in bids if bid.answer in {"", ASKED}]
     why = WhyView(kind="waiting", refused=refused, bidders=len(bids), left=len(left))
     why.passed = tuple(_passed(task, bid, left[0] if left else bid) for bid in bids if bid not in left)
@@ -102,7 +102,7 @@ def _won(task: TaskView) -> WhyView:
 
 
 def _compare(why: WhyView, won: BidView, other: BidView) -> None:
-    """Say by what the winner was better than the next one."""
+    """Note how the winner beat the next bidder."""
     why.other, why.by_s = other.bidder, other.total_s - won.total_s
     if why.by_s < TIE_S:
         why.kind = "tie"
@@ -131,7 +131,7 @@ def _passed(task: TaskView, bid: BidView, won: BidView) -> PassedView:
 
 
 def _bids(task: TaskView, epoch: int) -> list[BidView]:
-    """The last bid of everybody for the contract itself, in the order in which they are asked."""
+    """The last bid of every bidder for the contract itself, in the order in which they are asked."""
     last = {bid.bidder: bid for bid in task.bids if bid.role == "primary" and bid.epoch == epoch}
     return sorted(last.values(), key=lambda bid: rank(bid.total_s, bid.finish_at_s, bid.bidder))
 
@@ -141,7 +141,7 @@ def _declined(bid: BidView) -> bool:
 
 
 def _refused(task: TaskView, epoch: int, bidders: set[str]) -> tuple[RefusedView, ...]:
-    """The last refusal of everybody that has not bid, by reason; the most frequent reason first."""
+    """The last refusal of every agent without a bid, by reason; the most frequent reason first."""
     last = {
         refusal.agent: refusal.reason
         for refusal in task.refusals

@@ -1,4 +1,4 @@
-"""The English sentence for the parts of a `WhyView`. Panels have their own, in their reader's language."""
+"""The English sentence for a `WhyView`. Panels have their own, in their reader's language."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dray.gateway.live.views import PassedView, RefusedView, WhyView
 from dray.messages import Reason
 
 PASSED_NAMED = 2
-"""Bidders that were passed over and are named; more would make a list of a sentence."""
+"""Maximum bidders passed over that are named; more would turn a sentence into a list."""
 
 MINUTES_FROM_S = 120.0
-"""From here on a length of time is easier to read in minutes."""
+"""Seconds from which a duration is shown in minutes."""
 
 ANSWERS = {
     "busy": "was busy by then",
@@ -63,7 +63,7 @@ PARTS = {
 
 
 def why_text(why: WhyView) -> str:
-    """All that the parts tell, in one sentence or a few."""
+    """The whole reason in one sentence or a few."""
     return " ".join(filter(None, (_main(why), _before(why), _rounds(why))))
 
 
@@ -152,7 +152,7 @@ def _waiting(why: WhyView) -> str:
 
 
 def _refused(refused: Sequence[RefusedView]) -> str:
-    """How many did not bid, counted by reason."""
+    """The number of refusals, by reason."""
     count = sum(len(each.agents) for each in refused)
     if not count:
         return ""
@@ -170,7 +170,7 @@ def _reason(refused: RefusedView) -> str:
 
 
 def _before(why: WhyView) -> str:
-    """Who carried it before it was announced anew."""
+    """The carrier before the new announcement."""
     if not why.replaced or why.kind == "took_over":
         return ""
     silent = why.reason == Reason.SILENT and why.silent_s > 0
@@ -189,7 +189,7 @@ def _rounds(why: WhyView) -> str:
 
 
 def _s(seconds: float) -> str:
-    """Tenths tell one vehicle's price from another's; of hours of production they would tell nothing."""
+    """A duration: tenths distinguish vehicles' prices, but mean nothing for hours of production."""
     if seconds < MINUTES_FROM_S:
         return f"{seconds:.1f} s"
     whole = round(seconds)

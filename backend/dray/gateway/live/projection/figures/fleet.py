@@ -1,4 +1,4 @@
-"""How the fleet is used: what vehicles spend their time on, and how far they drive, empty and loaded."""
+"""Fleet use: how vehicles spend their time, and the metres driven empty and loaded."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ MOVING, WAITING, CHARGING, BLOCKED, IDLE = "moving", "waiting", "charging", "blo
 OUT_OF_SERVICE = "out_of_service"
 
 DOINGS = (MOVING, WAITING, CHARGING, BLOCKED, IDLE, OUT_OF_SERVICE)
-"""What a vehicle may do. It waits at work: while it loads, unloads, or has no way. It is blocked when it was
-stopped, or has a problem. It is out of service by a person's word, once it carries nothing any more."""
+"""What a vehicle may do. It waits at work while it loads, unloads or has no way. It is blocked when stopped
+or in error. It is out of service by a person's word, once it carries nothing."""
 
 
 _STOPPED, _ERROR, _CHARGING, _WORKING = (
@@ -24,26 +24,26 @@ _STOPPED, _ERROR, _CHARGING, _WORKING = (
     AtvStatus.CHARGING,
     AtvStatus.WORKING,
 )
-# Looked up once: Python 3.11 finds a member of an enumeration ten times slower than a name of the module.
+# Looked up once: Python 3.11 finds an enumeration member ten times slower than a module's name.
 
 CHARGED_FRAC = 0.05
-"""A battery that shows so much more than it did was charged, or another one: gauges wander by less."""
+"""Minimum rise of the shown level that means a charged or replaced battery: gauges wander by less."""
 
 LOOSE_FRAC, LOOSE_M = 1.5, 5.0
-"""What clocks, rounding and a push by hand add to the way of a vehicle at top speed."""
+"""Tolerances that clocks, rounding and a push by hand add to the way of a vehicle at top speed."""
 
 
 class Fleet:
     """The use of all vehicles.
 
     Args:
-        top_mps: no vehicle is faster: whoever tells of more has not driven it.
+        top_mps: top speed of the fastest vehicle; longer ways are ignored.
 
     Attributes:
-        use: their time.
-        empty_m: driven without a load, since the beginning.
-        loaded_m: driven with one.
-        energy_wh: taken from batteries since the beginning, by what these show; a charger's losses are not in it.
+        use: the vehicles' time.
+        empty_m: metres driven without a load since the beginning.
+        loaded_m: metres driven with a load since the beginning.
+        energy_wh: energy taken from batteries since the beginning, by their gauges; without charger losses.
     """
 
     def __init__(self, top_mps: float) -> None:
@@ -51,16 +51,17 @@ class Fleet:
         self.use = TimeUse(DOINGS, lasting=OUT_OF_SERVICE)
         self.empty_m = self.loaded_m = self.energy_wh = 0.0
         self._lowest_frac: dict[str, float] = {}
-        """By vehicle: what its battery has shown at the least since it was charged. So a gauge that wanders takes nothing twice."""
+        """Per vehicle, the lowest battery level since its last charge, so that a wandering gauge counts
+        nothing twice."""
         self._empty, self._loaded = Window(*HOUR_SLOTS), Window(*HOUR_SLOTS)
 
     def fold(self, last: AtvHeartbeat | None, heartbeat: AtvHeartbeat, battery_wh: float = 0.0) -> None:
         """Take a heartbeat in.
 
         Args:
-            last: what the vehicle said before; None for nothing.
-            heartbeat: what it says now.
-            battery_wh: what its battery holds; 0 where nobody knows.
+            last: the vehicle's previous heartbeat; None if there was none.
+            heartbeat: the new heartbeat.
+            battery_wh: battery capacity; 0 if unknown.
         """
         self._take(heartbeat, battery_wh)
         self.use.tell(heartbeat.atv, doing(heartbeat), heartbeat.at_s)
@@ -68,7 +69,7 @@ class Fleet:
             self._drive(last, heartbeat)
 
     def empty_frac(self, now_s: float) -> float | None:
-        """Part of the way of the last hour that was driven without a load; None when nobody drove."""
+        """Fraction of the last hour's way driven without a load; None when no vehicle drove."""
         (empty_m,), (loaded_m,) = self._empty.sums(now_s, 1), self._loaded.sums(now_s, 1)
         return empty_m / (empty_m + loaded_m) if empty_m + loaded_m > 0 else None
 
@@ -81,7 +82,7 @@ class Fleet:
             self._lowest_frac[heartbeat.atv] = frac
 
     def _drive(self, last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> None:
-        # Lanes are straight and heartbeats frequent: what a corner between two of them adds is little.
+        # Lanes are straight and heartbeats frequent: a corner between two of them adds little.
         here, there = heartbeat.pose, last.pose
         way_m = hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         most_m = LOOSE_FRAC * self._top_mps * (heartbeat.at_s - last.at_s) + LOOSE_M

@@ -1,4 +1,4 @@
-"""Interventions: how often people had to do something about a vehicle."""
+"""Interventions: how often people had to help or command a vehicle."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from dray.messages import Event
 from dray.messages.fact import CommandObeyed, HelpAsked
 
 SEEN_KEPT = 1_000
-"""Facts that are recognised when they come twice: hours of a plant in which people have much to do."""
+"""Facts kept to recognise duplicates: hours of a plant where people intervene a lot."""
 
 COMMAND_S, HELP_S = 0.2, 10.0
-"""No two commands to one vehicle, and no two of its calls for help, are nearer to one another."""
+"""Minimum seconds between two commands to one vehicle, and between two of its calls for help."""
 
 
 class Interventions:
-    """Counts what vehicles tell of people.
+    """Counts vehicles' reports of people's interventions.
 
     Attributes:
-        commands: people's commands that vehicles have obeyed, since the beginning.
-        helps: how often a vehicle has asked for help.
+        commands: commands that vehicles obeyed since the beginning.
+        helps: calls for help by vehicles since the beginning.
     """
 
     heeded: ClassVar[tuple[type, ...]] = (CommandObeyed, HelpAsked)
-    """Kinds of facts that tell of people."""
+    """Kinds of facts that count."""
 
     def __init__(self) -> None:
         self.commands = self.helps = 0
         self._commands, self._helps = Window(*HOUR_SLOTS), Window(*HOUR_SLOTS)
         self._seen: dict[tuple[str, int, int], None] = {}
         self._last_s: dict[tuple[str, bool], float] = {}
-        """By vehicle, and whether it was a command: when the last one was counted."""
+        """Per vehicle and kind (command or not), the time of the last one counted."""
 
     def fold(self, event: Event) -> bool:
-        """Take an event in; False when it is no intervention, or was counted before."""
+        """Take an event in; False when it is no intervention or a duplicate."""
         fact = event.fact
         obeyed = isinstance(fact, CommandObeyed) and fact.done
         if not (obeyed or isinstance(fact, HelpAsked)) or not self._is_new(event):
@@ -56,7 +56,7 @@ class Interventions:
         return int(commands), int(helps)
 
     def _is_possible(self, event: Event, *, obeyed: bool) -> bool:
-        """Whether people, or troubles, follow one another as fast as a vehicle tells."""
+        """Whether enough time has passed since the last one: a vehicle cannot report faster."""
         name = event.agent, obeyed
         last_s = self._last_s.pop(name, None)
         is_possible = last_s is None or abs(event.at_s - last_s) >= (COMMAND_S if obeyed else HELP_S)

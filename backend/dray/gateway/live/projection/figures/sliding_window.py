@@ -1,4 +1,4 @@
-"""Sums over a sliding window of time, at a cost that does not grow with what is summed."""
+"""Sums over a sliding window of time, at a cost independent of the number of values."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ class Window:
     """The last `slots` slots of `slot_s` seconds each.
 
     Args:
-        slot_s: the length of a slot, in seconds of whatever clock is used.
-        slots: how many there are.
+        slot_s: length of a slot, in seconds of the caller's clock.
+        slots: number of slots.
     """
 
     __slots__ = ("_begins_s", "_ends_s", "_head", "_sums", "slot_s", "slots")
@@ -19,10 +19,10 @@ class Window:
         self._head = 0
         """Number of the newest slot since the clock's zero."""
         self._begins_s, self._ends_s = 0.0, slot_s
-        """Of the newest slot: nearly everything is added to it."""
+        """Bounds of the newest slot, which takes nearly all values."""
 
     def add(self, at_s: float, amount: float) -> None:
-        """Add to the slot of `at_s`; what is older than the window is ignored."""
+        """Add to the slot of `at_s`; values older than the window are ignored."""
         if self._begins_s <= at_s < self._ends_s:
             self._sums[self._head % self.slots] += amount
             return
@@ -46,7 +46,7 @@ class Window:
         return tuple(sum(in_order[start : start + size]) for start in range(0, self.slots, size))
 
     def _turn(self, number: int) -> None:
-        """Let `number` be the newest slot; slots that are reached anew are empty."""
+        """Make `number` the newest slot, and empty the slots passed."""
         if number <= self._head:
             return
         for passed in range(max(self._head + 1, number - self.slots + 1), number + 1):

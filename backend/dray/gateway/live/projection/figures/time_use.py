@@ -1,7 +1,7 @@
-"""What agents spend their time on, by what they last said; exact, and at a cost that does not grow with time.
+"""How agents spend their time, by their last message; exact, at a cost that does not grow with time.
 
-An agent does what it last said until it says something else, for as long as it is believed to live. After
-that its time is `SILENT`, until it is heard again.
+An agent does what it last said until it says something else, while it counts as alive. After that its time is
+`SILENT`, until it is heard again.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from dray.gateway.live.projection.figures.sliding_window import Window
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, MISSES
 
 SILENCE_S = MISSES * IDLE_INTERVAL_S
-"""Factory seconds after its last word for which an agent is believed: three times the slowest rate."""
+"""Factory seconds after its last message for which an agent is believed: three times the slowest interval."""
 
 HOUR_SLOTS = (60.0, 60)
-"""An hour of factory time, by minutes: length of a slot in seconds, and how many."""
+"""One hour of factory time, by minutes: slot length in seconds, and number of slots."""
 
 SILENT = "silent"
 
 
 class _Spell:
-    """What one agent does now."""
+    """The present activity of one agent."""
 
     __slots__ = ("counted_s", "heard_s", "what")
 
@@ -33,14 +33,14 @@ class _Spell:
 
 
 class TimeUse:
-    """Time by what it was spent on, over all agents of one kind. All times are factory seconds.
+    """Time per activity over all agents of one kind. All times are factory seconds.
 
     Args:
-        doings: everything that an agent may do, but for being silent.
-        lasting: what goes on though the agent says nothing.
+        doings: all activities of an agent, except being silent.
+        lasting: the activity that goes on while the agent is silent.
 
     Attributes:
-        totals_s: since the beginning, by doing. Their sum grows by one second per second and agent.
+        totals_s: per activity, since the beginning. Their sum grows by one second per second and agent.
     """
 
     def __init__(self, doings: Iterable[str], lasting: str = "") -> None:
@@ -48,16 +48,16 @@ class TimeUse:
         self.totals_s = dict.fromkeys((*doings, SILENT), 0.0)
         self._hour = {doing: Window(*HOUR_SLOTS) for doing in self.totals_s}
         self._spells: dict[str, _Spell] = {}
-        """By agent: bounded by whoever lets agents in."""
+        """By agent; bounded because only admitted agents are counted."""
 
     def tell(self, agent: str, doing: str, at_s: float) -> None:
-        """An agent has said what it does now; what it said before is counted up to this moment."""
+        """Note an agent's activity; the time up to now counts for its previous one."""
         spell = self._spells.get(agent)
         if spell is None:
             self._spells[agent] = _Spell(doing, at_s)
             return
         if spell.counted_s < at_s <= spell.heard_s + SILENCE_S:
-            # Nearly every time, and the same as `_count` would do.
+            # The usual case, with the same result as `_count`.
             spent_s = at_s - spell.counted_s
             self.totals_s[spell.what] += spent_s
             self._hour[spell.what].add(at_s, spent_s)
@@ -68,17 +68,17 @@ class TimeUse:
         spell.heard_s = max(spell.heard_s, at_s)
 
     def settle(self, now_s: float) -> None:
-        """Count everybody's time up to this moment, also of those who say nothing any more."""
+        """Count every agent's time up to now, also of silent ones."""
         for spell in self._spells.values():
             self._count(spell, now_s)
 
     def hour_s(self, doing: str, now_s: float) -> float:
-        """What was spent on this in the hour up to now, as far as it is counted."""
+        """Seconds counted for this activity in the last hour."""
         (spent_s,) = self._hour[doing].sums(now_s, 1)
         return spent_s
 
     def hour(self, now_s: float) -> dict[str, float]:
-        """Parts of the hour up to now, by doing; empty when nothing of it is counted."""
+        """Fractions of the last hour, by activity; empty when nothing is counted."""
         spent_s = {doing: self.hour_s(doing, now_s) for doing in self._hour}
         total_s = sum(spent_s.values())
         return {doing: each_s / total_s for doing, each_s in spent_s.items()} if total_s > 0 else {}

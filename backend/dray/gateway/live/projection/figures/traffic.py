@@ -1,9 +1,8 @@
-"""Traffic: how often vehicles have passed each lane, and how long they have stood there on their way.
+"""Traffic: how often vehicles passed each lane, and how long they stood there on their way.
 
-A passage is counted when a heartbeat says that a vehicle has passed another node: along the way that it had told before,
-and from there by the lane that leads on. A heartbeat that was lost may leave a passage uncounted, never one too many.
-A vehicle waits when two heartbeats in a row say that it stands on one and the same lane with a way before it, whatever
-holds it up.
+A passage counts when a heartbeat names a node further along the way told before, or the next lane from there.
+A lost heartbeat may leave a passage uncounted, but never adds one. A vehicle waits when two heartbeats in a
+row place it standing on the same lane with a way ahead, for any reason.
 """
 
 from __future__ import annotations
@@ -18,18 +17,18 @@ from dray.plant.model import Lane
 from dray.store.factory.lane_traffic import LaneTraffic
 
 WINDOW_SLOTS = (300.0, 12)
-"""An hour of factory time: length of a slot in seconds, and how many."""
+"""One hour of factory time: slot length in seconds, and number of slots."""
 
 WINDOW_S = WINDOW_SLOTS[0] * WINDOW_SLOTS[1]
 
 Ends = tuple[str, str]
-"""A lane in its direction, by its nodes."""
+"""A lane with its direction, by its nodes."""
 
 LaneTotals = dict[Ends, LaneTraffic]
 
 
 class _Lane:
-    """What happened on one lane: since the beginning, and over the last hour."""
+    """The traffic of one lane: since the beginning, and over the last hour."""
 
     __slots__ = ("passes", "passes_lately", "waited_lately_s", "waited_s", "waits", "waits_lately")
 
@@ -55,7 +54,7 @@ class Traffic:
     """The traffic of every lane.
 
     Args:
-        lanes: the plant's; only these are counted, so there is an end to what is remembered.
+        lanes: the plant's lanes; only these are counted, which bounds the memory.
     """
 
     def __init__(self, lanes: Iterable[Lane]) -> None:
@@ -65,10 +64,10 @@ class Traffic:
             if lane.both_ways:
                 self._lanes[lane.end, lane.start] = _Lane()
         self._waiting: dict[str, Ends] = {}
-        """By vehicle: where it waits. Bounded by whoever lets vehicles in."""
+        """Per vehicle, the lane where it waits. Bounded because only admitted vehicles are followed."""
 
     def follow(self, before: AtvHeartbeat | None, now: AtvHeartbeat) -> None:
-        """Count what a vehicle has passed between two heartbeats, and whether it has waited."""
+        """Count the lanes that a vehicle passed between two heartbeats, and its wait."""
         if before is None or before.incarnation != now.incarnation:
             self._waiting.pop(now.atv, None)
             return
@@ -89,7 +88,7 @@ class Traffic:
             self._waiting[now.atv] = here
 
     def lanes(self, now_s: float) -> Iterator[LaneTraffic]:
-        """The last hour of those on which anything happened.
+        """The last hour of every lane that had traffic.
 
         Args:
             now_s: plant clock.
@@ -101,7 +100,7 @@ class Traffic:
                 yield LaneTraffic(start, end, int(passes), int(waits), waited_s)
 
     def totals(self) -> LaneTotals:
-        """Since the beginning, of all lanes on which anything happened."""
+        """The totals since the beginning of every lane that had traffic."""
         return {
             ends: LaneTraffic(*ends, lane.passes, lane.waits, lane.waited_s)
             for ends, lane in self._lanes.items()
@@ -110,7 +109,7 @@ class Traffic:
 
 
 def lanes_added(before: LaneTotals, after: LaneTotals) -> Iterator[LaneTraffic]:
-    """What has come between two totals, of the lanes on which anything has."""
+    """The difference of two totals, for lanes that had traffic between them."""
     for ends, now in after.items():
         then = before.get(ends, LaneTraffic(*ends))
         if now != then:
@@ -120,14 +119,14 @@ def lanes_added(before: LaneTotals, after: LaneTotals) -> Iterator[LaneTraffic]:
 
 
 def _standing(heartbeat: AtvHeartbeat) -> Ends | None:
-    """The lane on which a vehicle stands though it has a way before it."""
+    """The lane on which a vehicle stands with a way ahead; None otherwise."""
     if heartbeat.speed_mps or not heartbeat.way:
         return None
     return heartbeat.node, heartbeat.way[0]
 
 
 def _passed(before: AtvHeartbeat, node: str) -> tuple[str, ...]:
-    """The nodes from where it was to `node`; it may have turned off its way right at the beginning."""
+    """The nodes from the last node to `node`; the vehicle may have left its way at the very start."""
     if node in before.way:
         return (before.node, *before.way[: before.way.index(node) + 1])
     return (before.node, node)

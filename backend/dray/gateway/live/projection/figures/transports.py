@@ -1,4 +1,4 @@
-"""Figures about transports: how long they take, and how many there are."""
+"""Figures about transports: durations and counts."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections import deque
 from dray.gateway.live.projection.figures.sliding_window import Window
 
 DURATIONS_KEPT = 200
-"""Transports over which quantiles are taken: some ten minutes of a plant with 200 vehicles."""
+"""Transports used for quantiles: some ten minutes of a plant with 200 vehicles."""
 
 LONGEST_S = 7 * 86_400.0
-"""No transport takes longer, and none ends before it begins: whoever tells of such a one has a wrong clock."""
+"""Maximum duration of a transport in seconds; longer or negative ones come from a wrong clock."""
 
 HANDOVER_SLOTS = (15.0, 240)
-"""An hour of factory time: length of a slot in seconds, and how many. Twenty make five minutes."""
+"""One hour of factory time: slot length in seconds, and number of slots. Twenty slots make five minutes."""
 
 HANDOVER_GROUPS = 12
 """Bars that a panel shows, five minutes each."""
@@ -24,21 +24,21 @@ class Transports:
 
     def __init__(self) -> None:
         self._opened_s: dict[str, float] = {}
-        """Open ones only: bounded as the open tasks are, since every opened task is closed or dropped."""
+        """Open transports only: bounded like the open tasks, since each is closed or dropped."""
         self._durations_s: deque[float] = deque(maxlen=DURATIONS_KEPT)
         self._sorted_s: list[float] | None = None
         self._handovers = Window(*HANDOVER_SLOTS)
         self._asked = Window(*HANDOVER_SLOTS)
         self.count = 0
-        """Handed over, of those whose announcement was heard."""
+        """Transports handed over whose announcement was heard."""
 
     def opened(self, task: str, at_s: float) -> None:
-        """A transport was announced for the first time (plant clock)."""
+        """Note a transport's first announcement (plant clock)."""
         self._opened_s[task] = at_s
         self._asked.add(at_s, 1)
 
     def closed(self, task: str, at_s: float, *, delivered: bool) -> None:
-        """A transport has ended (plant clock)."""
+        """Note a transport's end (plant clock)."""
         opened_s = self._opened_s.pop(task, None)
         if delivered and opened_s is not None and 0.0 <= at_s - opened_s <= LONGEST_S:
             self._durations_s.append(at_s - opened_s)
@@ -47,11 +47,11 @@ class Transports:
             self._handovers.add(at_s, 1)
 
     def forget(self, task: str) -> None:
-        """A transport left the projection before its end."""
+        """Drop a transport that left the projection before its end."""
         self._opened_s.pop(task, None)
 
     def quantile_s(self, part: float) -> float | None:
-        """Time from announcement to handover that this part of the last transports kept to.
+        """Time from announcement to handover within which this fraction of recent transports stayed.
 
         Args:
             part: 0.5 for the median.
@@ -60,11 +60,14 @@ class Transports:
             return None
         if self._sorted_s is None:
             self._sorted_s = sorted(self._durations_s)
-        # The nearest rank: always a duration that really was.
+        # The nearest rank: always a real duration.
         return self._sorted_s[max(0, -int(-part * len(self._sorted_s) // 1) - 1)]
 
     def carried_frac(self, now_s: float) -> float | None:
-        """Transports handed over in the last factory hour, as a part of those announced in it; None for none."""
+        """Transports handed over in the last factory hour, as a fraction of those announced in it.
+
+        None if none was announced.
+        """
         (asked,), (carried,) = self._asked.sums(now_s, 1), self._handovers.sums(now_s, 1)
         return min(carried / asked, 1.0) if asked > 0 else None
 

@@ -1,1 +1,1 @@
-"""Right of way as people see it: `chains` finds out who waits for whom in the end, `waits` keeps since when."""
+"""Right of way as people see it: `chains` finds the end of each chain of waits, `waits` keeps since when."""

@@ -1,4 +1,4 @@
-"""Chains of waiting: who waits for whom, down to the one that holds all of them up. Pure."""
+"""Chains of waits: who waits for whom, down to the vehicle that blocks all of them. Pure."""
 
 from __future__ import annotations
 
@@ -9,42 +9,43 @@ import msgspec
 from dray.gateway.live.views.floor.wait import WaitKind
 
 NAMED = 8
-"""Vehicles of a chain that are named at most: nobody reads more."""
+"""Maximum vehicles named in a chain: nobody reads more."""
 
 
 class Standing(msgspec.Struct, frozen=True, gc=False):
-    """What is known of one vehicle, as far as others may wait for it."""
+    """The state of one vehicle, as far as others may wait for it."""
 
     kind: WaitKind
-    """Why others would wait for it, if it waited for nobody."""
+    """Why others would wait for it, if it waited for nobody itself."""
     waits: bool = False
     waits_for: str = ""
-    """Empty where it does not wait, or nobody knows for whom."""
+    """The vehicle that it waits for; empty if none or unknown."""
 
 
 class Chain(msgspec.Struct, frozen=True, gc=False):
-    """For whom one vehicle waits."""
+    """The vehicles that one vehicle waits for."""
 
     kind: WaitKind
-    """What holds up the last one; the vehicle itself where there is nobody ahead."""
+    """What blocks the last one; the vehicle itself if none is ahead."""
     ahead: tuple[str, ...] = ()
-    """Whom it waits for, whom that one waits for, and so on: the first `NAMED` at most."""
+    """The vehicle that it waits for, the one that that waits for, and so on: at most `NAMED`."""
     last: str = ""
-    """The one at the end; empty where there is nobody ahead."""
+    """The vehicle at the end; empty if none is ahead."""
     count: int = 0
-    """How many there are ahead."""
+    """Number of vehicles ahead."""
     circle: tuple[str, ...] = ()
-    """Those that wait for one another, each for the next one and the last for the first, which is the least by its id."""
+    """Vehicles that wait in a circle, each for the next and the last for the first. The least id comes
+    first."""
 
 
 UNKNOWN = Chain("silent")
 
 
 def chains_of(vehicles: Mapping[str, Standing]) -> dict[str, Chain]:
-    """The chains of all that wait.
+    """The chains of all vehicles that wait.
 
     Args:
-        vehicles: all that are known, by id. Who is waited for and is not among them counts as silent.
+        vehicles: all known vehicles, by id. A vehicle waited for but not among them counts as silent.
     """
     ends: dict[str, Chain] = {}
     for first, standing in vehicles.items():
@@ -54,7 +55,7 @@ def chains_of(vehicles: Mapping[str, Standing]) -> dict[str, Chain]:
 
 
 def _follow(first: str, vehicles: Mapping[str, Standing], ends: dict[str, Chain]) -> None:
-    """Find the end of a chain, and with it those of all on the way there."""
+    """Find the end of a chain, and with it the chains of all vehicles along it."""
     path: dict[str, None] = {}
     here = first
     while here in vehicles and here not in ends and here not in path and vehicles[here].waits_for:
@@ -71,7 +72,7 @@ def _follow(first: str, vehicles: Mapping[str, Standing], ends: dict[str, Chain]
 
 
 def _behind(atv: str, ends: dict[str, Chain]) -> Chain:
-    """The chain of one that waits for this vehicle."""
+    """The chain of a vehicle that waits for this one."""
     after = ends.get(atv, UNKNOWN)
     return Chain(
         after.kind, (atv, *after.ahead)[:NAMED], after.last or atv, after.count + 1, circle=after.circle
@@ -79,7 +80,7 @@ def _behind(atv: str, ends: dict[str, Chain]) -> Chain:
 
 
 def _close(members: list[str], ends: dict[str, Chain]) -> None:
-    """Those that wait in a circle: each names the others, in the order in which they wait."""
+    """Set the chains of a circle: each vehicle names the others, in the order of the circle."""
     least = members.index(min(members))
     circle = (*members[least:], *members[:least])
     others, twice = len(circle) - 1, circle * 2

@@ -1,4 +1,4 @@
-"""Waits: which vehicles cannot drive on, since when, and for whom in the end."""
+"""Waits: which vehicles cannot drive on, since when, and which vehicle blocks them in the end."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ SILENT = Standing("silent")
 
 
 class OwnWord(msgspec.Struct, frozen=True, gc=False):
-    """What a vehicle has told last of itself."""
+    """The last report of a vehicle about itself."""
 
     standing: Standing
     node: str
-    """Where it stands; empty for one that drives."""
+    """The node where it stands; empty while it drives."""
     needs: str
-    """The place that it waits for; empty where it does not know."""
+    """The place that it waits for; empty if unknown."""
     has_task: bool
     since_s: float | None
-    """Since when it has stood so (plant clock); None for one that drives."""
+    """Time since which it has stood like this (plant clock); None while it drives."""
     is_repeated: bool = False
-    """It has said so before. Who sets off waits for its first answer, which is there before it speaks again."""
+    """Whether it said so before. A vehicle that sets off gets its first answer before its next heartbeat."""
 
 
 class Waits:
-    """All vehicles that wait, as far as they tell of right of way.
+    """All vehicles that wait by right of way.
 
     Args:
         to_wall_s: plant clock to wall clock.
@@ -45,22 +45,22 @@ class Waits:
     def __init__(self, to_wall_s: ToWall) -> None:
         self._to_wall_s = to_wall_s
         self._told: dict[str, OwnWord] = {}
-        """By vehicle. Bounded by whoever lets vehicles in."""
+        """By vehicle. Bounded because only admitted vehicles are followed."""
         self._waiting: dict[str, None] = {}
         self._views: dict[str, WaitView] = {}
         self._chains: Mapping[str, Chain] = {}
         self._unheard_s: dict[str, float] = {}
-        """Whom others wait for and nobody has heard -> since when that is told (plant clock)."""
+        """Unheard vehicles that others wait for -> since when that is known (plant clock)."""
         self._is_stale = False
         self._docks: tuple[Plant, dict[str, str]] | None = None
-        """Of this plant: node -> whose dock it is."""
+        """For this plant: node -> place whose dock it is."""
         self.changes = Changes("wait")
 
     def follow(self, heartbeat: AtvHeartbeat) -> None:
-        """A vehicle tells whether it stands, and what for."""
+        """Note whether a vehicle stands, and what it waits for."""
         atv, before = heartbeat.atv, self._told.get(heartbeat.atv)
         if heartbeat.floor is UNSET and not self._told:
-            return  # Nobody here drives with right of way.
+            return  # No vehicle here drives by right of way.
         now = _told(heartbeat, before)
         if now == before:
             return
@@ -75,10 +75,10 @@ class Waits:
         self._is_stale = True
 
     def look(self, is_heard: Callable[[str], bool], plant: Plant) -> None:
-        """Find out who waits for whom at this moment.
+        """Compute who waits for whom now.
 
         Args:
-            is_heard: whether a vehicle is neither lost nor shut out; nobody knows what others do.
+            is_heard: whether a vehicle is neither lost nor shut out; the activity of others is unknown.
             plant: knows docks.
         """
         self._is_stale = False
@@ -101,25 +101,28 @@ class Waits:
 
     @property
     def is_stale(self) -> bool:
-        """Whether a vehicle has said something since the last look that may change a wait."""
+        """Whether a vehicle's report since the last look may change a wait."""
         return self._is_stale and bool(self._waiting or self._views)
 
     def chain(self, atv: str) -> Chain:
-        """For whom one of `views` waits."""
+        """The chain of a vehicle in `views`."""
         return self._chains[atv]
 
     def unheard_at_end(self, atv: str) -> tuple[str, float] | None:
-        """Who holds one of `views` up in the end and was never heard, and since when that is told (plant clock); None for nobody."""
+        """The unheard vehicle that blocks a vehicle in `views`, and since when that is known (plant clock).
+
+        None if the blocking vehicle was heard or there is none.
+        """
         last = self._chains[atv].last
         since_s = self._unheard_s.get(last)
         return None if since_s is None else (last, since_s)
 
     def names(self, agent: str) -> bool:
-        """Whether a vehicle waits for one that was never heard and has this name: the leader of a reservation table has told it."""
+        """Whether a vehicle waits for an unheard one of this name, by a reservation table's leader."""
         return agent in self._unheard_s
 
     def has_task(self, atv: str) -> bool:
-        """Whether one of `views` is held up at work."""
+        """Whether a vehicle in `views` waits while it has a task."""
         return self._told[atv].has_task
 
     def views(self) -> tuple[WaitView, ...]:
@@ -131,7 +134,7 @@ class Waits:
         return tuple(self._views[atv] for atv in self.changes.take_changed())
 
     def _concerned(self, is_heard: Callable[[str], bool]) -> dict[str, Standing]:
-        """All that wait, and all that are waited for."""
+        """All vehicles that wait or are waited for."""
         vehicles: dict[str, Standing] = {}
         for first in self._waiting:
             for atv in (first, self._told[first].standing.waits_for):
@@ -165,14 +168,14 @@ class Waits:
         )
 
     def _dock(self, node: str, plant: Plant) -> str:
-        """Whose dock a node is."""
+        """The place whose dock a node is."""
         if self._docks is None or self._docks[0] is not plant:
             self._docks = plant, {plant.node_of(place): place for place in reversed(tuple(plant.places))}
         return self._docks[1].get(node, "")
 
 
 def _told(heartbeat: AtvHeartbeat, before: OwnWord | None) -> OwnWord:
-    """What a heartbeat tells; one that stands as before has stood since then."""
+    """A heartbeat's report; a vehicle that stands as before keeps its start time."""
     standing, node = standing_of(heartbeat), "" if heartbeat.speed_mps else heartbeat.node
     since_s = None if heartbeat.speed_mps else heartbeat.at_s
     is_repeated = False
@@ -185,7 +188,7 @@ def _told(heartbeat: AtvHeartbeat, before: OwnWord | None) -> OwnWord:
 
 
 def standing_of(heartbeat: AtvHeartbeat) -> Standing:
-    """One vehicle that is heard, as others may wait for it. One that tells nothing of right of way waits for nobody."""
+    """The state of a heard vehicle. Without right of way it waits for nobody."""
     floor = FloorBrief() if heartbeat.floor is UNSET else heartbeat.floor
     ends: tuple[tuple[bool, WaitKind], ...] = (
         (heartbeat.status is AtvStatus.STOPPED, "stopped"),
@@ -198,13 +201,13 @@ def standing_of(heartbeat: AtvHeartbeat) -> Standing:
         if holds:
             return Standing(kind, waits=kind == "closed")
     kind = "moving" if heartbeat.speed_mps else "unanswered" if floor.waits else "standing"
-    # Who says that it waits for itself says nothing.
+    # Ignore self-waits.
     behind = floor.waits_for if floor.waits and floor.waits_for != heartbeat.atv else ""
     return Standing(kind, waits=floor.waits, waits_for=behind)
 
 
 def _has_no_way(heartbeat: AtvHeartbeat) -> bool:
-    """Whether a vehicle stands with a load and nothing leads to where it is to go: lanes are closed."""
+    """Whether a loaded vehicle stands with no way to its destination, because lanes are closed."""
     floor, task = heartbeat.floor, heartbeat.task
     if floor is UNSET or floor.waits or heartbeat.way or heartbeat.speed_mps:
         return False

@@ -1,4 +1,4 @@
-"""What people have closed to vehicles, and what that means for the lanes."""
+"""Closures by people, and their effect on lanes."""
 
 from __future__ import annotations
 
@@ -15,33 +15,33 @@ class LaneView(View, kw_only=True):
 
 
 class CornerView(View, kw_only=True):
-    """A corner of what somebody has drawn on the floor."""
+    """A corner of an outline drawn on the floor."""
 
     x_m: float
     y_m: float
 
 
 class ClosureView(View, kw_only=True):
-    """A closure that holds. Of lane, place, area and outline one is named."""
+    """A closure in force. One of lane, place, area and outline is set."""
 
     id: str
     kind: Literal["closed", "slow", "one_way"]
     lane: LaneView | None = None
-    """Both directions of it, unless it became one-way: then it is driven from `start` to `end` only."""
+    """Both directions; a one-way lane is driven from `start` to `end` only."""
     place: str = ""
     area: str = ""
     outline: tuple[CornerView, ...] = ()
-    """The corners of a part of the floor, as somebody has drawn it."""
+    """Corners of a part of the floor, as drawn."""
     speed_mps: float | None = None
-    """For `slow`: the highest speed there."""
+    """Speed limit for `slow`."""
     until_at_s: float | None = None
-    """When it ends by itself; None for when somebody ends it."""
+    """When it ends by itself; None if a person ends it."""
     reason: str
     by: str
     at_s: float
     lanes: tuple[LaneView, ...] = ()
-    """The lanes that it closes or makes slow, each direction by itself."""
+    """Lanes that it closes or slows, each direction by itself."""
     not_known_by: tuple[str, ...] = ()
-    """Vehicles that were heard and do not go by it yet: they are out of reach, or shut out."""
+    """Vehicles that were heard and do not use it yet: out of reach or shut out."""
     cut_off: tuple[str, ...] = ()
-    """Places to and from which no way is left, with all closures together."""
+    """Places without any way to or from them, with all closures together."""

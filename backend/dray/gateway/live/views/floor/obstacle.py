@@ -1,4 +1,4 @@
-"""What lies on lanes, as vehicles have told."""
+"""Obstacles on lanes, as vehicles report them."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from dray.gateway.live.views.base import View
 
 
 class ObstacleView(View, kw_only=True):
-    """Something that was seen on a lane; vehicles go round it."""
+    """An obstacle on a lane; vehicles go round it."""
 
     id: str
-    """Of the lane: the nodes at its ends, in the order of the alphabet, with a `>` between."""
+    """Id of the lane: the nodes at its ends in alphabetical order, joined by `>`."""
     start: str
     end: str
-    """The nodes at the ends of the lane, as the vehicle meant to drive it."""
+    """Nodes at the ends of the lane, in the vehicle's direction."""
     by: str
-    """The vehicle that has seen it last."""
+    """The vehicle that saw it last."""
     at_s: float
-    """When that was."""
+    """When it was last seen."""
     until_at_s: float
-    """Then it is forgotten, and whoever comes there looks again."""
+    """When it is forgotten; the next vehicle looks again."""

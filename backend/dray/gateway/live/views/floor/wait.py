@@ -1,4 +1,4 @@
-"""Who waits for whom to drive on, and why."""
+"""Waits: which vehicle waits for which, and why."""
 
 from __future__ import annotations
 
@@ -18,34 +18,35 @@ WaitKind = Literal[
     "moving",
     "unanswered",
 ]
-"""What holds up the one at the end of a chain: it is at a dock with a task; charges; is not heard; was stopped by a person; is in error; has no way left by
-what is closed; waits for one that waits for it; stands, and is asked to make room; drives; makes room itself, or has no answer yet."""
+"""What blocks the last vehicle of a chain. It is at a dock with a task; charges; is silent; was stopped by a
+person; is in error; has no way left by closures; waits in a circle; stands and was asked to make room;
+drives; or makes room itself, or has no answer yet."""
 
 
 class WaitCauseView(View, kw_only=True):
-    """For whom a vehicle waits, and what holds up the one at the end of the chain."""
+    """The vehicles that a vehicle waits for, and what blocks the last of them."""
 
     kind: WaitKind
     chain: tuple[str, ...] = ()
-    """Whom it waits for, whom that one waits for, and so on. In a circle the last one waits for one that was named before, or for
-    the vehicle itself."""
+    """The vehicle waited for, the one that that waits for, and so on. In a circle, the last waits for one
+    named before or for the vehicle itself."""
     more: int = 0
-    """How many a long chain leaves out, before its last one."""
+    """Number of vehicles that a long chain leaves out before its last."""
     place: str = ""
-    """For one that is docked, charges or stands: whose dock it is at."""
+    """For one that is docked, charges or stands: the place of that dock."""
     since_at_s: float | None = None
-    """Since when the last one stands as it does; None for one that drives, and for a circle."""
+    """Time since which the last one stands like this; None for one that drives, and for a circle."""
 
 
 class WaitView(View, kw_only=True):
     """A vehicle that cannot drive on, because it waits for a place or makes room."""
 
     id: str
-    """The vehicle's."""
+    """Id of the vehicle."""
     since_at_s: float
-    """Since when it has stood where it stands."""
+    """Time since which it has stood there."""
     place: str = ""
-    """The node or crossing that it needs and another one has; empty where it does not know."""
+    """The node or crossing that it needs and another vehicle holds; empty if unknown."""
     cause: WaitCauseView
     text: str = ""
-    """The same in English."""
+    """The cause in English."""

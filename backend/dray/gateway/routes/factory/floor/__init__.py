@@ -1,1 +1,1 @@
-"""What people ask and say about the floor: closures, obstacles, waits, traffic, vehicles that were carried."""
+"""The floor: closures, obstacles, waits, traffic, and carried vehicles."""

@@ -1,4 +1,4 @@
-"""Areas: all vehicles in one are paused, and let go on."""
+"""Areas: pausing all vehicles in one, and resuming them."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ EXAMPLE = PauseAnswer("area1", ("c1f0a93be",), (Word("ATV3", True), Word("ATV5",
 
 
 class PauseRequest(BaseModel):
-    """Why an area is paused."""
+    """The reason for a pause."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"reason": "a visitor fell"}]})
 
     reason: Line
-    """For the audit log, and for everybody who sees the closure on a panel."""
+    """Shown in the audit log, and to everybody who sees the closure on a panel."""
 
 
 @router.post(
@@ -55,7 +55,7 @@ async def pause(
     area: Area,
     request: PauseRequest,
 ) -> Json:
-    """Pause an area: nobody drives into it, and all vehicles in it stop. This is no emergency stop."""
+    """Pause an area: no vehicle drives into it, and all inside stop. This is no emergency stop."""
     _may(area, projection, caller)
     note.detail["reason"] = request.reason
     answer = await pauses.pause(area, request.reason, caller)
@@ -83,7 +83,10 @@ async def go_on(
     note: Noted,
     area: Area,
 ) -> Json:
-    """Open an area, and let those vehicles go on that its pause has stopped; whoever was stopped otherwise stays stopped."""
+    """Open an area, and resume the vehicles that its pause stopped.
+
+    Vehicles stopped otherwise stay stopped.
+    """
     _may(area, projection, caller)
     answer = await pauses.go_on(area, caller)
     note.detail["vehicles"] = {word.atv: word.text or "goes on" for word in answer.vehicles}
@@ -91,7 +94,7 @@ async def go_on(
 
 
 def _may(area: str, projection: Projection, caller: Principal) -> None:
-    """Whoever closes floors pauses vehicles only where it may command them, too."""
+    """Require the right to command vehicles from a caller who pauses areas."""
     if area not in projection.site.plant.areas:
         raise not_found("area", area, "GET /api/plant")
     if not caller.may(Scope.VEHICLES_COMMAND):

@@ -1,4 +1,4 @@
-"""Carrying vehicles away, and putting them back: a person says so in the place of a vehicle that cannot."""
+"""Carrying vehicles away and putting them back: a person reports it for a vehicle that cannot."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ REFUSED = problems(
 
 
 class CarriedAwayRequest(BaseModel):
-    """That a vehicle is off the floor, as somebody has seen who stands there."""
+    """The report of a person on site that a vehicle is off the floor."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"off_the_floor": True}]})
 
     off_the_floor: Annotated[bool, Field(strict=True)]
-    """True, said in so many words: others drive where it has stood."""
+    """Must be true: other vehicles drive where it stood."""
 
 
 class PutBackRequest(BaseModel):
-    """Where a vehicle is being put back."""
+    """The place where a vehicle is being put back."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"place": "P2"}]})
 
     place: Annotated[str, Field(min_length=1, max_length=128)]
-    """A node, or a machine, storage, warehouse, charger or parking place, whose node it is."""
+    """A node, or a machine, storage, warehouse, charger or parking place, which stands for its node."""
 
 
 @router.post(
@@ -62,11 +62,13 @@ async def carry_away(
     atv: str,
     request: CarriedAwayRequest,
 ) -> Json:
-    """Say that a vehicle was carried away: nobody hears it, and it is off the floor. What it held is free once it was silent for long enough.
+    """Report that a vehicle was carried away: it is silent and off the floor.
 
-    That may be said of whoever holds what others need, also of one that nobody has ever heard.
+    Its places are freed after enough silence.
 
-    Whoever keeps the reservation tables believes it from `believed_at_s` on, and not while anybody hears the vehicle.
+    This is possible for any vehicle that holds places others need, even one that was never heard.
+
+    The keepers of reservation tables believe it from `believed_at_s` on, unless the vehicle is heard.
     """
     if caller.areas is not None or not projection.waits.names(atv):
         area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)
@@ -93,7 +95,10 @@ async def put_back(
     atv: str,
     request: PutBackRequest,
 ) -> Json:
-    """Have a place kept for a vehicle that was carried away. When `kept` is true nobody drives there: put it down, and switch it on."""
+    """Reserve a place for a vehicle that was carried away.
+
+    When `kept` is true, no other drives there: put it down and switch it on.
+    """
     note.detail |= request.model_dump(mode="json")
     area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)
     node = _node(projection.site.plant, request.place)
@@ -106,7 +111,7 @@ def _node(plant: Plant, place: str) -> str:
     """The node of a place.
 
     Raises:
-        Problem: 422, there is none, or nobody may stand there.
+        Problem: 422, there is no such place, or no vehicle may stand there.
     """
     if place not in plant.nodes and place not in plant.places and place not in plant.dwell_points:
         raise unusable(FieldError.of("place", "node_unknown", place=place))
@@ -124,9 +129,9 @@ def _must_reach(plant: Plant, caller: Principal, node: str) -> None:
 
 
 def _said(projection: Projection, atv: str) -> Json:
-    """What is said of a vehicle; of one that was never heard there is nothing else to show."""
+    """The removal of a vehicle, as the answer."""
     view = projection.removals.view(atv)
     if view is None:
-        # It was heard while this was written down.
+        # It was heard while this was stored.
         raise not_found("removal", atv, f"GET /api/atvs/{atv}")
     return Json(view)

@@ -1,4 +1,4 @@
-"""Closures: lanes, places, areas and outlines that people close to vehicles, make slow or one-way."""
+"""Closures: lanes, places, areas and outlines that people close, slow down or make one-way."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from dray.store.factory.closures import ClosureRow
 router = APIRouter(tags=["closures"])
 
 LONGEST_S = 365 * 86400.0
-"""Until then at most; what is closed for longer has no end yet."""
+"""Latest end in seconds from now; a longer closure has no end yet."""
 
 Name = Annotated[str, Field(min_length=1, max_length=128)]
 
@@ -54,7 +54,7 @@ class LaneRequest(BaseModel):
 
 
 class CornerRequest(BaseModel):
-    """A corner, in metres from the lower left corner of the floor; to the centimetre."""
+    """A corner, in metres from the lower left corner of the floor, to the centimetre."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -63,7 +63,10 @@ class CornerRequest(BaseModel):
 
 
 class ClosureRequest(BaseModel):
-    """What is closed, how, why and until when. Exactly one of `lane`, `place`, `area` and `outline` is named."""
+    """A closure: what, how, why and until when.
+
+    Exactly one of `lane`, `place`, `area` and `outline` is set.
+    """
 
     model_config = ConfigDict(
         extra="forbid",
@@ -91,24 +94,25 @@ class ClosureRequest(BaseModel):
 
     kind: ClosureKind = ClosureKind.CLOSED
     lane: LaneRequest | None = None
-    """In both directions, also where these are two lanes beside one another, unless it becomes one-way: then vehicles drive from
-    `start` to `end` only."""
+    """Both directions, even if these are two lanes side by side. A one-way lane is driven from `start` to
+    `end` only."""
     place: Name | None = None
-    """A node, a crossing, or a machine, storage, warehouse, charger or parking place, whose dock it is."""
+    """A node, a crossing, or a machine, storage, warehouse, charger or parking place, which stands for its
+    dock."""
     area: Name | None = None
     outline: Annotated[list[CornerRequest], Field(min_length=3, max_length=MAX_CORNERS)] | None = None
-    """A part of the floor of any shape, by its corners in order: its nodes, and the lanes that cross it."""
+    """A part of the floor by its corners in order: its nodes, and the lanes that cross it."""
     speed_mps: Annotated[float, Field(ge=SLOWEST_MPS, le=100.0, allow_inf_nan=False)] | None = None
-    """For `slow`: the highest speed."""
+    """Speed limit for `slow`."""
     until: AwareDatetime | None = None
-    """When it ends by itself; left out, when somebody ends it."""
+    """When it ends by itself; left out if a person ends it."""
     reason: Line
-    """For the audit log, and for everybody who sees the closure on a panel."""
+    """Shown in the audit log, and to everybody who sees the closure on a panel."""
 
 
 @router.get("/closures", responses={200: list_of(ClosureView, "What is closed, by id")}, response_class=Json)
 async def list_closures(projection: Provided[Projection], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
-    """What people have closed to vehicles: by whose decision, why, until when, and which lanes that concerns."""
+    """Closures in force: by whom, why, until when, and which lanes they affect."""
     views = sorted(projection.closures.views(), key=lambda view: view.id)
     return page(views, lambda view: view.id, cursor, limit)
 
@@ -132,10 +136,10 @@ async def close(
     note: Noted,
     request: ClosureRequest,
 ) -> Json:
-    """Close a lane, a place, an area or an outline to vehicles, or make it slow, or a lane one-way; at once.
+    """Close a lane, a place, an area or an outline at once, slow it down, or make a lane one-way.
 
-    Vehicles inside leave, all others go round; bids and promises follow. Sent twice it is one closure. `cut_off` names
-    places that no vehicle gets to any more; ask `POST /api/closures/preview` before, where that matters.
+    Vehicles inside leave, all others go round; bids and promises follow. Sent twice, it is one closure.
+    `cut_off` names places that no vehicle can reach; ask `POST /api/closures/preview` first if that matters.
     """
     note.detail |= request.model_dump(mode="json", exclude_none=True)
     wanted = _row(request, projection.site.plant, caller, closings.now_s)
@@ -159,7 +163,7 @@ async def close(
 async def preview(
     closings: Provided[Closings], projection: Provided[Projection], caller: Caller, request: ClosureRequest
 ) -> Json:
-    """What a closure would mean, together with those that hold. Nothing is closed."""
+    """The effect that a closure would have, together with those in force. Nothing is closed."""
     return Json(closings.preview(_row(request, projection.site.plant, caller, closings.now_s)))
 
 
@@ -174,17 +178,17 @@ async def preview(
 async def end(
     closings: Provided[Closings], note: Noted, closure: Annotated[str, Path(max_length=128)]
 ) -> Json:
-    """Open what a closure has closed; at once."""
+    """End a closure at once."""
     ended = await closings.open(closure)
     note.detail["closed_for"] = ended.reason
     return Json(ended)
 
 
 def _row(request: ClosureRequest, plant: Plant, caller: Principal, now_s: float) -> ClosureRow:
-    """The decision that a request asks for.
+    """The decision in a request.
 
     Raises:
-        Problem: 422, with every field that cannot be used.
+        Problem: 422, with every invalid field.
     """
     request = request.model_copy(update={"lane": _driven(request.lane, plant)})
     faults = [*_extent_faults(request, plant), *_kind_faults(request, plant)]
@@ -213,7 +217,7 @@ def _row(request: ClosureRequest, plant: Plant, caller: Principal, now_s: float)
 
 
 def _driven(lane: LaneRequest | None, plant: Plant) -> LaneRequest | None:
-    """The lane that is meant: of a two-lane road that is named against the direction of one lane, the lane beside it."""
+    """The lane meant: for a two-lane road named against one lane, the lane beside it."""
     if lane is None or plant.roads.lane(lane.start, lane.end) is not None:
         return lane
     start, end = plant.way_back(lane.end, lane.start)

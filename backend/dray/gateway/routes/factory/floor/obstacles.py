@@ -1,4 +1,4 @@
-"""Obstacles: what vehicles have met on lanes, and a person's word that it is gone."""
+"""Obstacles that vehicles met on lanes, and a person's report that one is gone."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Node = Annotated[str, Field(min_length=1, max_length=128)]
 
 
 class ClearedRequest(BaseModel):
-    """A lane on which nothing lies any more, by the nodes at its ends; both directions are meant."""
+    """A lane that is free again, by the nodes at its ends; both directions are meant."""
 
     model_config = ConfigDict(
         extra="forbid", json_schema_extra={"examples": [{"start": "c3", "end": "m5-lane"}]}
@@ -50,7 +50,7 @@ class ClearedRequest(BaseModel):
 async def list_obstacles(
     projection: Provided[Projection], visible: Visible, limit: Limit = PAGE, cursor: Cursor = None
 ) -> Json:
-    """What vehicles have met on lanes: they go round it until it is gone, or until they have forgotten it and look again."""
+    """Obstacles on lanes: vehicles go round one until it is gone, or until they forget it and look again."""
     views = [view for each in projection.obstacles.views() if (view := visible.obstacle(each))]
     return page(sorted(views, key=lambda view: view.id), lambda view: view.id, cursor, limit)
 
@@ -72,7 +72,10 @@ async def clear(
     note: Noted,
     request: ClearedRequest,
 ) -> Json:
-    """Say that a lane is free again. Vehicles drive there at once; a body stops all the same before what is still in its way."""
+    """Report that a lane is free again.
+
+    Vehicles drive there at once; a body still stops before anything in its way.
+    """
     view = projection.obstacles.of(request.start, request.end)
     if view is None or visible.obstacle(view) is None:
         raise not_found("obstacle", f"{request.start}>{request.end}", "GET /api/obstacles")

@@ -19,16 +19,16 @@ router = APIRouter(tags=["factory"])
 
 
 class TrafficAnswer(msgspec.Struct, frozen=True):
-    """What vehicles did on the lanes: over the last hour of factory time, or in the wall hours that were asked for."""
+    """Traffic on the lanes: over the last factory hour, or in the requested wall hours."""
 
     window_s: float
-    """Seconds that were looked at: of factory time for the last hour, of the wall clock for a period."""
+    """Length of the period: factory seconds for the last hour, else wall seconds."""
     items: tuple[LaneTraffic, ...]
-    """Lanes on which anything happened; a lane for both ways is told once per direction."""
+    """Lanes with traffic; a two-way lane is listed once per direction."""
     since_at_s: float | None = None
-    """Wall clock: where the period begins, at a whole hour; null for the last hour of factory time."""
+    """Begin of the period at a whole hour, wall clock; null for the last factory hour."""
     until_at_s: float | None = None
-    """Where it ends, at a whole hour, the present one included."""
+    """End of the period at a whole hour, including the present one."""
 
 
 EXAMPLE = TrafficAnswer(WINDOW_S, (LaneTraffic("a1", "a2", 42, 3, 12.5), LaneTraffic("a2", "a1", 17)))
@@ -44,10 +44,10 @@ async def get_traffic(
     since: Moment | None = None,
     until: Moment | None = None,
 ) -> Json:
-    """How often vehicles have passed each lane, how often they came to a stand there, and for how long.
+    """How often vehicles passed each lane, how often they stood there, and for how long.
 
-    Without `since` within the last hour of factory time. A period is looked at by whole wall hours, which are kept for 35
-    days; what was counted last is in it within a minute.
+    Without `since`, within the last factory hour. Other periods are whole wall hours, stored for 35 days; the
+    latest counts appear within a minute.
     """
     if since is None:
         if until is not None:

@@ -1,4 +1,4 @@
-"""Waits: vehicles that cannot drive on, for whom they wait, and why."""
+"""Waits: vehicles that cannot drive on, which vehicles they wait for, and why."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ EXAMPLE = WaitView(id="ATV5", since_at_s=1_893_455_892.0, place="c2", cause=_CAU
 async def list_waits(
     projection: Provided[Projection], visible: Visible, limit: Limit = PAGE, cursor: Cursor = None
 ) -> Json:
-    """Vehicles that cannot drive on, since when, for whom they wait, and for whom these wait in their turn.
+    """Vehicles that cannot drive on, since when, and the chain of vehicles that they wait for.
 
     Empty where vehicles drive without right of way.
     """
