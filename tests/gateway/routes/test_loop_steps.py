@@ -7,7 +7,6 @@ import gc
 import gzip
 import json
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager
 from contextvars import copy_context
 from pathlib import Path
 
@@ -176,10 +175,10 @@ async def test_no_step_of_any_other_route_is_long(full_house: House, method: str
     await all_steps_are_short(full_house, method, template)
 
 
-@asynccontextmanager
-async def filled_up(url: str) -> AsyncIterator[House]:
+@pytest.fixture
+async def fullest(files: Files, tmp_path: Path) -> AsyncIterator[House]:
     """A gateway with as many open orders and tasks as it keeps, each as large as one may be, whose stream makes a frame when the test says so."""
-    async with gateway(url, stream_rate_hz=NEVER_HZ) as house:
+    async with gateway(files.new(tmp_path), stream_rate_hz=NEVER_HZ) as house:
         projection = house.projection
         items = tuple(Item(PRODUCT, 5) for _ in range(MAX_ITEMS))
         for number in range(MAX_OPEN_ORDERS):
@@ -205,20 +204,6 @@ async def filled_up(url: str) -> AsyncIterator[House]:
         gc.freeze()
         yield house
         gc.unfreeze()
-
-
-@pytest.fixture
-async def fullest(files: Files, tmp_path: Path) -> AsyncIterator[House]:
-    """One for a test that lets its stream make frames, and with them its recorder."""
-    async with filled_up(files.new(tmp_path)) as house:
-        yield house
-
-
-@pytest.fixture(scope="module")
-async def fullest_at_rest(files: Files, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[House]:
-    """One for all tests that only read what there is: its own recorder is told nothing."""
-    async with filled_up(files.new(tmp_path_factory.mktemp("fullest"))) as house:
-        yield house
 
 
 def facts_of_tasks(coordinator: str, count: int, bids: int) -> Iterator[Event]:
@@ -309,10 +294,10 @@ async def recorded_ms(house: House) -> list[float]:
 
 
 @pytest.mark.slow
-async def test_no_step_of_the_recording_is_long_however_much_there_is_to_keep(fullest_at_rest: House) -> None:
+async def test_no_step_of_the_recording_is_long_however_much_there_is_to_keep(fullest: House) -> None:
     least_ms = [float("inf")] * 3
     for _ in range(TRIES):
-        least_ms = list(map(min, least_ms, await recorded_ms(fullest_at_rest)))
+        least_ms = list(map(min, least_ms, await recorded_ms(fullest)))
         # The least counts: another try would change nothing.
         if max(least_ms) <= STEP_MS:
             break
@@ -323,17 +308,15 @@ async def test_no_step_of_the_recording_is_long_however_much_there_is_to_keep(fu
 @pytest.mark.slow
 @pytest.mark.parametrize(("path", "encoding"), [("/api/replay", "identity"), ("/api/replay/film", "gzip")])
 async def test_no_step_is_long_that_shows_the_present_before_anything_is_recorded(
-    fullest_at_rest: House, path: str, encoding: str
+    fullest: House, path: str, encoding: str
 ) -> None:
     """The recorder has not taken all of it in yet, or there is none."""
-    assert fullest_at_rest.recorder.now() is None
+    assert fullest.recorder.now() is None
     least_ms, body = float("inf"), b""
     headers = BEARER | {"Accept-Encoding": encoding}
     for _ in range(TRIES):
         with loop_monitor() as monitor:
-            status, body = await ask(
-                fullest_at_rest.app, Asked("GET", path, b"", tuple(headers.items())), path
-            )
+            status, body = await ask(fullest.app, Asked("GET", path, b"", tuple(headers.items())), path)
         assert status == 200
         least_ms = min(least_ms, 1e3 * monitor.longest_s[path])
         if least_ms <= STEP_MS:
