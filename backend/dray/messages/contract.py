@@ -44,10 +44,6 @@ class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     also: IdOrNone = ""
     """A second ability that the vehicle must have; empty for none."""
 
-    def is_for_any(self, now_s: float) -> bool:
-        """Whether it is not, or no longer, limited to one vehicle (plant clock)."""
-        return not self.vehicle or (self.vehicle_until_s is not None and self.vehicle_until_s <= now_s)
-
     @property
     def needed(self) -> tuple[str, ...]:
         """The abilities that its vehicle must have."""

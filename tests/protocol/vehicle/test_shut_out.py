@@ -28,7 +28,6 @@ from dray.protocol.runtime.events import Effect
 from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S, ShutOut
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.job.transport_job import ASKS_AGAIN_S
-from dray.protocol.vehicle.work_search import COLLECT_S
 
 DOCK = PLANT.node_of("S3")
 [ENTRY] = {lane.start for lane in PLANT.roads.entering[DOCK]}
@@ -108,32 +107,6 @@ def test_who_is_shut_in_itself_gives_back_what_others_can_come_to() -> None:
     [resigned] = sent(shut_in(rig), Resigned, to="M8")
     assert (resigned.reason, resigned.detail) == (Reason.WAY_BLOCKED, "ATV7")
     assert not resigned.short, "its source can be reached"
-
-
-def test_who_is_shut_in_does_not_bid_for_what_others_can_come_to_until_the_silent_one_is_heard() -> None:
-    rig = contracted()
-    shut_in(rig)
-    rig.on_message("M8", Superseded(task="M8-1", epoch=2))
-    again = announcement(task="M8-2")
-    assert not bids(rig.on_message("M8", again))
-    alone = announcement(task="M8-3", work=transport(vehicle="ATV1"))
-    assert bids(rig.on_message("M8", alone)), "nobody else may carry it"
-    beat(rig, status=AtvStatus.IDLE)
-    effects = rig.on_message("M8", msgspec.structs.replace(again, round=2))
-    assert bids(effects + rig.run(rig.now_s + COLLECT_S)), "it has asked for what waits, and chooses first"
-
-
-def test_who_is_shut_in_with_a_contract_that_it_has_taken_meanwhile_gives_it_back_as_soon() -> None:
-    """It may have watched the task, or told of the silent one in an earlier life."""
-    rig = parked()
-    rig.run(rig.now_s + 1.0)
-    here = rig.heartbeats(AtvHeartbeat)[-1].node
-    for lane in PLANT.roads.leaving[here]:
-        rig.on_message(
-            "ATV5", ObstacleSeen(atv="ATV5", start=lane.start, end=lane.end, there=True, forget_in_s=500.0)
-        )
-    assert sent(rig.on_message("M8", award()), Accepted)
-    assert sent(shut_in(rig), Resigned)
 
 
 def test_who_has_just_taken_over_waits_for_the_silent_one_first() -> None:

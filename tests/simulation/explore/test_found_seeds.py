@@ -116,10 +116,6 @@ FOUND_WITH_TRAFFIC = [
     ("all", 130),
     # Who had stolen a vehicle's certificate, and not its key, spoke in its name while people had carried it away: it was never put back.
     ("all", 236),
-    # A vehicle had stopped because another one used its name, nobody had come within a minute, and it called nobody any more.
-    ("liars", 2025),
-    # A called transport was called off on which a starved machine had counted: it ordered nothing in its place.
-    ("calls", 1128),
 ]
 
 

@@ -354,10 +354,6 @@ class Atv(AgentBase):
     def unfit(self) -> str:
         return self._status_report.unfit(self.link)
 
-    @property
-    def silent_one(self) -> str:
-        return self.obstacles.silent_one
-
     def stop_resting(self) -> None:
         self._idle.stop()
 

@@ -44,9 +44,7 @@ class Standing(msgspec.Struct, frozen=True):
     """The task that it is primary of; empty for none."""
     watches: int
     battery_reckoned: bool = False
-    """Whether `battery_frac` is estimated, not measured."""
-    silent_one: str = ""
-    """A silent vehicle that it has waited for without success; empty for none."""
+    """`battery_frac` is not measured."""
     is_reserve: bool = False
     """Whether it belongs to the reserve of a fleet that is too large for the roads (`dray.plant.spare_places`)."""
 
@@ -187,7 +185,6 @@ class Bidder:
             now_s=now_s,
             deadline_s=deadline_s,
             speed_frac=standing.speed_frac,
-            silent_one=standing.silent_one,
             wait_s=lambda place, comes_s: (
                 self._waits.expect_s(place, now_s)
                 + wait_s(self._expected.get(place) or (), comes_s, self._atv)

@@ -71,10 +71,6 @@ class Owner(Protocol):
     def unfit(self) -> str:
         """Why it may take no work at all; empty if it may."""
 
-    @property
-    def silent_one(self) -> str:
-        """A silent vehicle that it has waited for without success, and has reported; empty for none."""
-
     def stop_resting(self) -> None:
         """Leave the charger or parking place for work."""
 
@@ -188,7 +184,6 @@ class Contracts:
             battery_frac=self._owner.battery_frac,
             battery_reckoned=self._owner.battery_reckoned,
             unfit=self._owner.unfit(),
-            silent_one=self._owner.silent_one,
             busy_with=self.job.task if self.job is not None else "",
             watches=len(self.standby) - (task in self.standby),
             is_reserve=self._owner.is_reserve,

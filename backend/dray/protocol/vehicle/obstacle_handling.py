@@ -119,11 +119,6 @@ class ObstacleHandling:
         """Subscribe to other vehicles' obstacles."""
         self._life.subscribe(self._keys.all_obstacles)
 
-    @property
-    def silent_one(self) -> str:
-        """A silent vehicle that it has waited for without success, and has reported; empty for none."""
-        return next(iter(self._silent), "")
-
     def drove(self, start: str, end: str, now_s: float) -> None:
         """It has driven a lane: an obstacle there is gone."""
         if start != end and self._floor.obstacles.is_on(start, end):

@@ -13,7 +13,7 @@ A vehicle quotes only what it can keep: the deadline, and enough charge to reach
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import msgspec
 
@@ -76,7 +76,6 @@ class Pricer:
         now_s: float,
         deadline_s: float,
         speed_frac: float = 1.0,
-        silent_one: str = "",
         wait_s: Callable[[str, float], float] = lambda _place, _comes_s: 0.0,
     ) -> Quote | Unable:
         """Price a transport from a node.
@@ -88,10 +87,8 @@ class Pricer:
             battery_frac: the present charge.
             now_s: the present time.
             deadline_s: when it should be done.
-            speed_frac: fraction of the vehicle's speed that a person's limit and traffic leave
-                (`Driver.pace_frac`).
-            silent_one: a silent vehicle that this one has waited for without success; empty for none.
-            wait_s: the expected wait at a place beyond the handling, for an arrival time (plant clock).
+            speed_frac: what a person's limit and other vehicles leave of the vehicle's own speed (`Driver.pace_frac`).
+            wait_s: how long it would have to wait at a place beyond the handling, where it comes at a time (plant clock).
 
         Returns:
             The cheapest offer over all sources that can be kept; otherwise why the cheapest of all cannot be kept.
@@ -139,8 +136,6 @@ class Pricer:
         if self._plant.obstructed:
             # A load behind an obstacle without a way round is fetched only if no other source has it.
             clear = [offer for offer in offers if self._is_clear(node, docks[offer[0].source], there)]
-            if silent_one and not clear and self._may_others_come(work, there, docks, now_s):
-                return Unable(Refusal.NOT_FIT, f"shut in by {silent_one}")
             offers = clear or offers
         # The sort is stable: among equal prices the task's first source wins.
         offers.sort(key=lambda offer: offer[0].cost.total_s)
@@ -151,13 +146,6 @@ class Pricer:
         if left_frac < needed_frac:
             return Unable(Refusal.BATTERY, f"{left_frac:.0%} would be left, {needed_frac:.0%} are needed")
         return Unable(Refusal.DEADLINE, f"{quote.finish_s - deadline_s:.0f} s too late")
-
-    def _may_others_come(self, work: Transport, there: str, docks: Mapping[str, str], now_s: float) -> bool:
-        """Whether others may carry it, and obstacles do not block all ways from its destination to a source."""
-        routes = self._plant.routes(self._type.id)
-        return work.is_for_any(now_s) and any(
-            routes.leads_round(there, docks[source]) for source in work.sources
-        )
 
     def _is_clear(self, node: str, source: str, there: str) -> bool:
         routes = self._plant.routes(self._type.id)

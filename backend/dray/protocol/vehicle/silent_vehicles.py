@@ -6,7 +6,7 @@ carried away. If that is missed, the obstacle is forgotten after a time like any
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 from dray.messages import AtvHeartbeat, AtvStatus, Removals
 from dray.messages.keys import Keys
@@ -54,9 +54,6 @@ class SilentVehicles:
 
     def __contains__(self, atv: str) -> bool:
         return atv in self._lanes
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._lanes)
 
     def was_heard_lately(self, atv: str, now_s: float) -> bool:
         """Whether it was heard or carried away recently: it may soon be gone, even if a reservation table still has it."""

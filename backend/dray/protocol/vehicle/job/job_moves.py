@@ -72,8 +72,10 @@ class JobMoves:
         )
 
     def is_shut_in(self, now_s: float) -> bool:
-        """Whether others may fetch the load instead: obstacles block every way from here, but not from the destination."""
-        if not self._work.is_for_any(now_s) or not self.is_shut_out_of(self._source):
+        """Whether others may fetch the load that this vehicle cannot: something is known to lie on every way from here, and on none from the destination."""
+        until_s = self._work.vehicle_until_s
+        may_others = not self._work.vehicle or (until_s is not None and until_s <= now_s)
+        if not may_others or not self.is_shut_out_of(self._source):
             return False
         return self._routes.leads_round(self._dock(self._work.destination), self._dock(self._source))
 

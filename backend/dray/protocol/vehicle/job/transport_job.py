@@ -246,8 +246,8 @@ class TransportJob:
             now_s: the present time.
         """
         waits_s = ASKS_AGAIN_S if self._was_shut_out else 0.0
-        if self.state is JobState.APPROACHING:
-            if waited_s >= waits_s and self._moves.can_fetch_elsewhere():
+        if self.state is JobState.APPROACHING and waited_s >= waits_s:
+            if self._moves.can_fetch_elsewhere():
                 self._short = self.source
                 self.give_back(Reason.WAY_BLOCKED, now_s, by)
             elif waited_s >= SHUT_OUT_S and self._moves.is_shut_in(now_s):
