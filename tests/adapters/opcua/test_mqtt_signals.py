@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -164,11 +164,13 @@ class MqttRig:
         async with aiomqtt.Client(self.broker.host, self.broker.port, identifier="press") as client:
             await client.publish(topic, data, qos=1, retain=retain)
 
-    async def speak(self, data: bytes) -> None:
-        """The machine says its counts again and again."""
-        while True:
-            await self.say("press/counts", data)
-            await asyncio.sleep(0.1)
+    async def says_until(self, data: bytes, seen: Callable[[], bool]) -> None:
+        """The machine says its counts again and again. No task is cancelled: the client may swallow that."""
+        async with asyncio.timeout(PATIENCE_S):
+            while not seen():
+                with suppress(aiomqtt.MqttError):
+                    await self.say("press/counts", data)
+                await asyncio.sleep(0.1)
 
     async def hears(self, topic: str, wanted: Callable[[object], bool]) -> None:
         """Wait until the agent has said something on a topic."""
@@ -305,9 +307,7 @@ def test_one_that_should_say_something_and_does_not_is_away_and_is_there_when_it
         async with rig.life():
             for _ in range(2):
                 assert rig.broken != ""
-                speaking = asyncio.create_task(rig.speak(counts(7)))
-                await rig.until(lambda: rig.broken == "")
-                speaking.cancel()
+                await rig.says_until(counts(7), lambda: rig.broken == "")
                 await rig.until(lambda: "nothing was said for 2 s" in rig.broken)
 
     play(story)

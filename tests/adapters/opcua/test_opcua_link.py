@@ -157,6 +157,24 @@ NODES = {
 """How a node may be named, and what is said where it is not there."""
 
 
+def test_a_link_that_is_ended_in_the_moment_in_which_something_is_to_be_written_ends(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc() as plc:
+            rig = Linked(parse_mapping(text_of(plc.url).encode(), "mapping.yaml", OpcUaMapping), tmp_path)
+            assert rig.link is not None
+            running = asyncio.create_task(rig.link.run(rig.body))
+            while not await plc.read(Signal.ALIVE):  # noqa: ASYNC110 - a server's value has no event
+                await asyncio.sleep(0.02)
+            # Everything is written by now, and it waits for more.
+            await asyncio.sleep(0.3)
+            rig.link.write()
+            running.cancel()
+            await asyncio.wait((running,), timeout=PATIENCE_S)
+            assert running.cancelled()
+
+    play(story())
+
+
 def test_a_node_has_an_id_or_a_path_and_one_that_is_not_there_is_named(tmp_path: Path) -> None:
     async def story() -> None:
         async with Plc() as plc:

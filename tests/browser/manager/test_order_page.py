@@ -272,7 +272,7 @@ window.print = () => {
 
 
 def test_on_paper_nothing_waits_for_a_click(quiet: Any, factory: str, open_page: OpenPage) -> None:
-    order = place(quiet, "PO-EVENTS", 10, 3600.0)
+    order = place(quiet, "PO-EVENTS", 60, 3600.0)
     path = f"/api/orders/{order}/timeline"
     quiet.advance_until(lambda: (told := quiet.ask(path))["moments"] and told["estimates"])
 

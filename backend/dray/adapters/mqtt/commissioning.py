@@ -131,7 +131,8 @@ def _heard(name: str, tag: Tag, ear: _Ear, hear_s: float) -> Step:
 
 async def _within(event: asyncio.Event, span_s: float) -> bool:
     try:
-        await asyncio.wait_for(event.wait(), max(0.0, span_s))
+        async with asyncio.timeout(max(0.0, span_s)):
+            await event.wait()
     except TimeoutError:
         return event.is_set()
     return True

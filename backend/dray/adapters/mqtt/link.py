@@ -120,7 +120,8 @@ class SignalsOverMqtt:
                 if values := list(self._values(tags)):
                     self._mqtt.publish(topic, message_of(values))
             with suppress(TimeoutError):
-                await asyncio.wait_for(self._changed.wait(), LOOK_S)
+                async with asyncio.timeout(LOOK_S):
+                    await self._changed.wait()
             bound_s = self._mapping.silent_after_s
             if self._there and bound_s is not None and clock.time() - self._heard_s > bound_s:
                 self._there = False

@@ -263,7 +263,8 @@ class _Session:
                 self._again_s.pop(signal, None)
                 self._tell(signal, self._listener.on_refused, signal, "")
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._changed.wait(), LOOK_S)
+                async with asyncio.timeout(LOOK_S):
+                    await self._changed.wait()
 
     async def _find_all(self, client: Client) -> list[Node]:
         """Find every node of the mapping; return those to be read."""

@@ -39,7 +39,8 @@ def by_controller(surroundings: Surroundings, name: str, senses: type[StorageSta
         try:
             while True:
                 try:
-                    await asyncio.wait_for(body.known(), REMIND_EVERY_S)
+                    async with asyncio.timeout(REMIND_EVERY_S):
+                        await body.known()
                     break
                 except TimeoutError:
                     _log.warning("%s waits for its controller at %s", name, broker)
