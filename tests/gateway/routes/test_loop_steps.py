@@ -305,7 +305,7 @@ async def test_no_step_of_the_recording_is_long_however_much_there_is_to_keep(fu
     assert max(least_ms) <= STEP_MS
 
 
-@pytest.mark.campaign  # On a computer whose memory is taken away and given back, freeing a picture takes 250 ms.
+@pytest.mark.slow
 @pytest.mark.parametrize(("path", "encoding"), [("/api/replay", "identity"), ("/api/replay/film", "gzip")])
 async def test_no_step_is_long_that_shows_the_present_before_anything_is_recorded(
     fullest: House, path: str, encoding: str

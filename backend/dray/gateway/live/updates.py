@@ -139,6 +139,11 @@ def array(entities: Iterable[Any]) -> msgspec.Raw:
     return msgspec.Raw(b"[" + b",".join(map(_encoder.encode, entities)) + b"]")
 
 
+def joined(arrays: Iterable[msgspec.Raw]) -> msgspec.Raw:
+    """One JSON array of several."""
+    return msgspec.Raw(b"[" + b",".join(inner for each in arrays if (inner := bytes(each)[1:-1])) + b"]")
+
+
 def plain(fields: dict[str, Any]) -> dict[str, Any]:
     """An entity of `Updates.known` as it is decoded from a frame."""
     return {
