@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import combinations
 
 from playwright.sync_api import Page
 
@@ -56,6 +58,11 @@ class Word:
         wide = min(self.right, other.right) - max(self.left, other.left)
         high = min(self.bottom, other.bottom) - max(self.top, other.top)
         return wide > 1.0 and high > 1.0
+
+
+def overlapping(words: Iterable[Word]) -> list[tuple[Word, Word]]:
+    """Those that stand in one another."""
+    return [(one, other) for one, other in combinations(words, 2) if one.covers(other)]
 
 
 def watch_words(page: Page) -> None:

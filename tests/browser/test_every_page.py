@@ -68,6 +68,23 @@ def test_every_page_is_itself_in_every_language_and_theme(
         screenshot(page, f"{name}-{language}-{theme}")
 
 
+CHOOSE_A_FILE = {"en": "Choose a file…", "de": "Datei wählen…", "es": "Elegir un archivo…"}
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_the_editor_asks_for_a_file_in_the_language_that_is_chosen(
+    factory: Any, open_page: OpenPage, language: str
+) -> None:
+    page = opened(factory, open_page, PAGES["editor"], locale=LOCALES[language])
+    button, field = page.locator(".ed-file .button"), page.locator("input[type=file]")
+    expect(button).to_have_text(CHOOSE_A_FILE[language])
+    # A browser's own button, in the browser's language, is not to be seen.
+    assert field.evaluate("it => it.getBoundingClientRect().width") <= 1
+    # Whoever comes to it with the keys sees where the focus is.
+    field.focus()
+    assert button.evaluate("it => getComputedStyle(it).outlineStyle") == "solid"
+
+
 DOCS = Shown("/api/docs", "manager", "h1")
 """The documentation of the API is in English only."""
 

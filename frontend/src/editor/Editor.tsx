@@ -45,10 +45,12 @@ function Drawing() {
         <span class="tag">{n("differences", differences(state.data.value, state.running.value))}</span>
         {errors > 0 && <span class="tag ed-error">{n("errors", errors)}</span>}
         <span class="ed-kept muted" role="status">{t(`kept.${state.kept.value}`, { version: String(draft.version), by: draft.by })}</span>
-        <button type="button" class="button" disabled={past.length === 0} onClick={state.undoOne}>{t("undo")}</button>
-        <button type="button" class="button" disabled={future.length === 0} onClick={state.redoOne}>{t("redo")}</button>
-        <a class="button" href={`/api/plant-drafts/${draft.id}/file`} download>{t("save")}</a>
-        <button type="button" class="button" onClick={() => { void state.keepNow().then(() => { state.draft.value = null; location.hash = ""; }); }}>{t("close")}</button>
+        <div class="ed-acts">
+          <button type="button" class="button" disabled={past.length === 0} onClick={state.undoOne}>{t("undo")}</button>
+          <button type="button" class="button" disabled={future.length === 0} onClick={state.redoOne}>{t("redo")}</button>
+          <a class="button" href={`/api/plant-drafts/${draft.id}/file`} download>{t("save")}</a>
+          <button type="button" class="button" onClick={() => { void state.keepNow().then(() => { state.draft.value = null; location.hash = ""; }); }}>{t("close")}</button>
+        </div>
       </div>
       {state.kept.value === "conflict" && (
         <p class="ed-banner" role="alert">{t("conflict")} <button type="button" class="button small" onClick={() => void state.open(draft.id)}>{t("conflict.load")}</button></p>

@@ -1,5 +1,5 @@
 /** What is drawn of a plant: the running one in grey, what is new in the draft in blue. */
-import { NUMBER, marksOf } from "./marks";
+import { NUMBER, marksOf, nameBelow } from "./marks";
 import * as model from "./model";
 import { RepairMarks } from "./Repair";
 import * as state from "./state";
@@ -113,7 +113,7 @@ function Plant({ data, y, unit_m, class: kind, mine = false }: PlantProps) {
           <g key={`${section}${index}`} class={`ed-place ed-${section} ${is(section, index, place)}`} data-section={section} data-index={index}>
             {node && <path class="ed-dock" stroke-width={unit_m} d={`M${node.x_m} ${y(node.y_m)}L${box.x_m} ${y(box.y_m)}`} />}
             <rect x={box.x_m - box.width_m / 2} y={y(box.y_m) - box.depth_m / 2} width={box.width_m} height={box.depth_m} rx={0.2} stroke-width={unit_m * 1.5} />
-            {(mine || state.shown.value === "running") && <text x={box.x_m} y={y(box.y_m) + (section === "parkings" ? box.depth_m / 2 + size : size * 0.35)} font-size={size}>{place.id}</text>}
+            {(mine || state.shown.value === "running") && <text x={box.x_m} y={y(box.y_m) + nameBelow(place.id, place.box, size)} font-size={size}>{place.id}</text>}
           </g>
         );
       })}

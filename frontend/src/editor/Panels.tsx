@@ -4,6 +4,7 @@ import { format, t, word } from "../text/editor";
 import { findingText } from "../text/views/findings/finding-text";
 import { noteText } from "../text/views/findings/note-text";
 import { act, choose, toolName } from "./acts";
+import { FileField } from "./FileField";
 import * as model from "./model";
 import { Repair } from "./Repair";
 import * as state from "./state";
@@ -233,24 +234,20 @@ function Plan() {
   return (
     <fieldset>
       <legend>{t("plan")}</legend>
-      <label>{t("plan.file")}
-        <input type="file" accept="image/png,image/svg+xml,.dxf" disabled={reading.value} onChange={(event) => {
-          const file = event.currentTarget.files?.[0];
-          if (!file) return;
-          reading.value = true;
-          failed.value = "";
-          laid.value = null;
-          state.layPlan(file).then(
-            (found) => {
-              laid.value = found;
-              const wide_m = found?.width_m ?? null;
-              // A plan that says how large it is lies as large as that; another one keeps its place.
-              if (!plan || wide_m !== null) state.draw({ ...state.data.value, plan: { x_m: 0, y_m: 0, opacity: 0.6, ...plan, width_m: wide_m ?? width_m } });
-            },
-            (error: unknown) => { failed.value = (error as Error).message; },
-          ).finally(() => { reading.value = false; });
-        }} />
-      </label>
+      <FileField label={t("plan.file")} accept="image/png,image/svg+xml,.dxf" disabled={reading.value} onFile={(file) => {
+        reading.value = true;
+        failed.value = "";
+        laid.value = null;
+        state.layPlan(file).then(
+          (found) => {
+            laid.value = found;
+            const wide_m = found?.width_m ?? null;
+            // A plan that says how large it is lies as large as that; another one keeps its place.
+            if (!plan || wide_m !== null) state.draw({ ...state.data.value, plan: { x_m: 0, y_m: 0, opacity: 0.6, ...plan, width_m: wide_m ?? width_m } });
+          },
+          (error: unknown) => { failed.value = (error as Error).message; },
+        ).finally(() => { reading.value = false; });
+      }} />
       {reading.value && <small role="status">{t("plan.reading")}</small>}
       {failed.value && <small role="alert" class="complaint">{failed.value}</small>}
       {laid.value?.width_m != null && <small role="status">{t("plan.size", { width: format.number(laid.value.width_m, 1), height: format.number(laid.value.height_m ?? 0, 1) })}</small>}

@@ -3,6 +3,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { fileBody } from "../api/file-body";
 import { format, t } from "../text/editor";
+import { FileField } from "./FileField";
 import * as state from "./state";
 
 export function Start() {
@@ -35,12 +36,9 @@ export function Start() {
               {["m", "cm", "mm"].map((each) => <option key={each} value={each}>{each}</option>)}
             </select>
           </label>
-          <label>{t("start.choose")}
-            <input type="file" disabled={busy.value} accept=".yaml,.yml,.json,.lif,.xml" onChange={(event) => {
-              const file = event.currentTarget.files?.[0];
-              if (file) doing(fileBody(file).then((body) => state.create(name.value.trim() || file.name, { body, name: file.name, unit: unit.value }, onto.value)));
-            }} />
-          </label>
+          <FileField label={t("start.choose")} accept=".yaml,.yml,.json,.lif,.xml" disabled={busy.value} onFile={(file) => {
+            doing(fileBody(file).then((body) => state.create(name.value.trim() || file.name, { body, name: file.name, unit: unit.value }, onto.value)));
+          }} />
         </fieldset>
         {failed.value && <p role="alert" class="complaint">{failed.value}</p>}
       </section>

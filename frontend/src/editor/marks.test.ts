@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { LABEL, NUMBER, labelPlaces, marksOf } from "./marks";
+import { LABEL, NUMBER, labelPlaces, marksOf, nameBelow } from "./marks";
 
 const covers = (label: { x: number; y: number }, number: { x: number; y: number }): boolean =>
   Math.abs(label.x - number.x - NUMBER.x) < LABEL.width / 2 + NUMBER.r && Math.abs(label.y - number.y - NUMBER.y) < LABEL.height / 2 + NUMBER.r;
@@ -22,6 +22,21 @@ describe("the label of a measure", () => {
   test("covers no other label of the same place", () => {
     const places = labelPlaces(Array.from({ length: 6 }, () => ({ x: 0, y: 0 })), []);
     expect(new Set(places.map(({ x, y }) => `${x} ${y}`)).size).toBe(6);
+  });
+});
+
+describe("the name of a place", () => {
+  const box = { x_m: 0, y_m: 0, width_m: 4, depth_m: 3 };
+
+  test("stands in its box as long as it fits", () => {
+    expect(nameBelow("SAW", box, 1)).toBeLessThan(box.depth_m / 2);
+    expect(nameBelow("CHARGER", box, 1)).toBeGreaterThanOrEqual(box.depth_m / 2 + 1);
+    expect(nameBelow("CHARGER", box, 0.5)).toBeLessThan(box.depth_m / 2);
+  });
+
+  test("stands below its node where it has no box yet", () => {
+    expect(nameBelow("IN", null, 0.5)).toBe(1);
+    expect(nameBelow("IN", undefined, 2)).toBe(2.5);
   });
 });
 

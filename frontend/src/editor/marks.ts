@@ -1,5 +1,5 @@
 /** Where the numbers of findings are written on the floor, and the labels of measures beside them. All in pixels from a spot, y down. */
-import { chosenOf, spotOf, type Data, type Spot } from "./model";
+import { chosenOf, spotOf, type Box, type Data, type Spot } from "./model";
 
 /** A number's disc lies beside its spot. */
 export const NUMBER = { x: 14, y: -14, r: 9 } as const;
@@ -21,6 +21,20 @@ export function marksOf(findings: readonly { readonly field: string }[], data: D
     if (key && spot && !first.has(key)) first.set(key, { key, number: index + 1, spot });
   });
   return [...first.values()];
+}
+
+/** Of a letter, as part of its height: names of the floor are mostly capitals. */
+const LETTER_FRAC = 0.68;
+/** Half of the square that stands for a place without a box. */
+const NO_BOX_M = 0.5;
+
+/**
+ * From the middle of a place down to where its name is written, in metres: in its box, or below it where the name would stand
+ * over its edges, or over the node of a place that has no box yet.
+ */
+export function nameBelow(name: string, box: Box | null | undefined, size_m: number): number {
+  const fits = box && name.length * LETTER_FRAC * size_m <= box.width_m;
+  return fits ? 0.35 * size_m : (box ? box.depth_m / 2 : NO_BOX_M) + size_m;
 }
 
 interface Point {

@@ -168,6 +168,18 @@ def test_an_alarm_and_a_closure_move_no_button_and_are_in_sight(
     screenshot(page, f"alarm-fixed-places-{size['width']}")
 
 
+@pytest.mark.parametrize("size", [{"width": 1280, "height": 800}, {"width": 1440, "height": 900}])
+def test_what_is_closed_is_in_sight_with_the_way_to_open_it(
+    house: OpenHouse, open_page: OpenPage, screenshot: Screenshot, size: dict[str, int]
+) -> None:
+    page = as_manager(house, open_page, viewport=size)
+    expect(page.get_by_role("button", name="Publish", exact=True)).to_be_visible()
+    close(page, {"kind": "closed", "place": "M5", "reason": "oil on the floor"})
+    expect(page.get_by_role("button", name="Open M5")).to_be_in_viewport(ratio=1.0)
+    assert page.locator(".factory").evaluate(CUT) == []
+    screenshot(page, f"closure-in-sight-{size['width']}")
+
+
 @pytest.mark.parametrize("language", LOCALES)
 def test_the_top_bar_is_as_high_with_an_alarm_that_is_open_taken_and_over(
     house: OpenHouse, machines: Machines, open_page: OpenPage, screenshot: Screenshot, language: str

@@ -73,6 +73,9 @@ LAPTOPS_PX = (
     (2560, 1440),
 )
 
+TABLETS_PX = ((800, 1280), (1024, 768), (1100, 800), (1180, 820))
+"""Upright and lying; the page scrolls."""
+
 TOPS = "all => new Set(all.map(each => each.getBoundingClientRect().top)).size"
 
 
@@ -100,6 +103,22 @@ def test_on_a_laptop_layers_are_one_line_no_figure_is_cut_and_the_field_find_ope
         if width_px == 1280:
             screenshot(page, f"laptop-{language}")
         field.blur()
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_on_a_tablet_layers_are_one_line_too(
+    busy: Any, open_page: Callable[..., Page], screenshot: Callable[..., Path], language: str
+) -> None:
+    page = open_page(busy.url, viewport={"width": 1024, "height": 768}, locale=LOCALES[language])
+    chips, head = page.locator(".map .chip"), page.locator(".map-head")
+    # That of right of way is there once vehicles have told of it.
+    expect(chips).to_have_count(8)
+    for width_px, height_px in TABLETS_PX:
+        page.set_viewport_size({"width": width_px, "height": height_px})
+        assert chips.evaluate_all(TOPS) == 1, width_px
+        assert edges(chips.last)[1] <= edges(head)[1], width_px
+        assert head.evaluate("it => it.scrollWidth <= it.clientWidth"), width_px
+        screenshot(page, f"tablet-{language}-{width_px}")
 
 
 @pytest.mark.parametrize("language", LOCALES)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from drawn_words import overlapping, watch_words, words_of
 from manager_kit import BEAT_S, GoingWall, as_manager, choose
 from msgspec.structs import replace
 from open_house import OpenHouse, open_house
@@ -116,7 +117,7 @@ def picture(page: Page) -> bytes:
 def test_a_jam_is_one_alert_a_sentence_and_a_place_on_the_map_until_it_is_gone(
     house: OpenHouse, jam: Jam, open_page: OpenPage, screenshot: Screenshot, scheme: str
 ) -> None:
-    page = as_manager(house, open_page, color_scheme=scheme)
+    page = as_manager(house, open_page, before=watch_words, color_scheme=scheme)
     layer = page.get_by_role("button", name="Right of way")
     expect(layer).to_have_attribute("aria-pressed", "true")
     choose(page, "ATV5")
@@ -133,6 +134,9 @@ def test_a_jam_is_one_alert_a_sentence_and_a_place_on_the_map_until_it_is_gone(
     )
     expect(note.get_by_role("listitem").first).to_contain_text(LONG)
     screenshot(page, f"jam-{scheme}")
+    words = words_of(page)
+    assert any(word.text.startswith("Jam ") for word in words)
+    assert overlapping(words) == []
     shown = picture(page)
     layer.click()
     expect(layer).to_have_attribute("aria-pressed", "false")

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from itertools import combinations
 from math import dist
 from pathlib import Path
 from typing import Any
 
 import pytest
-from drawn_words import Word, pictures_of, watch_words, words_of
+from drawn_words import overlapping, pictures_of, watch_words, words_of
 from manager_kit import choose
 from playwright.sync_api import Page, expect
 
@@ -60,10 +59,6 @@ def watched_from_afar(dray: Any) -> tuple[float, str]:
         if task["secondary"]
     ]
     return max(((dist(at[one], at[other]), one) for one, other in pairs), default=(0.0, ""))
-
-
-def overlapping(words: list[Word]) -> list[tuple[Word, Word]]:
-    return [(one, other) for one, other in combinations(words, 2) if one.covers(other)]
 
 
 @pytest.mark.slow

@@ -54,7 +54,7 @@ const drawn = (told: Told, named = false, scale = 10) => {
   };
   const view = { scale, x0: 0, y0: 0 } as unknown as Brush["view"];
   const brush = { ctx, view, palette: { ink: "ink", warn: "warn", alarm: "alarm", floor: "floor" } } as unknown as Brush;
-  drawDoors(brush, { places: PLACES } as unknown as Roads, [DOOR], told, named);
+  drawDoors(brush, { places: PLACES } as unknown as Roads, [DOOR], told, named, { things: [], words: [] });
   return { colour: ctx.strokeStyle, lines, signs, words };
 };
 

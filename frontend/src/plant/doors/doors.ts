@@ -3,7 +3,7 @@ import type { AtvView, ObstacleView } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
 import { type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, setFont } from "../draw/brush";
-import { rectOfWords } from "../draw/words";
+import { placed, type Taken } from "../draw/labels";
 import { type Door, joins } from "./on";
 
 export type DoorLook = "open" | "opening" | "shut" | "failed";
@@ -43,6 +43,10 @@ const APART = { open: 0.6, opening: 0.3, shut: 0, failed: 0 } as const;
 /** Pixels per metre: on a smaller map a name would lie on that of a machine. */
 const NAMED_SCALE = 18;
 const NAME_PX = 11.5;
+/** Of its letters, in the colour of the floor. */
+const EDGE_PX = 3;
+/** From the door to its name. */
+const GAP_PX = 3;
 
 /** Where the leaf of a door is drawn: its middle, and from there to its end. */
 interface Leaf {
@@ -53,11 +57,12 @@ interface Leaf {
 }
 
 /**
- * Returns where words stand beside them.
+ * Returns where signs and words stand beside them.
  *
  * @param named whether a door that has failed says its name
+ * @param taken what else is there: its name stands beside it
  */
-export function drawDoors(brush: Brush, roads: Roads, doors: readonly Door[], told: Told, named: boolean): Rect[] {
+export function drawDoors(brush: Brush, roads: Roads, doors: readonly Door[], told: Told, named: boolean, taken: Taken): Rect[] {
   const { ctx, palette, view } = brush;
   const words: Rect[] = [];
   for (const door of doors) {
@@ -82,13 +87,19 @@ export function drawDoors(brush: Brush, roads: Roads, doors: readonly Door[], to
       }
       ctx.stroke();
     }
-    if (look === "failed") words.push(...drawFailed(brush, leaves, named && view.scale >= NAMED_SCALE ? door.name : ""));
+    if (look === "failed") {
+      const name = named && view.scale >= NAMED_SCALE ? door.name : "";
+      words.push(...drawFailed(brush, leaves, name, { things: taken.things, words: [...taken.words, ...words] }));
+    }
   }
   return words;
 }
 
-/** One sign for all lanes of the door at one end of it, since vehicles stand before its middle, and its name at the other end. */
-function drawFailed(brush: Brush, leaves: readonly Leaf[], name: string): Rect[] {
+/**
+ * One sign for all lanes of the door at one end of it, since vehicles stand before its middle, and its name at the other end, or
+ * behind the sign; nowhere where other words stand at both.
+ */
+function drawFailed(brush: Brush, leaves: readonly Leaf[], name: string, { things, words }: Taken): Rect[] {
   const { ctx, palette, view } = brush;
   const [first] = leaves;
   if (!first) return [];
@@ -109,17 +120,25 @@ function drawFailed(brush: Brush, leaves: readonly Leaf[], name: string): Rect[]
   ctx.moveTo(signX - 0.45 * r, signY + 0.45 * r);
   ctx.lineTo(signX + 0.45 * r, signY - 0.45 * r);
   ctx.stroke();
-  if (name === "") return [];
-  const [nameX, nameY] = at(far + (lies ? 5 : 9));
+  const sign = { left: signX - r, right: signX + r, top: signY - r, bottom: signY + r };
+  if (name === "") return [sign];
   setFont(brush, NAME_PX, 600);
-  ctx.textAlign = lies ? "left" : "center";
+  const size = { width: ctx.measureText(name).width + EDGE_PX, height: NAME_PX + 2 };
+  const half = (lies ? size.width : size.height) / 2;
+  const places = [far + GAP_PX + half, -far - 1.5 * r - GAP_PX - half].map((away) => {
+    const [nameX, nameY] = at(away);
+    return { x: nameX, y: nameY };
+  });
+  const [rect] = placed([{ ...size, must: true, places }], { things, words: [...words, sign] });
+  if (!rect) return [sign];
+  const [nameX, nameY] = [(rect.left + rect.right) / 2, (rect.top + rect.bottom) / 2];
+  ctx.textAlign = "center";
   ctx.textBaseline = "middle";
-  ctx.lineWidth = 3;
+  ctx.lineWidth = EDGE_PX;
   ctx.lineJoin = "round";
   ctx.strokeStyle = palette.floor;
   ctx.fillStyle = palette.alarm;
   ctx.strokeText(name, nameX, nameY);
   ctx.fillText(name, nameX, nameY);
-  const width = ctx.measureText(name).width;
-  return [rectOfWords(lies ? nameX + width / 2 : nameX, nameY, NAME_PX, width)];
+  return [sign, rect];
 }

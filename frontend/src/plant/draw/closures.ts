@@ -4,6 +4,7 @@ import type { Place, Roads } from "../../motion/roads";
 import { format } from "../../text";
 import { type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, setFont, textPx } from "./brush";
+import { placed, type Taken } from "./labels";
 import { traceOutline } from "./outline";
 
 const WIDTH_M = 1.5;
@@ -14,8 +15,12 @@ interface Segment {
   readonly b: Place;
 }
 
-/** Returns where words stand on them. */
-export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<ClosureView>, nowS: number): Rect[] {
+/**
+ * Returns where signs and words stand on them.
+ *
+ * @param taken what else is there: their words stand beside it
+ */
+export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<ClosureView>, nowS: number, taken: Taken): Rect[] {
   const shown = [...closures];
   for (const { kind, outline } of shown) drawShape(brush, outline, kind === "closed");
   const drawn = shown.map((closure) => ({ closure, segments: segmentsOf(roads, closure) }));
@@ -23,10 +28,35 @@ export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<Clos
     if (closure.kind === "slow") drawSlow(brush, segments);
     else drawShut(brush, segments, closure.kind === "closed");
   }
-  return drawn.flatMap(({ closure, segments }) => {
+  const placedAt = drawn.flatMap(({ closure, segments }) => {
     const at = middleOf(segments);
-    return at ? drawSign(brush, roads, closure, at, nowS) : [];
+    return at ? [{ closure, sign: signOf(brush, closure, at) }] : [];
   });
+  for (const { closure, sign } of placedAt) if (closure.kind !== "slow") drawSign(brush, roads, closure, sign);
+  const signs = placedAt.flatMap(({ closure, sign: { r, x, y } }) => (closure.kind === "slow" ? [] : [{ left: x - r, right: x + r, top: y - r, bottom: y + r }]));
+  const labels = placedAt.flatMap(({ closure, sign }) => {
+    const text = wordsOn(closure, nowS);
+    return text === "" ? [] : [{ text, sign }];
+  });
+  return [...signs, ...drawLabels(brush, labels, { things: taken.things, words: [...taken.words, ...signs] })];
+}
+
+/** The sign in the middle of what is closed; of no size where there is none, since one drives there, only slowly. */
+interface Sign {
+  readonly x: number;
+  readonly y: number;
+  readonly r: number;
+}
+
+function signOf({ view }: Brush, { kind }: ClosureView, at: Place): Sign {
+  return { x: toScreenX(view, at.x), y: toScreenY(view, at.y), r: kind === "slow" ? 0 : Math.max(8, SIGN_M * view.scale) };
+}
+
+/** How fast one drives there, and until when. */
+function wordsOn(closure: ClosureView, nowS: number): string {
+  const until = closure.until_at_s === null ? "" : `– ${format.due(closure.until_at_s, nowS)}`;
+  const speed = closure.speed_mps === null ? "" : `${format.number(closure.speed_mps, 1)} m/s`;
+  return [speed, until].filter((each) => each !== "").join(" ");
 }
 
 /** The part of the floor that somebody has drawn. */
@@ -111,32 +141,23 @@ function middleOf(segments: readonly Segment[]): Place | null {
   return middles.reduce((best, each) => (Math.hypot(each.x - x, each.y - y) < Math.hypot(best.x - x, best.y - y) ? each : best));
 }
 
-function drawSign(brush: Brush, roads: Roads, closure: ClosureView, at: Place, nowS: number): Rect[] {
-  const { ctx, palette, view } = brush;
-  const x = toScreenX(view, at.x);
-  const y = toScreenY(view, at.y);
-  const r = Math.max(8, SIGN_M * view.scale);
-  if (closure.kind !== "slow") {
-    ctx.beginPath();
-    ctx.arc(x, y, r, 0, 2 * Math.PI);
-    ctx.fillStyle = palette.raised;
-    ctx.fill();
-    ctx.strokeStyle = palette.warn;
-    ctx.lineWidth = 2;
-    ctx.stroke();
-    ctx.beginPath();
-    if (closure.kind === "one_way" && closure.lane) traceArrow(brush, roads, closure.lane, x, y, r);
-    else {
-      ctx.moveTo(x - r / 2, y);
-      ctx.lineTo(x + r / 2, y);
-    }
-    ctx.lineWidth = closure.kind === "one_way" ? 2 : 3;
-    ctx.stroke();
+function drawSign(brush: Brush, roads: Roads, { kind, lane }: ClosureView, { r, x, y }: Sign): void {
+  const { ctx, palette } = brush;
+  ctx.beginPath();
+  ctx.arc(x, y, r, 0, 2 * Math.PI);
+  ctx.fillStyle = palette.raised;
+  ctx.fill();
+  ctx.strokeStyle = palette.warn;
+  ctx.lineWidth = 2;
+  ctx.stroke();
+  ctx.beginPath();
+  if (kind === "one_way" && lane) traceArrow(brush, roads, lane, x, y, r);
+  else {
+    ctx.moveTo(x - r / 2, y);
+    ctx.lineTo(x + r / 2, y);
   }
-  const until = closure.until_at_s === null ? "" : `– ${format.due(closure.until_at_s, nowS)}`;
-  const speed = closure.speed_mps === null ? "" : `${format.number(closure.speed_mps, 1)} m/s`;
-  const words = [speed, until].filter((each) => each !== "").join(" ");
-  return words === "" ? [] : [drawLabel(brush, words, x, closure.kind === "slow" ? y : y + r + 4)];
+  ctx.lineWidth = kind === "one_way" ? 2 : 3;
+  ctx.stroke();
 }
 
 /** From where it may be entered to where it leads. */
@@ -155,22 +176,36 @@ function traceArrow({ ctx }: Brush, roads: Roads, lane: { start: string; end: st
   }
 }
 
-function drawLabel(brush: Brush, words: string, x: number, top: number): Rect {
+/** From a sign to its words. */
+const GAP_PX = 4;
+
+/** Below their signs, else above or beside them, and farther off where all of that is taken. */
+function drawLabels(brush: Brush, labels: readonly { text: string; sign: Sign }[], taken: Taken): Rect[] {
   const { ctx, palette, view } = brush;
   const px = textPx(view.scale, 0.8, 10, 14);
   setFont(brush, px, 600);
+  const wishes = labels.map(({ sign: { r, x, y }, text }) => {
+    const [width, height] = [ctx.measureText(text).width + 8, px + 6];
+    const places = [0, 1, 2].flatMap((row) => {
+      const [dx, dy] = [r + GAP_PX + width / 2, (r === 0 ? 0 : r + GAP_PX) + height / 2 + row * height];
+      return [{ x, y: y + dy }, { x, y: y - dy }, ...[dx, -dx].map((away) => ({ x: x + away, y: y + row * height }))];
+    });
+    return { width, height, must: true, always: true, places };
+  });
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
-  const width = ctx.measureText(words).width + 8;
-  const height = px + 6;
-  ctx.beginPath();
-  ctx.roundRect(x - width / 2, top, width, height, 3);
-  ctx.fillStyle = palette.raised;
-  ctx.fill();
-  ctx.strokeStyle = palette.warn;
   ctx.lineWidth = 1;
-  ctx.stroke();
-  ctx.fillStyle = palette.warn;
-  ctx.fillText(words, x, top + height / 2);
-  return { left: x - width / 2, right: x + width / 2, top, bottom: top + height };
+  return placed(wishes, taken).flatMap((rect, i) => {
+    const text = labels[i]?.text;
+    if (!rect || text === undefined) return [];
+    ctx.beginPath();
+    ctx.roundRect(rect.left, rect.top, rect.right - rect.left, rect.bottom - rect.top, 3);
+    ctx.fillStyle = palette.raised;
+    ctx.fill();
+    ctx.strokeStyle = palette.warn;
+    ctx.stroke();
+    ctx.fillStyle = palette.warn;
+    ctx.fillText(text, (rect.left + rect.right) / 2, (rect.top + rect.bottom) / 2);
+    return [rect];
+  });
 }

@@ -22,6 +22,8 @@ export interface FloorPlan {
   readonly closures: Iterable<ClosureView>;
   /** Where signs of obstacles stand. */
   readonly obstacles: readonly Rect[];
+  /** Where the letters at parking places stand. */
+  readonly parkings: readonly Rect[];
   /** The chosen lane, by its ends. */
   readonly lane: { start: string; end: string } | null;
   /** What somebody draws, if anything. */
@@ -54,7 +56,11 @@ export function drawFloor(brush: Brush, plan: FloorPlan): Rect[] {
   const { warehouses, storages, chargers } = plan.plant;
   const chosen = [...warehouses, ...storages, ...chargers].find(({ id }) => id === plan.chosen);
   if (chosen) drawFrame(brush, chosen.box);
-  words.push(...drawClosures(brush, plan.roads, plan.closures, plan.nowS));
+  const things = [...plan.plant.machines, ...plan.plant.storages, ...plan.plant.warehouses, ...plan.plant.chargers]
+    .filter(({ box }) => isInSight(brush, box))
+    .map(({ box }) => boxOnScreen(brush.view, box));
+  const standing = [...words, ...(plan.areas ?? []).map(({ rect }) => rect), ...plan.obstacles, ...plan.parkings];
+  words.push(...drawClosures(brush, plan.roads, plan.closures, plan.nowS, { things, words: standing }));
   drawObstacles(brush, plan.obstacles);
   if (plan.outline) drawOutline(brush, plan.outline.corners, plan.outline.drawing);
   return [...words, ...plan.obstacles];

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { overlaps, type Rect } from "../surface/geometry";
-import { placed, placesAlong, placesAround, type Wish } from "./labels";
+import { placed, placesAlong, placesAround, type Wish, within } from "./labels";
 
 const size = { width: 30, height: 12 };
 const middle = { x: 100, y: 100 };
@@ -34,6 +34,24 @@ test("an age stands in the middle of its line, else beside it, where the machine
   const at = (words: Rect[]) => placed([age], { ...free, words }).map((rect) => rect && (rect.left + rect.right) / 2);
   expect(at([])).toEqual([200]);
   expect(at([{ left: 180, right: 220, top: -8, bottom: 8 }])).toEqual([136]);
+});
+
+test("a sign stands where no words are, over a machine if it must be, and at its first place where there is no other", () => {
+  const sign: Wish = { ...size, must: true, always: true, places: [{ x: 100, y: 100 }, { x: 100, y: 140 }] };
+  const at = (things: Rect[], words: Rect[]) => placed([sign], { things, words })[0]?.top;
+  const [one, other] = [{ left: 90, right: 110, top: 95, bottom: 105 }, { left: 90, right: 110, top: 135, bottom: 145 }];
+  expect(at([], [])).toBe(94);
+  expect(at([one], [])).toBe(134);
+  expect(at([], [one])).toBe(134);
+  expect(at([one], [other])).toBe(94);
+  expect(at([], [one, other])).toBe(94);
+});
+
+test("what would stand over the edge of the map is moved into it", () => {
+  const room = { width: 200, height: 100 };
+  expect(within({ x: 5, y: 300 }, size, room)).toEqual({ x: 15, y: 94 });
+  expect(within({ x: 60, y: 50 }, size, room)).toEqual({ x: 60, y: 50 });
+  expect(within({ x: 60, y: 50 }, { width: 300, height: 12 }, room)).toEqual({ x: 100, y: 50 });
 });
 
 /** Chance that is the same each time. */

@@ -17,6 +17,8 @@ export interface Wish {
   readonly places: readonly Point[];
   /** Told even where a thing must be covered for it; never where other words stand. */
   readonly must: boolean;
+  /** A sign on a ground of its own: where words stand at all its places, it covers those at the first one. */
+  readonly always?: boolean;
 }
 
 /** What is there before. */
@@ -34,7 +36,7 @@ export function placed(wishes: readonly Wish[], { things, words }: Taken): (Rect
   const written = [...words];
   return wishes.map((wish) => {
     const legible = wish.places.map((place) => around(place, wish)).filter((rect) => !covers(rect, written));
-    const rect = legible.find((each) => !covers(each, things)) ?? (wish.must ? legible[0] : undefined) ?? null;
+    const rect = legible.find((each) => !covers(each, things)) ?? (wish.must ? legible[0] : undefined) ?? (wish.always ? first(wish) : null);
     if (rect) written.push(rect);
     return rect;
   });
@@ -67,6 +69,17 @@ const ALONG = [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74] as const;
 /** On a line, as near to its middle as can be. */
 export function placesAlong(a: Point, b: Point): Point[] {
   return ALONG.map((part) => ({ x: a.x + part * (b.x - a.x), y: a.y + part * (b.y - a.y) }));
+}
+
+/** Inside of some room; in the middle of it, where there is less of it than the words need. */
+export function within({ x, y }: Point, { height, width }: { width: number; height: number }, room: { width: number; height: number }): Point {
+  const clamp = (at: number, half: number, most: number): number => (most < 2 * half ? most / 2 : Math.min(Math.max(at, half), most - half));
+  return { x: clamp(x, width / 2, room.width), y: clamp(y, height / 2, room.height) };
+}
+
+function first(wish: Wish): Rect | null {
+  const [place] = wish.places;
+  return place ? around(place, wish) : null;
 }
 
 function around({ x, y }: Point, { height, width }: Wish): Rect {

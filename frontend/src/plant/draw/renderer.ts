@@ -247,7 +247,8 @@ export class PlantRenderer {
     if (!brush) return;
     const { areas, labels } = this.#shown.layers;
     const obstacles = obstacleSigns(brush, this.#roads, this.#world?.obstacles.values() ?? [], this.plant.doors);
-    this.#areas = areas ? areaNames(brush, this.plant, [...obstacles, ...this.#parkingSigns(brush)]) : null;
+    const parkings = this.#parkingSigns(brush);
+    this.#areas = areas ? areaNames(brush, this.plant, [...obstacles, ...parkings]) : null;
     this.#written.floor = drawFloor(brush, {
       plant: this.plant,
       roads: this.#roads,
@@ -257,6 +258,7 @@ export class PlantRenderer {
       chosen: this.#shown.place,
       closures: this.#world?.closures.values() ?? [],
       obstacles,
+      parkings,
       lane: this.#shown.lane === null ? null : laneOf(this.#shown.lane),
       outline: this.#shown.outline,
       nowS: this.#presentS(),
@@ -287,7 +289,9 @@ export class PlantRenderer {
     const jams = layers.traffic ? jamsOf(world.alerts.values(), world.waits, this.#find) : [];
     this.#traffic?.drawJams(brush, jams);
     if (layers.traffic) this.#drawHeld(brush, vehicles);
-    const doors = this.#doors?.drawDoors(brush, this.#roads, this.plant.doors, world, layers.labels);
+    const walls = this.#walls.filter((box) => isInSight(brush, box)).map((box) => boxOnScreen(brush.view, box));
+    const beneath = { things: walls, words: this.#wordsBeneath(brush) };
+    const doors = this.#doors?.drawDoors(brush, this.#roads, this.plant.doors, world, layers.labels, beneath) ?? [];
     // Who is silent may have plans, but nobody knows whether it still follows them.
     const onItsWay = ({ view }: ShownVehicle): boolean =>
       view.way.length > 0 && !isLost(view, nowS, world.factory.speed);
@@ -305,23 +309,21 @@ export class PlantRenderer {
     if (layers.traffic) this.#traffic?.drawWaits(brush, waitLines(world.waits.values(), this.#find, atv));
     const speed = world.factory.speed;
     const told = jams.map((jam) => ({ ...jam, text: t("map.jam", { age: factoryTime((nowS - jam.sinceAtS) * speed, speed) }) }));
-    const signs = this.#traffic?.jamSigns(brush, told) ?? [];
-    const standing = [...(doors ?? []), ...signs.map(({ rect }) => rect)];
-    this.#write(brush, [...names.chosen, ...ages, ...names.others], vehicles, standing);
+    // Beside what stands still, so that no sign jumps about while vehicles pass.
+    const signs = this.#traffic?.jamSigns(brush, told, { things: walls, words: [...doors, ...beneath.words] }) ?? [];
+    const discs = brush.detail.everybody ? vehicles.map((vehicle) => discOf(brush, vehicle)) : [];
+    writeWords(brush, [...names.chosen, ...ages, ...names.others], {
+      things: [...walls, ...discs],
+      words: [...doors, ...signs.map(({ rect }) => rect), ...beneath.words],
+    });
     this.#traffic?.nameJams(brush, signs);
   }
 
-  /** @param standing words of this picture that stand where they stand */
-  #write(brush: Brush, words: readonly Words[], vehicles: readonly ShownVehicle[], standing: readonly Rect[]): void {
-    if (words.length === 0) return;
-    const walls = this.#walls.filter((box) => isInSight(brush, box)).map((box) => boxOnScreen(brush.view, box));
-    const discs = brush.detail.everybody ? vehicles.map((vehicle) => discOf(brush, vehicle)) : [];
+  /** Where words and signs stand on the floor and in boxes. */
+  #wordsBeneath(brush: Brush): Rect[] {
     const { floor, machines } = this.#written;
-    const written = [...floor, ...machines, ...(this.#areas ?? []).map(({ rect }) => rect), ...this.#parkingSigns(brush)];
-    writeWords(brush, words, {
-      things: [...walls, ...discs],
-      words: [...standing, ...written.filter((rect) => isOnScreen(brush, rect))],
-    });
+    const areas = (this.#areas ?? []).map(({ rect }) => rect);
+    return [...floor, ...machines, ...areas, ...this.#parkingSigns(brush)].filter((rect) => isOnScreen(brush, rect));
   }
 
   #drawHeld(brush: Brush, inSight: readonly ShownVehicle[]): void {

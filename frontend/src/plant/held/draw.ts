@@ -1,6 +1,7 @@
 /** Held places, waits and jams on the map; loaded where vehicles drive with right of way. */
 import type { Place } from "../../motion/roads";
 import { type Brush, setFont } from "../draw/brush";
+import { placed, type Taken, type Wish, within } from "../draw/labels";
 import { type Rect, toScreenX, toScreenY } from "../surface/geometry";
 import type { Jam, WaitLine } from "./held";
 
@@ -78,20 +79,37 @@ export interface JamSign {
   readonly rect: Rect;
 }
 
-/** Above the jams that are in sight, and within the map. */
-export function jamSigns(brush: Brush, jams: readonly (Jam & { text: string })[]): JamSign[] {
-  const { ctx, detail, size, view } = brush;
+/** From the outermost vehicle of a jam to the middle of its sign: between them a name has room. */
+const AWAY_PX = 34;
+/** How many rows of places there are on each side. */
+const ROWS = 5;
+
+/** Beside the jams that are in sight, within the map, and where no other words stand as long as there is such a place. */
+export function jamSigns(brush: Brush, jams: readonly (Jam & { text: string })[], taken: Taken): JamSign[] {
   setFont(brush, LABEL_PX, 650);
-  return jams.flatMap(({ lines, text }) => {
-    const ends = lines.flatMap(({ from, to }) => [from, to]);
-    if (!ends.some((end) => isOnScreen(brush, end))) return [];
-    const top = Math.min(...ends.map(({ y }) => toScreenY(view, y)));
-    const middle = ends.reduce((sum, { x }) => sum + toScreenX(view, x), 0) / ends.length;
-    const half = ctx.measureText(text).width / 2 + 7;
-    const x = Math.min(Math.max(middle, half + 2), size.width - half - 2);
-    const y = Math.min(Math.max(top - detail.vehiclePx - 34, 12), size.height - 12);
-    return [{ text, rect: { left: x - half, right: x + half, top: y - 10, bottom: y + 10 } }];
+  const shown = jams.filter(({ lines }) => lines.some(({ from, to }) => isOnScreen(brush, from) || isOnScreen(brush, to)));
+  const wishes = shown.map(({ lines, text }): Wish => {
+    const size = { width: brush.ctx.measureText(text).width + 14, height: 20 };
+    return { ...size, must: true, always: true, places: placesBeside(brush, lines, size) };
   });
+  return placed(wishes, taken).flatMap((rect, i) => {
+    const text = shown[i]?.text;
+    return rect && text !== undefined ? [{ text, rect }] : [];
+  });
+}
+
+/** Above and below all of a jam, the nearest first, then at its sides. */
+function placesBeside({ detail, size: room, view }: Brush, lines: Jam["lines"], size: { width: number; height: number }): Wish["places"] {
+  const ends = lines.flatMap(({ from, to }) => [from, to]);
+  const [xs, ys] = [ends.map(({ x }) => toScreenX(view, x)), ends.map(({ y }) => toScreenY(view, y))];
+  const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  const x = xs.reduce((sum, each) => sum + each, 0) / xs.length;
+  const y = ys.reduce((sum, each) => sum + each, 0) / ys.length;
+  const rows = Array.from({ length: ROWS }, (_, row) => detail.vehiclePx + AWAY_PX + row * size.height);
+  const aside = size.width / 2 + detail.vehiclePx + AWAY_PX / 2;
+  const over = rows.flatMap((away) => [top - away, bottom + away].flatMap((at) => [x, left, right].map((each) => ({ x: each, y: at }))));
+  const beside = [left - aside, right + aside].map((each) => ({ x: each, y }));
+  return [...over.slice(0, 6), ...beside, ...over.slice(6)].map((place) => within(place, size, room));
 }
 
 /** Over everything. */

@@ -75,6 +75,7 @@ export const de: Catalogue<typeof en> = {
   "lane.itsDoor": "Zeiten von {name} …",
   "json.wrong": "Nicht wie in der Werksdatei (JSON): nichts geändert",
   "plan": "Grundriss",
+  "file.choose": "Datei wählen…",
   "plan.file": "Bild (PNG, SVG) oder Grundriss (DXF)",
   "plan.reading": "Wird gelesen …",
   "plan.size": "{width} m × {height} m, laut Grundriss",

@@ -73,6 +73,7 @@ export const en = {
   "lane.itsDoor": "Times of {name}…",
   "json.wrong": "Not as in the plant file (JSON): nothing is changed",
   "plan": "Floor plan",
+  "file.choose": "Choose a file…",
   "plan.file": "Picture (PNG, SVG) or floor plan (DXF)",
   "plan.reading": "It is being read …",
   "plan.size": "{width} m × {height} m, as the plan says",

@@ -75,6 +75,7 @@ export const es: Catalogue<typeof en> = {
   "lane.itsDoor": "Tiempos de {name}…",
   "json.wrong": "No como en el archivo de planta (JSON): no se cambia nada",
   "plan": "Plano",
+  "file.choose": "Elegir un archivo…",
   "plan.file": "Imagen (PNG, SVG) o plano (DXF)",
   "plan.reading": "Se está leyendo …",
   "plan.size": "{width} m × {height} m, según el plano",

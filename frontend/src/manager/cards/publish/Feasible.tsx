@@ -57,8 +57,8 @@ function Foreseen({ found }: { found: OrderPreview }) {
         {able.length === 0
           ? t(found.machines.length === 0 ? "publish.nobody" : "publish.nobodyNow")
           : t(free < 1 ? "publish.freeNow" : "publish.freeIn", { machines: named(able.map(({ machine }) => machine)), free: factoryTime(free, world.value?.factory.speed ?? 1) })}
-        {lost > 0 && <span class="tone-warn"> {n("publish.lostMachines", lost)}</span>}
-        {unheard > 0 && <span class="muted"> {n("publish.unheardMachines", unheard)}</span>}
+        {lost > 0 && <span class="tone-warn"> · {n("publish.lostMachines", lost)}</span>}
+        {unheard > 0 && <span class="muted"> · {n("publish.unheardMachines", unheard)}</span>}
       </p>
       {found.earliest_at_s !== null && found.latest_at_s !== null && (
         <p>
