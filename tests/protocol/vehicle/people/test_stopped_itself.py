@@ -1,15 +1,18 @@
-"""A vehicle that has stopped because another one used its name calls people until one has seen to it."""
+"""A vehicle that has stopped itself calls people until one has seen to it."""
 
 from __future__ import annotations
 
-from atv1 import command, last_beat, parked
-from effects import committed, instructed, published
+from atv1 import command, last_beat, parked, secondary
+from effects import committed, instructed, published, sent
+from placing import TRAFFIC, answer
 from rigs import VehicleRig
+from spoken import award
 
 from dray.body import Hold, ProblemCleared, ProblemRaised
-from dray.messages import AtvStatus, CallState, CommandKind, CommandRefusal, HelpCall
+from dray.messages import AtvStatus, CallState, CommandKind, CommandRefusal, HelpCall, Reason, Resigned
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.people.problem_handling import DOUBLED, DOUBLED_S
+from dray.protocol.vehicle.people.command_handling import DENIED, DOUBLED
+from dray.protocol.vehicle.people.problem_handling import DOUBLED_S
 
 
 def doubled() -> VehicleRig:
@@ -18,6 +21,18 @@ def doubled() -> VehicleRig:
     agent = rig.agent
     assert isinstance(agent, Atv)
     agent.problems.note_doubled(rig.now_s)
+    rig.held = True
+    rig.wake()
+    return rig
+
+
+def denied() -> VehicleRig:
+    """ATV1, which has just heard on its way to S3 that it was carried away."""
+    rig = parked(traffic=TRAFFIC)
+    answer(rig)
+    rig.on_message("M8", award())
+    answer(rig)
+    answer(rig, removal=1, grants=False)
     rig.held = True
     rig.wake()
     return rig
@@ -85,3 +100,44 @@ def test_one_that_a_person_has_stopped_calls_nobody() -> None:
     command(rig, CommandKind.STOP)
     rig.run(rig.now_s + DOUBLED_S)
     assert published(rig.all, HelpCall) == []
+
+
+def test_one_that_drives_on_what_is_not_its_own_calls_until_a_person_has_acknowledged_its_stop() -> None:
+    rig = denied()
+    rig.run(rig.now_s + 3.0 * DOUBLED_S)
+    beat = last_beat(rig)
+    assert (beat.status, beat.problem) == (AtvStatus.STOPPED, "")
+    assert calls(rig) == (DENIED, True)
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+    rig.run(rig.now_s + 1.0)
+    assert calls(rig) == (DENIED, False)
+    assert command(rig, CommandKind.RESUME).done
+
+
+def test_its_task_waits_for_that_person_who_may_promise_to_come() -> None:
+    rig = denied()
+    assert last_beat(rig).help is not None
+    rig = parked(traffic=TRAFFIC)
+    answer(rig)
+    rig.on_message("M8", award())
+    assert last_beat(rig).help is None
+
+
+def test_its_next_life_calls_for_the_same_reason() -> None:
+    before = denied()
+    rig = VehicleRig(incarnation=2, traffic=TRAFFIC)
+    rig.held = True
+    rig.memory = committed(before.all)
+    rig.start()
+    rig.run(DOUBLED_S)
+    assert calls(rig) == (DENIED, True)
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+
+
+def test_one_that_has_stopped_itself_gives_its_watch_back_as_one_in_error() -> None:
+    rig = parked()
+    secondary(rig)
+    agent = rig.agent
+    assert isinstance(agent, Atv)
+    agent.note_denied(rig.now_s)
+    assert [said.reason for said in sent(rig.wake(), Resigned)] == [Reason.PROBLEM]
