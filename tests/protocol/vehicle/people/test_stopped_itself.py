@@ -1,15 +1,18 @@
-"""A vehicle that has stopped itself calls people until one has seen to it."""
+"""A vehicle that has stopped itself calls people until one has seen to it, and says why it stands."""
 
 from __future__ import annotations
 
 from atv1 import command, last_beat, parked, secondary
-from effects import committed, instructed, published, sent
+from effects import committed, facts, instructed, published, sent
+from msgspec.structs import replace
 from placing import TRAFFIC, answer
 from rigs import VehicleRig
-from spoken import award
+from spoken import announcement, award
 
 from dray.body import Hold, ProblemCleared, ProblemRaised
+from dray.memory import WHOLE, AtvMemory
 from dray.messages import AtvStatus, CallState, CommandKind, CommandRefusal, HelpCall, Reason, Resigned
+from dray.messages.fact import BidRefused
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.people.command_handling import DENIED, DOUBLED
 from dray.protocol.vehicle.people.problem_handling import DOUBLED_S
@@ -36,6 +39,12 @@ def denied() -> VehicleRig:
     rig.held = True
     rig.wake()
     return rig
+
+
+def says(rig: VehicleRig, task: str) -> str:
+    """Why it does not bid for a new task."""
+    [refused] = facts(rig.on_message("M8", announcement(task=task)), BidRefused)
+    return refused.detail
 
 
 def calls(rig: VehicleRig) -> tuple[str, bool]:
@@ -141,3 +150,45 @@ def test_one_that_has_stopped_itself_gives_its_watch_back_as_one_in_error() -> N
     assert isinstance(agent, Atv)
     agent.note_denied(rig.now_s)
     assert [said.reason for said in sent(rig.wake(), Resigned)] == [Reason.PROBLEM]
+
+
+def test_it_says_why_it_does_not_bid_until_it_is_resumed() -> None:
+    rig = doubled()
+    rig.run(rig.now_s + 3.0 * DOUBLED_S)
+    assert says(rig, "M8-2") == DOUBLED
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+    assert says(rig, "M8-3") == DOUBLED, "nobody has stopped it"
+    assert command(rig, CommandKind.RESUME).done
+    rig.held = False
+    command(rig, CommandKind.STOP)
+    assert says(rig, "M8-4") == "stopped by an operator"
+
+
+def test_its_next_life_says_so_too() -> None:
+    before = doubled()
+    rig = VehicleRig(incarnation=2)
+    rig.held = True
+    rig.memory = committed(before.all)
+    rig.start()
+    assert says(rig, "M8-2") == DOUBLED
+
+
+def test_a_note_that_names_no_cause_is_of_the_only_one_that_there_was() -> None:
+    rig = VehicleRig(incarnation=2)
+    rig.held = True
+    rig.memory = {WHOLE: AtvMemory(stopped_itself=True)}
+    rig.start()
+    rig.run(DOUBLED_S)
+    assert calls(rig) == (DOUBLED, True)
+    assert says(rig, "M8-2") == DOUBLED
+
+
+def test_a_cause_of_before_a_resume_that_only_the_body_has_heard_is_forgotten() -> None:
+    before = doubled()
+    rig = VehicleRig(incarnation=2)
+    note = committed(before.all)[WHOLE]
+    assert isinstance(note, AtvMemory)
+    rig.memory = {WHOLE: replace(note, stopped_itself=False)}
+    rig.start()
+    command(rig, CommandKind.STOP)
+    assert says(rig, "M8-2") == "stopped by an operator"
