@@ -42,7 +42,9 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     acknowledged: bool = False
     """A stop was acknowledged and not resumed yet; the body knows whether the vehicle is stopped."""
     stopped_itself: bool = False
-    """It stopped because another speaker used its name, and no person has seen to it yet."""
+    """It stopped without a command, and no person has seen to it yet."""
+    stop_cause: str = ""
+    """Why it stopped without a command, until it is resumed; empty if a person has stopped it."""
     speed_frac: float = 1.0
     out_of_service: OutOfService | None = None
     """Taken out of service by a person; None while it is in service."""

@@ -38,7 +38,8 @@ from dray.messages.people.operator import DutyStatus
 from dray.messages.problem import ProblemKind
 from dray.messages.reason import Implausible, Reason
 from dray.protocol.vehicle import status_report
-from dray.protocol.vehicle.people.problem_handling import DOUBLED, NO_WLAN
+from dray.protocol.vehicle.people.command_handling import DENIED, DOUBLED
+from dray.protocol.vehicle.people.problem_handling import NO_WLAN
 from dray.store.replay.spells import AtvDoing, MachineDoing
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY, LOAD_SHIFTED
 from dray_sim.faults.kinds import KIND_NAMES
@@ -161,6 +162,7 @@ def words_of_vehicles() -> set[str]:
     return {each for each in said if isinstance(each, str) and " " in each} | {
         NO_WLAN,
         DOUBLED,
+        DENIED,
         LOAD_SHIFTED,
         BATTERY_EMPTY,
     }

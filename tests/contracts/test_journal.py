@@ -146,7 +146,7 @@ ORDER = OrderMemory(order="O-1", items=(OrderItem("P1", 4),), due_s=99.0, goals=
 NOTES: list[Note] = [
     AtvMemory(),
     AtvMemory(contract=CONTRACT, acknowledged=True, speed_frac=0.25),
-    AtvMemory(stopped_itself=True),
+    AtvMemory(stopped_itself=True, stop_cause="its name is used by another"),
     AtvMemory(
         answered=(
             CommandMemory(command="C1", person="person:p", valid_until_s=9.5, refused=CommandRefusal.EXPIRED),

@@ -6,7 +6,8 @@ import asyncio
 
 from dray.messages import AtvHeartbeat, AtvStatus, HelpCall, Message, PlaceGranted
 from dray.plant import load_plant
-from dray.protocol.vehicle.people.problem_handling import DOUBLED, DOUBLED_S
+from dray.protocol.vehicle.people.command_handling import DOUBLED
+from dray.protocol.vehicle.people.problem_handling import DOUBLED_S
 from dray_sim.checks.floor.held_places import HeldPlaces
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run

@@ -6,7 +6,7 @@ interface Props {
   title: ComponentChildren;
   aside?: ComponentChildren;
   class?: string;
-  /** Its content may be longer than the card, and hold nothing that can be reached by keyboard. */
+  /** Its content may be longer than the card. Then the content takes the focus, so that the keyboard scrolls it also where it holds no link and no button. */
   scrolls?: boolean;
   /** What can be done: below the content, and whole however long that is. */
   foot?: ComponentChildren;

@@ -50,9 +50,9 @@ export function isCutOff(): boolean {
   return isPast(freshness.value) || freshness.value === "connecting";
 }
 
-/** Why it cannot be said now. */
-export function CutOff() {
-  return isCutOff() ? <p class="muted" role="status">{t("carry.cutOff")}</p> : null;
+/** Why it cannot be said now: once for all vehicles of one list. */
+export function CutOff({ class: name = "muted" }: { class?: string }) {
+  return isCutOff() ? <p class={name} role="status">{t("carry.cutOff")}</p> : null;
 }
 
 /** A person of the simulation has put it down; what somebody has switched off as a fault stays off. */

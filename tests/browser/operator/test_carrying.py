@@ -208,5 +208,35 @@ def test_of_a_vehicle_that_was_never_heard_it_is_said_at_its_alert(
     assert house.do(_is_removed)
 
 
+@pytest.mark.slow
+def test_why_it_cannot_be_said_at_the_alerts_now_stands_there_once_for_all_of_them(
+    house: OpenHouse, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+) -> None:
+    awaited = ("ATV6", "ATV7")
+
+    async def await_them(inside: House) -> None:
+        at_s = inside.wall() - NOW_S
+        for machine in ("M3", "M4"):
+            inside.bus.say(machine_heartbeat(machine, 1, at_s=at_s, awaits=awaited))
+        await inside.alerts.look()
+
+    house.do(await_them)
+    cable = Cable()
+    page = as_manager(house, open_page, before=lambda page: can_be_cut_off(page, cable))
+    page.locator(".alerts-button").click()
+    off = [page.get_by_role("button", name=f"{atv} is off the floor") for atv in awaited]
+    for each in off:
+        expect(each).to_be_enabled()
+    be_cut_off(page, cable)
+    for each in off:
+        expect(each).to_be_disabled()
+    expect(page.get_by_role("status").filter(has_text=OFF_NOW)).to_have_count(1)
+    screenshot(page, "awaited-cut-off")
+    cable.plug_in()
+    for each in off:
+        expect(each).to_be_enabled()
+    forgive(complaints, "ERR_INTERNET_DISCONNECTED")
+
+
 async def _is_removed(inside: House) -> bool:
     return "ATV7" in inside.projection.removals

@@ -105,7 +105,7 @@ def test_what_is_missing_is_told_with_the_command_and_makes_exit_code_1(
     }
     assert {name for name, verdict in found.items() if verdict == "unknown"} == {"docks"}
     assert f"-> dray certs make certs --plant {file}" in out
-    assert out.splitlines()[-1] == f"3 missing, 1 cannot be told from here, {len(found) - 4} ok"
+    assert out.splitlines()[-1] == f"3 missing, 1 unknown, {len(found) - 4} ok"
     written = json.loads(report.read_text())
     assert (written["plant"], written["missing"], written["unknown"]) == (WORKSHOP.id, 3, 1)
     assert {each["name"]: each["verdict"] for each in written["findings"]} == found

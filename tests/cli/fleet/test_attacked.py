@@ -24,7 +24,7 @@ from dray.messages.kinds import Kind
 from dray.messages.speakers import names_of
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.reservations.reach import RUN_MAX
-from dray.protocol.vehicle.people.problem_handling import DOUBLED
+from dray.protocol.vehicle.people.command_handling import DOUBLED
 
 STRANGER = "ATV9"
 """Somebody has issued a certificate for it; it has no body."""

@@ -104,7 +104,7 @@ def test_a_plant_in_which_all_are_heard_lacks_no_agent() -> None:
     [
         (None, "never heard: SAW"),
         (heard("SAW", shut_out={"by": "ana"}), "shut out: SAW"),
-        (heard("SAW", removal={"by": "ana"}), "said to be off the floor: SAW"),
+        (heard("SAW", removal={"by": "ana"}), "reported as off the floor: SAW"),
         (replace(heard("SAW"), seen_at_s=NOW_S - 3.6), "silent: SAW"),
     ],
 )
@@ -137,10 +137,10 @@ def test_a_body_that_does_not_answer_is_a_problem_by_its_name() -> None:
     told = picture(machines=(broken, heard("DRILL"), heard("BENCH")))
     assert seen(bodies(WORKSHOP, answers(told)), Verdict.MISSING, "SAW (no answer of opc.tcp://saw)")
     assert bodies(WORKSHOP, answers(picture(machines=(), atvs=()))).verdict is Verdict.UNKNOWN
-    assert seen(bodies(WORKSHOP, answers()), Verdict.OK, "5 machines and vehicles tell of no problem")
+    assert seen(bodies(WORKSHOP, answers()), Verdict.OK, "5 machines and vehicles report no problem")
     silent = replace(heard("CART1"), seen_at_s=NOW_S - 60.0)
     told = picture(atvs=(silent, heard("CART2")))
-    assert seen(bodies(WORKSHOP, answers(told)), Verdict.OK, "4 machines and vehicles tell of no problem")
+    assert seen(bodies(WORKSHOP, answers(told)), Verdict.OK, "4 machines and vehicles report no problem")
 
 
 BY_PEOPLE = tuple(heard(each, unconfirmed=()) for each in WORKSHOP.machines)
@@ -154,11 +154,11 @@ SCALES = (
 
 def test_of_a_dock_of_which_nobody_knows_it_cannot_be_told() -> None:
     found = docks(WORKSHOP, None, None)
-    assert seen(found, Verdict.UNKNOWN, "cannot be told of SAW, DRILL, BENCH, RACK, PAINT")
+    assert seen(found, Verdict.UNKNOWN, "unknown: SAW, DRILL, BENCH, RACK, PAINT")
     some = answers(picture(machines=(heard("SAW"), *BY_PEOPLE[1:])))
     found = docks(WORKSHOP, None, some)
     assert seen(
-        found, Verdict.UNKNOWN, "cannot be told of SAW, RACK, PAINT; none at DRILL, BENCH: the words of"
+        found, Verdict.UNKNOWN, "unknown: SAW, RACK, PAINT; without a handshake: DRILL, BENCH (people"
     )
 
 
@@ -178,8 +178,8 @@ def test_mappings_tell_which_docks_shake_hands(tmp_path: Path) -> None:
     assert found.verdict is Verdict.OK
     assert found.seen.split("; ") == [
         "with a handshake: SAW, RACK, PAINT",
-        "without one: DRILL: vehicles load as soon as they stand there",
-        "none at BENCH: the words of people and vehicles count",
+        "without a handshake: DRILL (vehicles load as soon as they stand there)",
+        "without a handshake: BENCH (people and vehicles report loads)",
     ]
 
 
@@ -222,9 +222,9 @@ def test_managers_and_operators_who_can_log_in_are_enough() -> None:
         ("managers", (BEN,), "there is none", "dray user add NAME --role manager"),
         ("managers", (replace(ANA, secrets=()),), "none has a password: ana", "dray user password ana"),
         ("managers", (replace(ANA, disabled_at_s=1.0),), "there is none", "dray user add"),
-        ("operators", (ANA,), f"nobody may work in {AREA}", f"--area {AREA} --plant FILE"),
-        ("operators", (replace(BEN, areas=()),), f"nobody may work in {AREA}", "dray user add"),
-        ("operators", (replace(BEN, secrets=()),), "nobody has a PIN", "dray user pin ben"),
+        ("operators", (ANA,), f"no operator may work in {AREA}", f"--area {AREA} --plant FILE"),
+        ("operators", (replace(BEN, areas=()),), f"no operator may work in {AREA}", "dray user add"),
+        ("operators", (replace(BEN, secrets=()),), "no operator has a PIN", "dray user pin ben"),
     ],
 )
 def test_whoever_cannot_log_in_is_not_there(
@@ -238,18 +238,18 @@ def test_whoever_cannot_log_in_is_not_there(
 def test_an_area_without_anybody_on_duty_is_missing_unless_it_rests() -> None:
     assert seen(of("people on duty", people(duty=Duty((AREA,)))), Verdict.MISSING, AREA)
     resting = Duty((AREA,), {AREA: NOW_S + 3600.0})
-    assert seen(of("people on duty", people(duty=resting)), Verdict.OK, f"nobody is in {AREA} now")
+    assert seen(of("people on duty", people(duty=resting)), Verdict.OK, f"outside of working time: {AREA}")
     assert of("people on duty", people()).verdict is Verdict.UNKNOWN
 
 
 @pytest.mark.parametrize(
     ("key", "verdict", "said"),
     [
-        (Key("1", "ERP", ("orders:write",)), Verdict.OK, "orders come by ERP"),
-        (Key("1", "MES", ("orders:read",)), Verdict.OK, "none places orders"),
+        (Key("1", "ERP", ("orders:write",)), Verdict.OK, "may place orders: ERP"),
+        (Key("1", "MES", ("orders:read",)), Verdict.OK, "none may place orders"),
         (Key("1", "ERP", ("orders:write",), NOW_S + 29 * DAY_S), Verdict.MISSING, "ERP"),
-        (Key("1", "ERP", ("orders:write",), NOW_S + 31 * DAY_S), Verdict.OK, "orders come by ERP"),
-        (Key("1", "ERP", ("orders:write",), NOW_S - 1, NOW_S - 2), Verdict.OK, "none places orders"),
+        (Key("1", "ERP", ("orders:write",), NOW_S + 31 * DAY_S), Verdict.OK, "may place orders: ERP"),
+        (Key("1", "ERP", ("orders:write",), NOW_S - 1, NOW_S - 2), Verdict.OK, "none may place orders"),
     ],
 )
 def test_keys_are_renewed_in_time(key: Key, verdict: Verdict, said: str) -> None:
@@ -289,8 +289,8 @@ def test_certificates_of_all_processes_are_good_until_a_month_before_their_end(
     found = certified(folder, made_s + 365 * DAY_S)
     assert seen(found, Verdict.OK, f"all {len(WANTED)} are there")
     assert seen(certified(None, made_s, bus_certificates=folder), Verdict.OK, "all")
-    assert seen(certified(folder, made_s + 368 * DAY_S), Verdict.MISSING, "ends within 30 days")
-    assert seen(certified(folder, made_s + 398 * DAY_S), Verdict.MISSING, "has ended")
+    assert seen(certified(folder, made_s + 368 * DAY_S), Verdict.MISSING, "expires within 30 days")
+    assert seen(certified(folder, made_s + 398 * DAY_S), Verdict.MISSING, "expired")
 
 
 def _remove(folder: Path) -> None:
@@ -324,13 +324,13 @@ def _call_back(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("do", "said"),
     [
-        (_remove, "there is none for: SAW"),
+        (_remove, "missing for: SAW"),
         (_spoil, "cannot be read: SAW"),
-        (_lose_key, "without its key: SAW"),
-        (_of_another_authority, "by another authority: SAW"),
+        (_lose_key, "without a key file: SAW"),
+        (_of_another_authority, "of another authority: SAW"),
         (_of_another_plant, f"not for this agent of {WORKSHOP.id}: SAW"),
         (_of_another_kind, f"not for this agent of {WORKSHOP.id}: SAW"),
-        (_call_back, "called back: SAW"),
+        (_call_back, "revoked: SAW"),
     ],
 )
 def test_what_is_wrong_with_a_certificate_is_said(
@@ -343,7 +343,7 @@ def test_what_is_wrong_with_a_certificate_is_said(
 
 
 def test_without_certificates_links_are_said_to_be_plain_or_something_is_missing(tmp_path: Path) -> None:
-    assert seen(certified(None, NOW_S, bus_plain=True), Verdict.OK, "words forged")
+    assert seen(certified(None, NOW_S, bus_plain=True), Verdict.OK, "forge messages")
     assert seen(certified(None, NOW_S), Verdict.MISSING, "no folder")
     assert seen(certified(tmp_path, NOW_S), Verdict.MISSING, "authority.pem: No such file")
     (tmp_path / "authority.pem").write_text("no certificate")
@@ -382,8 +382,8 @@ async def test_what_is_no_database_is_said(tmp_path: Path) -> None:
 async def test_a_database_of_this_version_knows_no_gateway_and_no_agent_yet(url: str) -> None:
     found = await in_database(url)
     assert seen(found["database"], Verdict.OK, "can be written")
-    assert seen(found["historian"], Verdict.MISSING, "nothing was written")
-    assert seen(found["signed commands"], Verdict.MISSING, "no gateway has begun")
+    assert seen(found["historian"], Verdict.MISSING, "it has recorded no agent yet")
+    assert seen(found["signed commands"], Verdict.MISSING, "no gateway has started")
 
 
 @pytest.mark.anyio

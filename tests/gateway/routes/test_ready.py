@@ -96,8 +96,8 @@ async def test_people_keys_and_duty_are_read_as_the_gateway_tells_them(house: Ho
     answers = await asked(house)
     found = {each.name: each for each in people_and_keys(WORKS, answers, NOW_S)}
     assert found["managers"].seen == "with a password: ana"
-    assert found["operators"].seen == f"nobody may work in {', '.join(others)}"
-    assert found["API keys"].seen == "expired, or within 30 days: ERP"
+    assert found["operators"].seen == f"no operator may work in {', '.join(others)}"
+    assert found["API keys"].seen == "expired, or expires within 30 days: ERP"
     assert (found["people on duty"].verdict, first in found["people on duty"].seen) == (Verdict.MISSING, True)
     assert answers.clock == (NOW_S, NOW_S, NOW_S)
 
@@ -121,10 +121,11 @@ async def test_another_plant_and_another_file_are_told_apart(house: House) -> No
     )
     other = msgspec.structs.replace(PLANT, plant="other")
     assert (
-        plant_of_gateway(Plant(other), answers).seen == f"it serves {PLANT.plant}, and the file is of other"
+        plant_of_gateway(Plant(other), answers).seen
+        == f"it serves {PLANT.plant}, but the plant of this file is other"
     )
 
 
 async def test_a_simulated_plant_is_no_plant_in_service(quiet_house: House) -> None:
     answers = await asked(quiet_house)
-    assert plant_of_gateway(WORKS, answers).seen == "it is simulated: faults can be begun by hand"
+    assert plant_of_gateway(WORKS, answers).seen == "it is simulated: people may cause faults there"

@@ -118,7 +118,7 @@ def test_what_no_goal_needs_any_more_is_forgotten_and_verified_anew_for_the_next
     rig.on_message("STRATEGIST", Withdrawn(task="G1", epoch=1, reason=Reason.NOT_NEEDED))
     assert told(rig) == []
     read(rig, CAM)
-    assert rig.all[-1] == Ignore("a document that nobody waits for")
+    assert rig.all[-1] == Ignore("a document that no goal waits for")
     rig.take_goal("G2", work(CAM, quantity=1))
     assert asked(rig) == [CAM, CAM]
 

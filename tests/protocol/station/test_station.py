@@ -226,7 +226,9 @@ def test_what_is_given_back_goes_to_the_next() -> None:
     rig = started(40)
     rig.asks("M8-1")
     rig.asks("M9-1", machine="M9")
-    assert rig.on_message("M9", StockFreed(task="M8-1"))[-1] == Ignore("gave back what it does not have")
+    assert rig.on_message("M9", StockFreed(task="M8-1"))[-1] == Ignore(
+        "a release of a reservation that the sender does not have"
+    )
     assert [
         message.task for message in sent(rig.on_message("M8", StockFreed(task="M8-1")), StockReserved)
     ] == ["M9-1"]
@@ -295,9 +297,9 @@ def test_promises_that_cannot_be_kept_are_taken_back_the_latest_first() -> None:
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"item": "gold"}, "asked for what is not kept here"),
-        ({"quantity": 0}, "asked for what is not kept here"),
-        ({"quantity": 401}, "asked for what is not kept here"),
+        ({"item": "gold"}, "a request for material that is not kept here"),
+        ({"quantity": 0}, "a request for material that is not kept here"),
+        ({"quantity": 401}, "a request for material that is not kept here"),
     ],
 )
 def test_what_can_never_be_is_not_answered(changes: dict[str, object], reason: str) -> None:
@@ -309,14 +311,16 @@ def test_what_can_never_be_is_not_answered(changes: dict[str, object], reason: s
 def test_nobody_takes_over_another_ones_reservation() -> None:
     rig = started()
     rig.asks("M8-1")
-    assert rig.asks("M8-1", machine="M9") == [Ignore("about a task that another one has asked for")]
+    assert rig.asks("M8-1", machine="M9") == [
+        Ignore("a request that differs from the first one for its task, or comes from another agent")
+    ]
 
 
 def test_one_that_invents_tasks_is_bounded() -> None:
     rig = started(400)
     for number in range(MAX_ASKED):
         rig.asks(f"M8-{number}", 1)
-    assert rig.asks("M8-one-more", 1) == [Ignore("asked for more than anybody needs")]
+    assert rig.asks("M8-one-more", 1) == [Ignore("a request above the limit of one coordinator")]
     assert len(sent(rig.asks("M9-1", 1, machine="M9"), StockReserved)) == 1
 
 
@@ -357,7 +361,7 @@ def test_asked_to_leave_it_promises_nothing_more_and_waits_for_the_vehicle_at_it
     rig.docks("ATV1", "M8-1")
     rig.leave()
     assert not rig.has_left
-    assert rig.asks("M8-2") == [Ignore("asked for while the station was draining")]
+    assert rig.asks("M8-2") == [Ignore("a request while the station is draining")]
     rig.changes(-40, "ATV1")
     assert rig.has_left
 

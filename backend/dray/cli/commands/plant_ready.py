@@ -81,7 +81,7 @@ def ready(
         typer.echo(line)
     counts = {verdict: sum(each.verdict is verdict for each in found) for verdict in Verdict}
     lacking, dark = counts[Verdict.MISSING], counts[Verdict.UNKNOWN]
-    typer.echo(f"{lacking} missing, {dark} cannot be told from here, {counts[Verdict.OK]} ok")
+    typer.echo(f"{lacking} missing, {dark} unknown, {counts[Verdict.OK]} ok")
     if json is not None:
         write_json(json, {"plant": plant.id, "missing": lacking, "unknown": dark, "findings": found})
     if lacking:

@@ -41,10 +41,10 @@ CALL = "call"
 END_SAID = 3
 """How often the end of a call is sent: an operator that misses all of it hears the call no more, and forgets it."""
 
-TAKEN_BEFORE = "answered a call that another one has taken"
-NO_CALL = "answered a call that is over, or never was"
-NO_PROMISE = "took a call without a time that can be promised"
-NOT_ON_DUTY = "answered a call without being on duty"
+TAKEN_BEFORE = "an answer to a call that another operator has taken"
+NO_CALL = "an answer to a call that is over or unknown"
+NO_PROMISE = "an answer that takes a call without a valid time"
+NOT_ON_DUTY = "an answer to a call by an operator who is not on duty"
 
 
 class Call:
@@ -260,7 +260,7 @@ class HelpCalls:
     def _on_heartbeat(self, sender: str, heartbeat: OperatorHeartbeat, now_s: float) -> None:
         could_be_asked = self._duty.can_be_asked(sender, now_s)
         if not self._duty.note(heartbeat, now_s):
-            self._life.ignore("a heartbeat that was overtaken")
+            self._life.ignore("a heartbeat that a newer one has overtaken")
             return
         for call in list(self._calls.values()):
             if call.said:

@@ -19,8 +19,8 @@ from dray.protocol.closures.detours import Detours
 from dray.protocol.closures.obstacles import Obstacles
 from dray.protocol.runtime.events import NEVER_S
 
-KNOWN = "a list of closures that is no newer than the one that is known"
-NOT_SIGNED = "a list of closures that nobody has signed whom this agent trusts"
+KNOWN = "a list of closures that is not newer than the known one"
+NOT_SIGNED = "a list of closures without a trusted signature"
 
 
 class KnownFloor(Plant):

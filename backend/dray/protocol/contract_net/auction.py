@@ -284,7 +284,7 @@ class Auction:
     def on_accepted(self, bidder: str, answer: Accepted) -> None:
         """Conclude the contract if this bidder was asked."""
         if bidder == self.winner:
-            self._life.ignore("accepted twice")
+            self._life.ignore("a second acceptance of one award")
             return
         if bidder != self.asked:
             self._release(bidder, answer.number, Reason.NOT_ASKED)
@@ -300,7 +300,7 @@ class Auction:
     def on_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
         """Ask the next bidder if this one was asked."""
         if bidder != self.asked or answer.number != self.number:
-            self._life.ignore("declined without being asked")
+            self._life.ignore("a refusal of an award that the sender does not have")
             return
         self._note_answer("declined", answer.reason)
         self.asked = ""

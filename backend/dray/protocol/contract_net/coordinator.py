@@ -137,7 +137,7 @@ class Coordinator:
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
         if task is None:
-            self._life.ignore("a bid for a task that has ended or moved on")
+            self._life.ignore("a bid for a task or an epoch that has ended")
         elif bid.role is Role.PRIMARY:
             task.auction.on_bid(sender, bid, now_s)
             self._auctions.arm(PRIMARY_AUCTION, task.auction)
@@ -150,7 +150,7 @@ class Coordinator:
             return
         elif task.primary == sender:
             # The contract stands across restarts of either side: a restarted carrier accepts again.
-            self._life.ignore("accepted twice")
+            self._life.ignore("a second acceptance of one award")
         elif task.primary:
             self._release(sender, answer, Reason.ANOTHER_CARRIES)
         elif self._assessor.refuses_clock(sender, answer, now_s):
@@ -166,7 +166,7 @@ class Coordinator:
     def on_declined(self, sender: str, answer: Declined, now_s: float) -> None:
         task = self._present(answer)
         if task is None:
-            self._life.ignore("declined a task that has ended or moved on")
+            self._life.ignore("a refusal of a task or an epoch that has ended")
         elif answer.role is Role.PRIMARY:
             task.auction.on_declined(sender, answer, now_s)
             self._auctions.arm(PRIMARY_AUCTION, task.auction)

@@ -22,7 +22,7 @@ from dray.messages import (
     Withdrawn,
 )
 
-NO_PARTY = "the word of somebody who is no party to the contract that it is about"
+NO_PARTY = "a message about a contract by an agent that is no party to it"
 """Reason for ignoring a message."""
 
 Word = Award | Confirmed | GoalClosed | GoalRevised | HandoverAccepted | Release | Superseded | Withdrawn

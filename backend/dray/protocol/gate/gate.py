@@ -189,7 +189,7 @@ class DeliveryGate(AgentBase):
         """Goods have arrived, or the body has confirmed an admission."""
         goal = self._goals.get(report.goal)
         if goal is None:
-            self._life.ignore("goods of a goal that nobody has asked for")
+            self._life.ignore("goods for an unknown goal")
             return
         self._obeyed[goal.goal] = report.admitted
         if report.arrived > goal.arrived:
@@ -223,7 +223,7 @@ class DeliveryGate(AgentBase):
     def _on_count_acknowledged(self, sender: str, message: CountAcknowledged, _now_s: float) -> None:
         goal = self._goals.get(message.goal)
         if goal is None or goal.asker != sender or message.arrived <= goal.heard:
-            self._life.ignore("a count that was heard before, or by another one")
+            self._life.ignore("an acknowledgement of an old count, or by another strategist")
             return
         goal = replace(goal, heard=min(message.arrived, goal.arrived))
         self._goals.put(goal)
@@ -244,7 +244,7 @@ class DeliveryGate(AgentBase):
         if goal is None:
             goal = GateGoal(asked.goal, sender, asked.quantity, *word, of=of)
         elif goal.asker == sender and word < (goal.incarnation, goal.number):
-            self._life.ignore("an old word about a goal")
+            self._life.ignore("an outdated request about a goal")
             return
         else:
             heard = goal.heard if goal.asker == sender else 0
@@ -296,7 +296,7 @@ class DeliveryGate(AgentBase):
 
     def _on_gate_asked(self, sender: str, asked: GateAsked, _now_s: float) -> None:
         if asked.forgotten and not self._is_shut_for(sender):
-            self._life.ignore("a question that is answered when the gate is shut")
+            self._life.ignore("a question that the gate answers once it is shut")
             return
         held, more = self._orders.held_by(sender, asked.after)
         self._life.send(sender, GateReported(asked.after, held, more, self._since))

@@ -116,7 +116,7 @@ class GoalDocuments:
 
     def _on_read(self, report: DocumentRead, now_s: float) -> None:
         if not self._is(report.document, DocumentState.READING):
-            self._life.ignore("a document that nobody waits for")
+            self._life.ignore("a document that no goal waits for")
             return
         self._states[report.document].enter(report.state)
         self._found[report.document] = report.detail

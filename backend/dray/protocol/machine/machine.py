@@ -397,7 +397,7 @@ class Machine(AgentBase):
         if self._bidder.on_confirmed(message, now_s):
             self._goals_changed(now_s)
         else:
-            self._life.ignore("confirmed twice")
+            self._life.ignore("a second confirmation of one contract")
         self._flow.on_goal_counted(message.task, now_s)
 
     def _on_revised(self, sender: str, message: GoalRevised, now_s: float) -> None:
@@ -406,7 +406,7 @@ class Machine(AgentBase):
 
     def _end_goal(self, goal: Goal | None, now_s: float) -> None:
         if goal is None:
-            self._life.ignore("the end of a goal that has ended")
+            self._life.ignore("a second end of one goal")
             return
         self._flow.goods.keep_unwanted()
         self._goals_changed(now_s)

@@ -95,7 +95,7 @@ class PutAway:
         """Handle a station's report."""
         asked = next((each for each in self._asked.values() if each.transport == answer.transport), None)
         if asked is None or asked.storage != sender:
-            self._life.ignore("an answer about a transport that was not asked for")
+            self._life.ignore("an answer about a transport that was not ordered there")
             return
         self._state[asked.transport] = answer.state
         if answer.state in TRANSPORT_ENDED:

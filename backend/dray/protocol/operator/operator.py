@@ -44,9 +44,9 @@ ANSWERED_MAX = 64
 LOOK, GONE = "look", "gone"
 """Alarms: a call has expired or its answer is due; the tablet has been away for long enough."""
 
-OVERTAKEN = "a call that was overtaken"
-OVER = "an answer to a call that is over, or concerns somebody else"
-BUSY_ELSEWHERE = "an answer to a call of somebody who has taken another one"
+OVERTAKEN = "a call that a newer message has overtaken"
+OVER = "an answer to a call that is over or unknown"
+BUSY_ELSEWHERE = "an answer that takes a call while another one is taken"
 
 
 class Operator(AgentBase):

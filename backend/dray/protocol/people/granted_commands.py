@@ -135,7 +135,7 @@ class GrantedCommands(Generic[C]):
     def _refuse(self, sender: str, command: C, why: CommandRefusal) -> None:
         """Refuse a command without a valid grant; it is answered and counted like any refusal."""
         self._tell(sender, command, why)
-        self._life.ignore(f"a command that may not be given: {why}")
+        self._life.ignore(f"a refused command: {why}")
 
     def _tell(self, sender: str, command: C, refused: CommandRefusal | None, detail: str = "") -> None:
         """Report the result of a command; `refused` is the reason of a refusal."""

@@ -19,7 +19,7 @@ from dray.messages import AnyFact, Message
 NEVER_S = float("inf")
 """The wake-up time of an agent that waits only for messages."""
 
-NOT_FOR_US = "a message that this kind of agent has no use for"
+NOT_FOR_US = "a message of a type that this agent does not handle"
 """Why a message of a known type is ignored: newer software may send messages that older software does not handle."""
 
 

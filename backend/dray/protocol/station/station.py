@@ -240,7 +240,7 @@ class Station(AgentBase):
             is_kept = self._book.holds(docked.item, docked.quantity)
             self._flow.take_back(sender, docked, now_s, is_kept=is_kept)
         elif docked.station != self.id and not self._flow.knows(docked.task):
-            self._life.ignore("asked for the dock of another storage")
+            self._life.ignore("a request for the dock of another storage")
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
             self._issuing.on_docked(sender, docked, now_s)
             self._flow.note_let_in(self._issuing.opened_for(docked.task), now_s)

@@ -58,7 +58,7 @@ ASKED = "what is held"
 GOALS_KEPT = 4096
 """Maximum goals with counts by vehicle: as many as the gate knows."""
 
-OLD = "an old word of the gate"
+OLD = "an outdated message of the gate"
 
 
 class GatedStrategist(Strategist):
@@ -113,7 +113,7 @@ class GatedStrategist(Strategist):
             if not self._begun:
                 if isinstance(event.message, OrderReleased):
                     self._early[event.message.order] = event
-                return [Ignore("what came before the gate was heard")]
+                return [Ignore("a message from before the gate's first one")]
         return self._step(event, now_s)
 
     def _step(self, event: Event, now_s: float) -> list[Effect]:

@@ -97,7 +97,7 @@ class OrderChanges:
         """A machine has answered what it keeps."""
         goal = self._book.goal(message.task)
         if goal is None or goal.machine != sender or goal.epoch != message.epoch:
-            self._life.ignore("what is kept of a goal that has ended or moved on")
+            self._life.ignore("an answer about a goal or an epoch that has ended")
             return
         self._note(goal, message.quantity, message.asked, now_s)
 

@@ -146,7 +146,7 @@ class OrderHolding:
         if noted is None or not noted.holder or self._peers.is_silent(noted.holder, now_s):
             self._take_turn(order, now_s)
         else:
-            self._life.ignore("what is said of an order that another strategist holds")
+            self._life.ignore("a message about an order that another strategist holds")
         return False
 
     def on_event(self, sender: str, event: Event, now_s: float) -> None:

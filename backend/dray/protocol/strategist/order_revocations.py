@@ -66,7 +66,7 @@ class OrderRevocations:
         if order is None:
             self._answer(sender, message)
         elif message.release != order.release:
-            self._life.ignore("another release of an order was taken back")
+            self._life.ignore("a revocation of another release of an order")
         elif not order.revoked_by:
             self._book.revoke(order, sender)
             self.shut(order)

@@ -223,25 +223,25 @@ class Strategist(AgentBase):
     def _on_released(self, sender: str, message: OrderReleased, now_s: float) -> None:
         if self._shutdown.begun:
             # An unanswered order is sent again, to the next life.
-            self._life.ignore("an order that came while the strategist was draining")
+            self._life.ignore("an order while the strategist is draining")
             return
         if len(message.order) > ORDER_ID_MAX:
-            self._life.ignore("an order whose id leaves no room for those of its goals")
+            self._life.ignore("an order whose id is too long for the ids of its goals")
             return
         if not all(self._book.can_be_made(item) for item in message.items):
-            self._life.ignore("an order for a product that nobody here makes")
+            self._life.ignore("an order for a product that no machine makes")
             return
         in_work = self._book.order(message.order)
         if in_work is not None and in_work.release < message.release:
             # The order was never answered as taken back, so its missing pieces are still unknown.
-            self._life.ignore("a release of an order that is in work")
+            self._life.ignore("a later release of an order that is in work")
             return
         if in_work is not None and (message.change > in_work.change or in_work.wanted):
             self._changes.on_changed(sender, message, in_work, now_s)
             return
         if not self._book.knows(message.order, message.release):
             if self._book.is_full:
-                self._life.ignore("an order that came while the strategist had as many as it takes")
+                self._life.ignore("an order above the limit of open orders")
                 return
             order = self._book.take(message)
             held = self._book.held_with(order.id)
@@ -291,7 +291,7 @@ class Strategist(AgentBase):
     def _on_machine(self, _sender: str, heartbeat: MachineHeartbeat, now_s: float) -> None:
         machine = heartbeat.machine
         if not self._monitor.on_heartbeat(heartbeat, now_s):
-            self._life.ignore("an old heartbeat")
+            self._life.ignore("a heartbeat that a newer one has overtaken")
             return
         self._parts.on_machine(heartbeat, now_s)
         for brief in heartbeat.goals:
@@ -319,7 +319,7 @@ class Strategist(AgentBase):
     def _on_arrived(self, report: GoodsArrived, now_s: float) -> None:
         goal = self._book.goal(report.goal)
         if goal is None:
-            self._life.ignore("goods of a goal that is closed")
+            self._life.ignore("goods for a goal that is closed")
             return
         order = self._book.order_of(goal)
         goal.by_people = report.by_people

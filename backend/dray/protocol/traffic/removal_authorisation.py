@@ -12,12 +12,12 @@ from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.neighbours import Neighbours
 
-NOT_TRUSTED = "a removal that nobody has granted who is trusted"
+NOT_TRUSTED = "a removal without a trusted grant"
 EXPIRED = "a removal whose grant has expired"
 IS_HEARD = "a removal of a vehicle that is heard"
-NO_PLACE = "a vehicle is being put back where there is no place"
-NOT_THERE = "a removal by somebody who may not command where the vehicle was, or comes to"
-TOO_EARLY = "a removal that comes before one could have heard the vehicle"
+NO_PLACE = "a return of a vehicle to where there is no place"
+NOT_THERE = "a removal whose grant does not cover where the vehicle was, or returns to"
+TOO_EARLY = "a removal before the vehicle was silent for long enough"
 
 LISTEN_S = gone_s(IDLE_INTERVAL_S)
 """Time of listening within which every living vehicle is heard."""

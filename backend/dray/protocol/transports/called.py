@@ -164,7 +164,7 @@ class CalledTransports:
     def on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
         """Handle an order, new or repeated."""
         if not self._may_ask(sender, order.transport, order.source):
-            self._life.ignore("a machine asked for what does not lie there")
+            self._life.ignore("an order of a machine to fetch what is not its own")
             return
         state = self._state_of(order.transport)
         if state is not None:
@@ -173,7 +173,7 @@ class CalledTransports:
             self._refuse(order, refused)
             self._answer(sender, order.transport, TransportState.CANCELLED, refused)
         elif len(self._open) >= OPEN_MAX:
-            self._life.ignore("has as many transports to see to as it can")
+            self._life.ignore("an order above the limit of open transports")
         else:
             called = self._open[order.transport] = CalledTransport(order)
             self._take_up(called)
@@ -185,7 +185,7 @@ class CalledTransports:
     def on_cancelled(self, sender: str, message: TransportCancelled) -> bool:
         """Handle a cancellation; returns whether it has ended the transport."""
         if not self._may_ask(sender, message.transport, sender):
-            self._life.ignore("a machine called off what it has not asked for")
+            self._life.ignore("a cancellation of a transport that the machine has not ordered")
             return False
         called = self._open.get(message.transport)
         ends = called is not None and not self._is_on_board(called)

@@ -19,11 +19,11 @@ from dray.protocol.transports.reservations import Ask, Reservations
 
 LAPSE = "lapse"
 
-NOT_KEPT = "asked for what is not kept here"
-TOO_MANY = "asked for more than anybody needs"
-ANOTHERS = "about a task that another one has asked for"
-FETCHED = "asked again for what was fetched"
-DRAINING = "asked for while the station was draining"
+NOT_KEPT = "a request for material that is not kept here"
+TOO_MANY = "a request above the limit of one coordinator"
+ANOTHERS = "a request that differs from the first one for its task, or comes from another agent"
+FETCHED = "a request for material that was fetched already"
+DRAINING = "a request while the station is draining"
 
 
 class Issuing:
@@ -99,7 +99,7 @@ class Issuing:
             return  # The body reports that it is gone.
         ask = self._book.get(freed.task)
         if ask is None or ask.coordinator != sender:
-            self._life.ignore("gave back what it does not have")
+            self._life.ignore("a release of a reservation that the sender does not have")
             return
         self._release(ask)
         self._changed(now_s)

@@ -215,7 +215,7 @@ class Sourcing:
             return
         task = self._task_of(message.task)
         if task is None or sender not in _sources(task):
-            self._life.ignore("short of what was not asked for")
+            self._life.ignore("a shortage of material that was not asked for there")
             return
         held = self._held.get(task.id, {})
         held.pop(sender, None)

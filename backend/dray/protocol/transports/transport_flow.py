@@ -55,9 +55,9 @@ from dray.protocol.transports.recovery import RECOVERY_WAIT, Recovery
 from dray.protocol.transports.sourcing import Need, Sourcing
 from dray.protocol.transports.transports import Transports
 
-NOT_REMEMBERED = "about a task that may be of a life that has left no notes"
+NOT_REMEMBERED = "a message about a task that may be of an earlier life without notes"
 
-NOT_KEPT = "brought back what is not kept here, or more than can lie here"
+NOT_KEPT = "a returned load that is not kept here, or for which there is no room"
 
 HELD_MAX_S = 60.0
 """How long a vehicle may wait for room (s): two or three cycles of a working machine."""
@@ -297,7 +297,7 @@ class TransportFlow:
     def offer(self, sender: str, message: WorkSought, now_s: float) -> None:
         """Offer a waiting transport to a vehicle that asks for work."""
         if not self.tasks.offer(sender, message.abilities, now_s):
-            self._life.ignore("asked for work, and none waits")
+            self._life.ignore("a request for work while none waits")
 
     def on_dock_ready(self, report: DockReady, now_s: float) -> None:
         """The body has opened the dock for a vehicle."""

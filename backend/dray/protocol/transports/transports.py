@@ -273,9 +273,9 @@ class Transports(Coordinator):
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
         if any(other.primary == sender for other in self):
-            self._life.ignore("a bid by one that carries for this coordinator")
+            self._life.ignore("a bid of a vehicle that carries for this coordinator")
         elif task is not None and cast(Transport, task.work).vehicle not in ("", sender):
-            self._life.ignore("a bid for another vehicle's transport")
+            self._life.ignore("a bid for a transport that only another vehicle may carry")
         elif task is not None and bid.role is Role.SECONDARY:
             self._secondaries.on_bid(task, sender, bid, now_s)
         else:
@@ -310,7 +310,7 @@ class Transports(Coordinator):
         """
         task = self._open.get(message.task)
         if task is None or message.epoch != task.epoch:
-            self._life.ignore("resigned from a contract that has ended")
+            self._life.ignore("a resignation from a contract that has ended")
             if message.role is Role.PRIMARY:
                 self._life.send(sender, self.superseded(message.task, message.epoch))
         elif message.role is Role.SECONDARY and sender == task.secondary:
@@ -318,7 +318,7 @@ class Transports(Coordinator):
         elif message.role is Role.PRIMARY and sender == task.primary:
             self.failover.give_back(task, message.reason, now_s)
         else:
-            self._life.ignore("resigned from a contract that it does not have")
+            self._life.ignore("a resignation from a contract that the sender does not have")
 
     def on_taken_over(self, sender: str, message: TakenOver, now_s: float) -> None:
         """A secondary has taken a task over, because its primary has failed."""

@@ -64,7 +64,7 @@ from dray.protocol.vehicle.drivers.traffic_handling import handle_traffic
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
 from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
 from dray.protocol.vehicle.people.assistance import Assistance
-from dray.protocol.vehicle.people.command_handling import CommandHandling
+from dray.protocol.vehicle.people.command_handling import DENIED, CommandHandling
 from dray.protocol.vehicle.people.problem_handling import ProblemHandling
 from dray.protocol.vehicle.status_report import StatusReport
 
@@ -218,6 +218,7 @@ class Atv(AgentBase):
             contract=job.memory() if job is not None else None,
             acknowledged=self._commands.acknowledged,
             stopped_itself=self._commands.stopped_itself,
+            stop_cause=self._commands.stop_cause,
             speed_frac=self._driver.speed_frac,
             out_of_service=self._commands.out_of_service,
             sent_to_charge=self._commands.is_sent_to_charge,
@@ -371,11 +372,10 @@ class Atv(AgentBase):
             self._idle.soon(now_s)
 
     def note_denied(self, now_s: float) -> None:
-        """A person said that it was carried away, but it drives: it stops until a person has checked it."""
-        self._commands.stop()
-        self._contracts.standby.resign(Reason.STOPPED)
-        self._life.commit()
-        self.update_status(now_s, "said to have been carried away")
+        """A person said that it was carried away, but it drives: it stops, and calls until a person has checked it."""
+        self._commands.stop_itself(DENIED)
+        self._wait_for_person(Reason.PROBLEM, now_s)
+        self.update_status(now_s, DENIED)
 
     def _objection(self, sender: str, message: Message) -> str:
         return objection(sender, message, self._contracts.coordinator_of)
@@ -407,9 +407,7 @@ class Atv(AgentBase):
         self._life.commit()
         if done:
             if command.kind is CommandKind.STOP:
-                if self._contracts.job is not None:
-                    self._commands.assistance.wait(self._contracts.job.waiting(now_s), now_s)
-                self._contracts.standby.resign(Reason.STOPPED)
+                self._wait_for_person(Reason.STOPPED, now_s)
             elif command.kind is CommandKind.RESUME:
                 self.end_trouble(now_s)
             elif command.kind is CommandKind.TAKE_OUT:
@@ -419,6 +417,12 @@ class Atv(AgentBase):
                 self._contracts.seek(now_s)
         self.update_status(now_s, command.kind.value)
         self._life.beat_soon(now_s)
+
+    def _wait_for_person(self, reason: Reason, now_s: float) -> None:
+        """It stands stopped: its task waits for a person, and it watches no other vehicle."""
+        if self._contracts.job is not None:
+            self._commands.assistance.wait(self._contracts.job.waiting(now_s), now_s)
+        self._contracts.standby.resign(reason)
 
     # --- the status ---
 

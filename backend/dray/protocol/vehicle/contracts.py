@@ -315,18 +315,18 @@ class Contracts:
     def _on_release(self, _sender: str, message: Release, now_s: float) -> None:
         if message.role is Role.SECONDARY:
             if not self.standby.release(message):
-                self._life.ignore("released from a watch that it does not keep")
+                self._life.ignore("a release from a watch that the vehicle does not keep")
             return
         job = self.job
         if job is None or not job.is_meant_by(message) or message.number != job.number:
-            self._life.ignore("released from a contract that it does not have")
+            self._life.ignore("a release from a contract that the vehicle does not have")
             return
         self.go_on(lambda job: job.cancel(Reason.RELEASED, now_s), now_s)
 
     def _on_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
         job = self.job
         if job is None or not job.is_meant_by(message):
-            self._life.ignore("an answer about another contract")
+            self._life.ignore("a message about another contract")
             return
         self.go_on(lambda job: job.on_answer(message, now_s), now_s)
 

@@ -37,7 +37,7 @@ from dray.protocol.vehicle.silent_vehicles import STANDS, SilentVehicles
 
 LOOK_AGAIN = "look again"
 
-KNOWN = "of an obstacle that is known, or a lane that is free already"
+KNOWN = "a report of a known obstacle, or of a lane that is free already"
 
 IN_THE_WAY = "something is in the way from {} to {}, and no way leads round it"
 

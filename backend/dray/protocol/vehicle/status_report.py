@@ -83,7 +83,7 @@ class StatusReport:
         if self._commands.assistance.problem:
             return self._commands.assistance.problem
         if self._commands.stopped:
-            return "stopped by an operator"
+            return self._commands.stop_cause or "stopped by an operator"
         if link is Link.MESH:
             return "on the radio mesh"
         if self._commands.out_of_service is not None:

@@ -1,6 +1,7 @@
 import { asksText, whatText } from "../../alerts/alert-text";
 import { isOpen } from "../../alerts/alerts";
 import type { AlertView } from "../../api/types";
+import { CutOff } from "../../parts/Carrying";
 import { Table } from "../../parts/Table";
 import { Tag } from "../../parts/Tag";
 import { nowS, world } from "../../stream/stream";
@@ -33,6 +34,7 @@ export function AlertsView() {
       heads={heads.map((head) => t(`alerts.${head}`))}
       empty={t("alerts.quiet")}
       aside={failed.value !== "" && <span class="complaint" role="alert">{failed.value}</span>}
+      note={alerts.value.some(isOfUnheard) && <CutOff class="table-hint" />}
       below={<><AlertLog /><NewsList /></>}
     >
       {alerts.value.map((alert) => (
@@ -54,7 +56,7 @@ function Row({ alert }: { alert: AlertView }) {
         <Tag tone={alert.level === "alarm" ? "alarm" : "warn"}>{t(`alerts.kind.${alert.level}`)}</Tag> {what}
       </td>
       <td>
-        {asksText(alert)} {(alert.kind === "atv_awaited" || alert.kind === "atv_unheard") && <AwaitedActions atv={alert.agent} />}{" "}
+        {asksText(alert)} {isOfUnheard(alert) && <AwaitedActions atv={alert.agent} />}{" "}
         {alert.kind === "atv_unheard" && <ShutOutMenu agent={alert.agent} kind="atv" />}
         {alert.goods !== null && alert.by !== "" && <span class="muted">{t("alerts.goods.by", { by: alert.by })}</span>}{" "}
         {alert.goods !== null && (
@@ -74,6 +76,11 @@ function Row({ alert }: { alert: AlertView }) {
       </td>
     </tr>
   );
+}
+
+/** Whether it can be said here that the vehicle is off the floor. */
+function isOfUnheard({ kind }: AlertView): boolean {
+  return kind === "atv_awaited" || kind === "atv_unheard";
 }
 
 function takenText({ acknowledged_at_s: atS, acknowledged_by: by, acknowledged_until_at_s: untilS }: AlertView, now: number): string {

@@ -1,11 +1,11 @@
 import { useSignal } from "@preact/signals";
 import { carryAway } from "../../api/client";
-import { CutOff, isCutOff } from "../../parts/Carrying";
+import { isCutOff } from "../../parts/Carrying";
 import { t } from "../../text/views/alerts";
 import { Sure } from "../parts/Sure";
 import { problemText } from "../problem-text";
 
-/** Of a vehicle that was never heard there is no card: that it is off the floor is said where it is told. */
+/** Of a vehicle that was never heard there is no card: that it is off the floor is said where it is told. Why it cannot be said now stands once, above all rows. */
 export function AwaitedActions({ atv }: { atv: string }) {
   const state = useSignal<"idle" | "asking" | "busy" | "done">("idle");
   const failed = useSignal("");
@@ -38,7 +38,6 @@ export function AwaitedActions({ atv }: { atv: string }) {
           onYes={() => void say()}
         />
       )}
-      <CutOff />
       {failed.value !== "" && (
         <span class="complaint" role="alert">
           {failed.value}

@@ -203,6 +203,7 @@ export const de: Catalogue<typeof en> = {
   "failure.on the radio mesh": "nur über Funk erreichbar",
   "failure.out of service": "außer Betrieb genommen",
   "failure.its name is used by another": "ein anderer benutzt seinen Namen",
+  "failure.reported as carried away while driving": "als weggetragen gemeldet, während es fuhr",
   "failure.draining": "verabschiedet sich",
   "failure.a load is on board": "noch eine Ladung an Bord",
   "reason.why.silent": "stumm",

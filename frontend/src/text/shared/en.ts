@@ -200,6 +200,7 @@ export const en = {
   "failure.on the radio mesh": "on the radio mesh",
   "failure.out of service": "taken out of service",
   "failure.its name is used by another": "its name is used by another",
+  "failure.reported as carried away while driving": "reported as carried away while it was driving",
   "failure.draining": "leaving",
   "failure.a load is on board": "a load is still on board",
   "reason.why.silent": "silent",

@@ -203,6 +203,7 @@ export const es: Catalogue<typeof en> = {
   "failure.on the radio mesh": "solo por radio",
   "failure.out of service": "puesto fuera de servicio",
   "failure.its name is used by another": "otro usa su nombre",
+  "failure.reported as carried away while driving": "dado por retirado mientras circulaba",
   "failure.draining": "se está retirando",
   "failure.a load is on board": "aún lleva una carga",
   "reason.why.silent": "en silencio",

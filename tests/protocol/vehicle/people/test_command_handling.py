@@ -62,7 +62,7 @@ def assert_refused(rig: VehicleRig, command: VehicleCommand, why: str) -> None:
     assert (answer.done, answer.reason) == (False, why)
     [fact] = facts(effects, CommandObeyed)
     assert (fact.done, fact.reason, fact.issued_by) == (False, why, command.issued_by)
-    assert counted(effects) == [f"a command that may not be given: {why}"]
+    assert counted(effects) == [f"a refused command: {why}"]
     assert instructed(effects, Hold) == instructed(effects, LimitSpeed) == []
 
 

@@ -1,15 +1,21 @@
-"""A vehicle that has stopped because another one used its name calls people until one has seen to it."""
+"""A vehicle that has stopped itself calls people until one has seen to it, and says why it stands."""
 
 from __future__ import annotations
 
-from atv1 import command, last_beat, parked
-from effects import committed, instructed, published
+from atv1 import command, last_beat, parked, secondary
+from effects import committed, facts, instructed, published, sent
+from msgspec.structs import replace
+from placing import TRAFFIC, answer
 from rigs import VehicleRig
+from spoken import announcement, award
 
 from dray.body import Hold, ProblemCleared, ProblemRaised
-from dray.messages import AtvStatus, CallState, CommandKind, CommandRefusal, HelpCall
+from dray.memory import WHOLE, AtvMemory
+from dray.messages import AtvStatus, CallState, CommandKind, CommandRefusal, HelpCall, Reason, Resigned
+from dray.messages.fact import BidRefused
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.people.problem_handling import DOUBLED, DOUBLED_S
+from dray.protocol.vehicle.people.command_handling import DENIED, DOUBLED
+from dray.protocol.vehicle.people.problem_handling import DOUBLED_S
 
 
 def doubled() -> VehicleRig:
@@ -21,6 +27,24 @@ def doubled() -> VehicleRig:
     rig.held = True
     rig.wake()
     return rig
+
+
+def denied() -> VehicleRig:
+    """ATV1, which has just heard on its way to S3 that it was carried away."""
+    rig = parked(traffic=TRAFFIC)
+    answer(rig)
+    rig.on_message("M8", award())
+    answer(rig)
+    answer(rig, removal=1, grants=False)
+    rig.held = True
+    rig.wake()
+    return rig
+
+
+def says(rig: VehicleRig, task: str) -> str:
+    """Why it does not bid for a new task."""
+    [refused] = facts(rig.on_message("M8", announcement(task=task)), BidRefused)
+    return refused.detail
 
 
 def calls(rig: VehicleRig) -> tuple[str, bool]:
@@ -85,3 +109,86 @@ def test_one_that_a_person_has_stopped_calls_nobody() -> None:
     command(rig, CommandKind.STOP)
     rig.run(rig.now_s + DOUBLED_S)
     assert published(rig.all, HelpCall) == []
+
+
+def test_one_that_drives_on_what_is_not_its_own_calls_until_a_person_has_acknowledged_its_stop() -> None:
+    rig = denied()
+    rig.run(rig.now_s + 3.0 * DOUBLED_S)
+    beat = last_beat(rig)
+    assert (beat.status, beat.problem) == (AtvStatus.STOPPED, "")
+    assert calls(rig) == (DENIED, True)
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+    rig.run(rig.now_s + 1.0)
+    assert calls(rig) == (DENIED, False)
+    assert command(rig, CommandKind.RESUME).done
+
+
+def test_its_task_waits_for_that_person_who_may_promise_to_come() -> None:
+    rig = denied()
+    assert last_beat(rig).help is not None
+    rig = parked(traffic=TRAFFIC)
+    answer(rig)
+    rig.on_message("M8", award())
+    assert last_beat(rig).help is None
+
+
+def test_its_next_life_calls_for_the_same_reason() -> None:
+    before = denied()
+    rig = VehicleRig(incarnation=2, traffic=TRAFFIC)
+    rig.held = True
+    rig.memory = committed(before.all)
+    rig.start()
+    rig.run(DOUBLED_S)
+    assert calls(rig) == (DENIED, True)
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+
+
+def test_one_that_has_stopped_itself_gives_its_watch_back_as_one_in_error() -> None:
+    rig = parked()
+    secondary(rig)
+    agent = rig.agent
+    assert isinstance(agent, Atv)
+    agent.note_denied(rig.now_s)
+    assert [said.reason for said in sent(rig.wake(), Resigned)] == [Reason.PROBLEM]
+
+
+def test_it_says_why_it_does_not_bid_until_it_is_resumed() -> None:
+    rig = doubled()
+    rig.run(rig.now_s + 3.0 * DOUBLED_S)
+    assert says(rig, "M8-2") == DOUBLED
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+    assert says(rig, "M8-3") == DOUBLED, "nobody has stopped it"
+    assert command(rig, CommandKind.RESUME).done
+    rig.held = False
+    command(rig, CommandKind.STOP)
+    assert says(rig, "M8-4") == "stopped by an operator"
+
+
+def test_its_next_life_says_so_too() -> None:
+    before = doubled()
+    rig = VehicleRig(incarnation=2)
+    rig.held = True
+    rig.memory = committed(before.all)
+    rig.start()
+    assert says(rig, "M8-2") == DOUBLED
+
+
+def test_a_note_that_names_no_cause_is_of_the_only_one_that_there_was() -> None:
+    rig = VehicleRig(incarnation=2)
+    rig.held = True
+    rig.memory = {WHOLE: AtvMemory(stopped_itself=True)}
+    rig.start()
+    rig.run(DOUBLED_S)
+    assert calls(rig) == (DOUBLED, True)
+    assert says(rig, "M8-2") == DOUBLED
+
+
+def test_a_cause_of_before_a_resume_that_only_the_body_has_heard_is_forgotten() -> None:
+    before = doubled()
+    rig = VehicleRig(incarnation=2)
+    note = committed(before.all)[WHOLE]
+    assert isinstance(note, AtvMemory)
+    rig.memory = {WHOLE: replace(note, stopped_itself=False)}
+    rig.start()
+    command(rig, CommandKind.STOP)
+    assert says(rig, "M8-2") == "stopped by an operator"

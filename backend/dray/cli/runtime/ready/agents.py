@@ -20,9 +20,9 @@ def plant_of_gateway(plant: Plant, answers: Answers) -> Finding:
     name, picture = "plant of the gateway", answers.picture
     file = msgspec.json.decode(msgspec.json.encode(plant.file))
     if picture.plant != plant.id:
-        seen = f"it serves {picture.plant}, and the file is of {plant.id}"
+        seen = f"it serves {picture.plant}, but the plant of this file is {plant.id}"
     elif picture.fault_injection:
-        seen = "it is simulated: faults can be begun by hand"
+        seen = "it is simulated: people may cause faults there"
     elif picture.factory.speed != 1.0:
         seen = f"its clock runs at {picture.factory.speed:g} times real time"
     else:
@@ -32,7 +32,7 @@ def plant_of_gateway(plant: Plant, answers: Answers) -> Finding:
             return ok(name, f"{plant.id}, in real time")
         seen = f"its plant file differs from this one in {named(fields)}"
     return missing(
-        name, seen, "start the gateway and all agents with DRAY_PLANT_FILE=FILE, and nothing simulated"
+        name, seen, "start the gateway and all agents with DRAY_PLANT_FILE=FILE, and simulate nothing"
     )
 
 
@@ -79,9 +79,9 @@ def _kind(name: str, wanted: Iterable[str], picture: Picture, heard: dict[str, A
             lacks.setdefault(reason, []).append(each)
     if lacks:
         seen = "; ".join(f"{reason}: {named(names)}" for reason, names in lacks.items())
-        todo = f"on its computer: {start}; while it waits for its body its log says for what"
+        todo = f"on its computer: {start}; while it waits for its body, its log says why"
         if "shut out" in lacks:
-            todo += "; dray readmit NAME hears it again"
+            todo += "; dray readmit NAME admits it again"
         return missing(name, seen, todo)
     out = [each for each in all_ if heard[each].out_of_service is not None]
     away = f"; out of service: {named(out)}" if out else ""
@@ -95,7 +95,7 @@ def _lack(agent: Agent | None, picture: Picture) -> str:
     if agent.shut_out is not None:
         return "shut out"
     if agent.removal is not None:
-        return "said to be off the floor"
+        return "reported as off the floor"
     if (picture.at_s - agent.seen_at_s) * picture.factory.speed > agent.silence.lost_after_s:
         return "silent"
     return ""
@@ -105,7 +105,7 @@ def _strategists(wanted: tuple[str, ...], answers: Answers, alerts: Iterable[Ale
     name, part = "strategist", answers.parts.get("strategist")
     todo = f"on its computer: {'; '.join(f'dray strategist {each}' for each in wanted)}"
     if part is None:
-        return unknown(name, "the gateway does not tell of it", todo)
+        return unknown(name, "the gateway reports nothing about it", todo)
     lost = any(each.kind == "strategist_lost" for each in alerts)
     if not part.ok or part.reason or lost:
         return missing(name, part.reason or "one of several is silent", todo)
@@ -127,5 +127,5 @@ def bodies(plant: Plant, answers: Answers) -> Finding:
     if not wanted:
         return unknown(name, "no machine and no vehicle is heard")
     people = [each for each in wanted if heard[each].unconfirmed is not None]
-    by_people = f"; people are the body of {named(people)}" if people else ""
-    return ok(name, f"{len(wanted)} machines and vehicles tell of no problem{by_people}")
+    by_people = f"; operated by people: {named(people)}" if people else ""
+    return ok(name, f"{len(wanted)} machines and vehicles report no problem{by_people}")

@@ -41,11 +41,9 @@ def certificates(
     chosen = folder or settings.bus_certificates
     if chosen is None:
         if settings.bus_plain:
-            seen = "DRAY_BUS_PLAIN: links can be read, and words forged, by whoever reaches the network"
+            seen = "DRAY_BUS_PLAIN: anybody on the network can read and forge messages"
             return ok(NAME, seen, "dray certs make certs --plant FILE")
-        return missing(
-            NAME, "no folder of them is named", "dray certs make certs --plant FILE; --certificates certs"
-        )
+        return missing(NAME, "no folder is named", "dray certs make certs --plant FILE; --certificates certs")
     try:
         authorities = x509.load_pem_x509_certificates((chosen / f"{AUTHORITY}.pem").read_bytes())
         revoked = Revocations(chosen / FILE, authorities, 0, clock_s=time.monotonic)
@@ -58,7 +56,7 @@ def certificates(
     faults: dict[str, list[str]] = {}
     ends_s = min(each.not_valid_after_utc.timestamp() for each in authorities)
     if ends_s < now_s + SOON_DAYS * 86_400:
-        faults[f"within {SOON_DAYS} days or before now ends"] = [AUTHORITY]
+        faults[f"expired, or expires within {SOON_DAYS} days"] = [AUTHORITY]
     for name, agents in wanted.items():
         fault, until_s = _examine(chosen, name, plant, agents, authorities, revoked, now_s)
         if fault:
@@ -66,7 +64,7 @@ def certificates(
         ends_s = min(ends_s, until_s)
     if not faults:
         days = int((ends_s - now_s) // 86_400)
-        return ok(NAME, f"{chosen}: all {len(wanted)} are there, the first one ends in {days} days")
+        return ok(NAME, f"{chosen}: all {len(wanted)} are there; the first expires in {days} days")
     first = next(name for names in faults.values() for name in names)
     kind = next(iter(wanted.get(first, {}).values()), None)
     todo = (
@@ -93,22 +91,22 @@ def _examine(
     try:
         found = x509.load_pem_x509_certificate((folder / f"{name}.pem").read_bytes())
     except FileNotFoundError:
-        return "there is none for", never
+        return "missing for", never
     except (OSError, ValueError):
         return "cannot be read", never
     until_s = found.not_valid_after_utc.timestamp()
     if not any(_signed(found, authority) for authority in authorities):
-        return "by another authority", until_s
+        return "of another authority", until_s
     if not agents.items() <= agents_of(found, plant).items():
         return f"not for this agent of {plant}", until_s
     if found.serial_number in revoked:
-        return "called back", until_s
+        return "revoked", until_s
     if until_s < now_s:
-        return "has ended", until_s
+        return "expired", until_s
     if until_s < now_s + SOON_DAYS * 86_400:
-        return f"ends within {SOON_DAYS} days", until_s
+        return f"expires within {SOON_DAYS} days", until_s
     if not (folder / f"{name}.key").is_file():
-        return "without its key", until_s
+        return "without a key file", until_s
     return "", until_s
 
 

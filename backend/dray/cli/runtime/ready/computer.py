@@ -41,7 +41,7 @@ def clocks(answers: Answers | None, ntp: Callable[[], bool | None]) -> Iterator[
     synchronised = ntp()
     todo = "timedatectl set-ntp true, or install chrony; clocks must agree within 100 ms"
     if synchronised is None:
-        yield unknown("clock of this computer", "no time service tells (timedatectl)", todo)
+        yield unknown("clock of this computer", "no time service answers (timedatectl)", todo)
     elif synchronised:
         yield ok("clock of this computer", "it is synchronised (NTP)")
     else:
@@ -57,7 +57,7 @@ def clocks(answers: Answers | None, ntp: Callable[[], bool | None]) -> Iterator[
     if wrong:
         yield missing("clocks of the agents", f"wrong: {named(wrong)}", f"on its computer: {todo}")
     else:
-        yield ok("clocks of the agents", "none is wrong beyond doubt")
+        yield ok("clocks of the agents", "none is known to be wrong")
 
 
 def _gateway(clock: tuple[float, float, float] | None) -> Finding:
@@ -117,7 +117,7 @@ def _disk(name: str, folder: Path, wanted: int, free_bytes: Callable[[Path], int
     if there is None:
         return missing(name, f"there is no {folder}", f"mkdir -p {folder}")
     free = free_bytes(there)
-    seen = f"{_gib(free)} are free in {there.absolute()}, {_gib(wanted)} are wanted"
+    seen = f"{_gib(free)} free in {there.absolute()}, {_gib(wanted)} needed"
     if free < wanted:
         return missing(name, seen, "a larger disk, or fewer days: DRAY_EVENTS_DAYS, DRAY_REPLAY_DAYS")
     return ok(name, seen)

@@ -64,26 +64,26 @@ def _lacks_file(url: URL) -> bool:
 
 
 def _historian(newest_s: float | None, now_s: float) -> Finding:
-    name, todo = "historian", "dray historian, with the same DRAY_DATABASE_URL; its log says what hinders it"
+    name, todo = "historian", "start dray historian with the same DRAY_DATABASE_URL; if it runs, see its log"
     if newest_s is None:
-        return missing(name, "nothing was written of any agent", todo)
+        return missing(name, "it has recorded no agent yet", todo)
     age_s = max(0.0, now_s - newest_s)
     if age_s > QUIET_S:
-        return missing(name, f"nothing was written of any agent for {age_s / 60:.0f} min", todo)
-    return ok(name, "it writes what agents tell")
+        return missing(name, f"it has recorded no agent for {age_s / 60:.0f} min", todo)
+    return ok(name, "it records")
 
 
 def _signing(public: str | None, settings: Settings) -> Finding:
     name, todo = (
         "signed commands",
-        "dray key signing prints the key; DRAY_TRUSTED_KEYS names it to every agent",
+        "print the key with dray key signing, and name it in DRAY_TRUSTED_KEYS of every agent",
     )
     if public is None:
-        return missing(name, "no gateway has begun on this database", "dray gateway, or dray key signing")
+        return missing(name, "no gateway has started with this database", "dray gateway, or dray key signing")
     if not settings.trusted_keys:
-        seen = "whether agents believe the gateway: the settings here name no DRAY_TRUSTED_KEYS"
+        seen = "DRAY_TRUSTED_KEYS is not set here: the keys that agents trust are unknown"
         return unknown(name, seen, todo)
     if public not in {each.lower() for each in settings.trusted_keys}:
-        seen = "DRAY_TRUSTED_KEYS does not name the key of this database: nobody obeys the panels"
+        seen = "DRAY_TRUSTED_KEYS does not name the key of this database: agents refuse all commands"
         return missing(name, seen, todo)
     return ok(name, "DRAY_TRUSTED_KEYS names the key of this database")

@@ -32,7 +32,7 @@ def docks(plant: Plant, mappings: Path | None, answers: Answers | None) -> Findi
         people = [each for each in plant.machines if each in heard and heard[each].unconfirmed is not None]
     check = "dray machine check NAME --mapping NAME.yaml --plant FILE"
     if late:
-        seen = f"a vehicle stands there, and they do not get ready: {named(late)}"
+        seen = f"a vehicle waits there, and the dock is not ready: {named(late)}"
         return missing(NAME, seen, f"{check} --dock; see dock_ready in its controller")
     known: dict[str, bool] = {}
     faults: list[str] = []
@@ -48,10 +48,8 @@ def docks(plant: Plant, mappings: Path | None, answers: Answers | None) -> Findi
     told = _told(known, people)
     rest = [each for each in (*plant.machines, *plant.stores) if each not in known and each not in people]
     if rest:
-        todo = (
-            f"--mappings FOLDER, with a NAME.yaml of each; {check} --dock tries one while nobody stands there"
-        )
-        return unknown(NAME, "; ".join(("cannot be told of " + named(rest), *told)), todo)
+        todo = f"--mappings FOLDER, with a NAME.yaml for each; {check} --dock tests one while no vehicle stands there"
+        return unknown(NAME, "; ".join(("unknown: " + named(rest), *told)), todo)
     return ok(NAME, "; ".join(told))
 
 
@@ -60,9 +58,9 @@ def _told(known: dict[str, bool], people: list[str]) -> list[str]:
     bare = [each for each, shakes in known.items() if not shakes]
     told = [f"with a handshake: {named(shaking)}"] if shaking else []
     if bare:
-        told.append(f"without one: {named(bare)}: vehicles load as soon as they stand there")
+        told.append(f"without a handshake: {named(bare)} (vehicles load as soon as they stand there)")
     if people:
-        told.append(f"none at {named(people)}: the words of people and vehicles count")
+        told.append(f"without a handshake: {named(people)} (people and vehicles report loads)")
     return told
 
 

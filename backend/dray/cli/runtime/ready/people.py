@@ -22,7 +22,7 @@ def people_and_keys(plant: Plant, answers: Answers, now_s: float) -> Iterator[Fi
         answers: the gateway's answers.
         now_s: unix time.
     """
-    lacks = f"whoever asks may not know it: the token needs {PEOPLE}"
+    lacks = f"not permitted: the token needs {PEOPLE}"
     if answers.people is None or answers.keys is None:
         yield from (unknown(name, lacks) for name in ("managers", "operators", "API keys"))
     else:
@@ -55,13 +55,13 @@ def _operators(plant: Plant, may: list[Person]) -> Finding:
     nobody = [area for area in plant.areas if not any(area in each.areas for each in operators)]
     if nobody:
         todo = f"dray user add NAME --role operator --area {nobody[0]} --plant FILE; dray user pin NAME"
-        return missing("operators", f"nobody may work in {named(nobody)}", todo)
+        return missing("operators", f"no operator may work in {named(nobody)}", todo)
     locked = [
         area for area in plant.areas if not any(area in each.areas and each.secrets for each in operators)
     ]
     if locked:
         first = next(each.id for each in operators if locked[0] in each.areas)
-        seen = f"nobody has a PIN or a badge in {named(locked)}: they log in by a link, once"
+        seen = f"no operator has a PIN or a badge in {named(locked)}; a login link works once"
         return missing("operators", seen, f"dray user pin {first}, or dray user badge {first}")
     return ok(
         "operators",
@@ -74,26 +74,28 @@ def _keys(keys: list[Key], now_s: float) -> Finding:
     if ending:
         first = ending[0]
         scopes = " ".join(f"--scope {scope}" for scope in first.scopes)
-        seen = f"expired, or within 30 days: {named(each.name for each in ending)}"
+        seen = f"expired, or expires within 30 days: {named(each.name for each in ending)}"
         return missing(
             "API keys", seen, f"dray key create {first.name!r} {scopes}; dray key revoke {first.id}"
         )
     orders = [each.name for each in keys if WRITES_ORDERS in each.scopes]
     if orders:
-        return ok("API keys", f"orders come by {named(orders)}")
+        return ok("API keys", f"may place orders: {named(orders)}")
     return ok(
-        "API keys", "none places orders: people do, in the panel", "dray key create ERP --scope orders:write"
+        "API keys",
+        "none may place orders: people place them in the panel",
+        "dray key create ERP --scope orders:write",
     )
 
 
 def _duty(plant: Plant, answers: Answers) -> Finding:
     name, duty = "people on duty", answers.duty
     if duty is None:
-        return unknown(name, f"whoever asks may not know it: the token needs {DUTY}")
+        return unknown(name, f"not permitted: the token needs {DUTY}")
     absent = [area for area in duty.areas_without if area not in duty.comes_at_s and area in plant.areas]
     if absent:
         todo = "log in at a tablet there (/operator), and choose On duty"
-        return missing(name, f"nobody is on duty in {named(absent)}", todo)
+        return missing(name, f"no operator is on duty in {named(absent)}", todo)
     resting = [area for area in duty.areas_without if area in plant.areas]
-    at_rest = f"; by the working time nobody is in {named(resting)} now" if resting else ""
-    return ok(name, f"somebody in {len(plant.areas) - len(resting)} of {len(plant.areas)} areas{at_rest}")
+    at_rest = f"; outside of working time: {named(resting)}" if resting else ""
+    return ok(name, f"an operator in {len(plant.areas) - len(resting)} of {len(plant.areas)} areas{at_rest}")

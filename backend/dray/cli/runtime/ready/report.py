@@ -92,7 +92,7 @@ async def _all(plant: Plant, here: Viewpoint) -> AsyncIterator[Finding]:
     yield said
     if answers is None:
         for name in ASKED:
-            yield unknown(name, "only the gateway tells")
+            yield unknown(name, "only the gateway knows")
         return
     yield plant_of_gateway(plant, answers)
     for finding in agents(plant, strategists, answers):
@@ -114,11 +114,11 @@ def _file(plant: Plant) -> Finding:
 
 
 def _gateway(here: Viewpoint) -> tuple[Finding, Answers | None]:
-    start = "dray gateway; --gateway says where it is"
+    start = "start dray gateway, or name its address with --gateway"
     try:
         if not here.has_token:
             here.client.ask("GET", "/readyz", Ready)
-            seen = f"{here.url} takes orders, and does not tell the rest to whom it does not know"
+            seen = f"{here.url} takes orders; without a token it tells no more"
             return unknown("gateway", seen, "--token TOKEN or DRAY_ADMIN_TOKEN"), None
         answers = ask(here.client, here.wall_s)
     except UnavailableError as error:

@@ -15,7 +15,7 @@ from dray.protocol.contract_net.trust.reliability import Reliability
 from dray.protocol.liveness.progress import STALL_S, Progress
 from dray.protocol.runtime.life import Life
 
-RESTRICTED = "a bid for a long task by one that is given short ones only"
+RESTRICTED = "a bid for a long task by a bidder that gets short ones only"
 
 
 class Assessor:

@@ -52,6 +52,6 @@ class DisbeliefHandling:
     def on_disbelieved(self, sender: str, message: Disbelieved, now_s: float) -> None:
         """Record a fact, at most once a minute for each coordinator."""
         if not self._throttle.passes(sender, now_s):
-            self._life.ignore("that it is not believed was noted before")
+            self._life.ignore("disbelief that was recorded within the last minute")
             return
         self._life.record(NotBelieved(by=sender, task=message.task, reason=message.reason))

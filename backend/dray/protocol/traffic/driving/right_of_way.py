@@ -425,7 +425,7 @@ class RightOfWay:
     def on_confirmed(self, sender: str, confirmed: PlaceConfirmed, now_s: float) -> None:
         """Handle a witness's confirmation."""
         if not self.requests.on_confirmed(sender, confirmed):
-            self._life.ignore("what is confirmed by somebody who is not to confirm it")
+            self._life.ignore("a confirmation by an agent that is not the witness")
         self._take_missed(confirmed.district, now_s)
 
     def repeat_request(self, district: str, now_s: float) -> None:
@@ -458,7 +458,7 @@ class RightOfWay:
     def on_yield_asked(self, sender: str, asked: YieldAsked, now_s: float) -> None:
         """Make room for a more urgent vehicle, or refuse."""
         if not self.requests.keeps(sender, asked.district):
-            self._life.ignore("asked to make room by somebody who does not keep that table")
+            self._life.ignore("a request to make room by an agent that does not keep the table")
             return
         if not self._holds_in(asked.district):
             # The table is wrong about this vehicle: correct it.

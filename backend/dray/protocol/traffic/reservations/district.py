@@ -42,9 +42,9 @@ from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 
 TABLE_TICK = "table tick"
 
-NEVER_GRANTED = "it says to have seen a grant that nobody has given"
-NOT_HEARD_THERE = "it says to hold what no reservation table has granted, and is not heard there"
-NOT_ON_THE_FLOOR = "a request of a vehicle that is being put back, from before it was carried away"
+NEVER_GRANTED = "a request with a grant number that was never granted"
+NOT_HEARD_THERE = "a request with places that were never granted, of a vehicle that is not heard there"
+NOT_ON_THE_FLOOR = "a request from before its vehicle was carried away, while that is being put back"
 
 OUTBID_S = 30.0
 """Shortest time between two epochs that the leader begins because a single agent reports a later one than its own."""
@@ -53,7 +53,7 @@ TICK_S = 1.0
 """Interval between two requests to one holder to make room, and between two sendings of an unacknowledged copy."""
 
 
-NOT_COPIED = "a reservation table that takes a place from a vehicle without its word, or with a version to which no reservation table has come"
+NOT_COPIED = "a reservation table that takes a place from a vehicle without its release, or has a version that is too high"
 
 REFUSED_OFTEN = 5
 """Refusals in a row, one second apart, before people are told. After a restart a replica may have lost a vehicle's release, and
@@ -116,6 +116,8 @@ class District:
         self._report = report
         self._impostors = impostors
         self._refusals = Refusals(life)
+        self._reminders = Throttle()
+        """Vehicles that were told the epoch since they say to have seen what was never granted."""
         self._turns = Turns(me, replicas)
         self._life = life
         self._table = ReservationTable()
@@ -212,14 +214,14 @@ class District:
                 self.copies.on_reported(sender, message)
                 self._after_copies(now_s)
             case _:
-                self._life.ignore("no message for a replica")
+                self._life.ignore("a message that a replica does not handle")
         self._look_within(NEWS_S, now_s)
 
     def _on_request(self, sender: str, request: PlaceRequested, now_s: float) -> None:
         if not self._inside.issuperset(
             (*request.holds, *(place for group in request.groups for place in group))
         ):
-            self._life.ignore("a place that is not in this district")
+            self._life.ignore("a request for a place outside of this district")
             return
         if self._poll is not None:
             if request.holds:
@@ -280,6 +282,9 @@ class District:
             self._impostors.tell(sender, now_s)
         elif request.seen > max(self._table.version, self._seen_before.get((sender, request.mark), 0)):
             self._life.ignore(NEVER_GRANTED)
+            if self._reminders.passes(sender, now_s):
+                # It may not know yet under which epoch its number became void.
+                self._life.send(sender, HoldsAsked(district=self._district, epoch=self.copies.kept.epoch))
         else:
             return True
         return False

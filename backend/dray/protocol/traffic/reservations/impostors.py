@@ -6,7 +6,7 @@ from dray.messages.fact import NameMisused
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.throttle import Throttle
 
-ANOTHERS_KEY = "a request that is not signed by the vehicle that holds places in this name"
+ANOTHERS_KEY = "a request without the signature of the vehicle that holds places under this name"
 
 
 class Impostors:

@@ -40,9 +40,9 @@ from dray.protocol.traffic.reservations.districts import Districts
 from dray.protocol.traffic.reservations.impostors import Impostors
 from dray.protocol.traffic.traffic_map import TrafficMap
 
-NOT_KEPT_HERE = "about a reservation table that is not kept here; or the plant file is another one"
+NOT_KEPT_HERE = "a message about a reservation table that is not kept here, perhaps of another plant file"
 
-WITHOUT_TABLES = "about places, and this agent was started without right of way"
+WITHOUT_TABLES = "a message about places, while this agent runs without right of way"
 
 ABOUT_TABLES: tuple[type[Message], ...] = (
     PlaceRequested,

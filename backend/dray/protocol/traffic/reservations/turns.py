@@ -19,9 +19,9 @@ from dray.messages.floor.traffic import (
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.traffic.numbers import FAR
 
-NO_REPLICA = "the word of somebody who does not keep this table"
-NOT_ITS_TURN = "a reservation table written by one whose turn it is not"
-BEYOND_NUMBERS = "an epoch to which no reservation table has come"
+NO_REPLICA = "a message about a table by an agent that does not keep it"
+NOT_ITS_TURN = "a reservation table of a replica whose turn it is not"
+BEYOND_NUMBERS = "an epoch that is too high"
 
 ASK_S = 0.5
 """Interval between two questions to a replica whether it lives."""

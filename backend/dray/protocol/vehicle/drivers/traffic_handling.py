@@ -25,7 +25,7 @@ from dray.protocol.vehicle.drivers.reserved_driver import LOST, ReservedDriver
 
 Handler = Callable[[str, Any, float], None]
 
-NO_NEWS = "what somebody else than its leader says of a district, or what is known"
+NO_NEWS = "a report about a district that is not its leader's, or not new"
 
 
 PROBLEM = "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all"

@@ -331,7 +331,7 @@ class TransportJob:
             self._messages.answered()
             self._transfer()
         else:
-            self._life.ignore("an answer that nothing waits for any more")
+            self._life.ignore("an answer for which the transport does not wait")
             return
         self._messages.heard()
 

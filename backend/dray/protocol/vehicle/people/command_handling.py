@@ -18,6 +18,11 @@ from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.people.assistance import Assistance
 
+DOUBLED = "its name is used by another"
+DENIED = "reported as carried away while driving"
+"""Why a vehicle stops itself, in words: the reason of its call, and of its refusals. Panels know them (`failure.` in their
+texts)."""
+
 
 class CommandHandling:
     """People's commands to one vehicle.
@@ -48,6 +53,8 @@ class CommandHandling:
         self.stopped = False
         self.stopped_itself = False
         """Whether the vehicle stopped itself, and no person has acknowledged that: it calls for one."""
+        self.stop_cause = ""
+        """Why the vehicle stopped itself; empty if it is not stopped, or if a person has stopped it."""
         self.service = ServiceState()
 
     @property
@@ -72,6 +79,9 @@ class CommandHandling:
         if self.stopped_itself and not self.stopped:
             # Its body has not heard it, or does not tell: it stands all the same until a person has seen to it.
             self.stop()
+        if self.stopped:
+            # A note without a cause is an older one, of when there was only this cause.
+            self.stop_cause = memory.stop_cause or (DOUBLED if self.stopped_itself else "")
         self._driver.speed_frac = memory.speed_frac
         self.service.out = memory.out_of_service
         self._charging.is_sent = memory.sent_to_charge
@@ -117,7 +127,7 @@ class CommandHandling:
             return None
         if not self.acknowledged:
             return CommandRefusal.NOT_ACKNOWLEDGED
-        self.stopped = self.acknowledged = False
+        self.stopped, self.acknowledged, self.stop_cause = False, False, ""
         self._life.instruct(Unhold())
         return None
 
@@ -128,13 +138,15 @@ class CommandHandling:
 
     def stop(self) -> None:
         """Stop until a person has acknowledged the reason, and resumes."""
+        if not self.stopped_itself:
+            self.stop_cause = ""
         self.stopped, self.acknowledged = True, False
         self._life.instruct(Hold())
 
-    def stop_itself(self) -> None:
+    def stop_itself(self, cause: str) -> None:
         """Stop without a command: a person is called until one has acknowledged it."""
         self.stop()
-        self.stopped_itself = True
+        self.stopped_itself, self.stop_cause = True, cause
         self._life.commit()
 
     def _limit_speed(self, speed_frac: float | None) -> CommandRefusal | None:

@@ -17,7 +17,7 @@ from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_f
 from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
-from dray.protocol.vehicle.people.command_handling import CommandHandling
+from dray.protocol.vehicle.people.command_handling import DOUBLED, CommandHandling
 
 
 class Owner(Protocol):
@@ -47,9 +47,6 @@ class Owner(Protocol):
 
 NO_WLAN = "no WLAN"
 """The call's reason in words; panels know it (`failure.` in their texts)."""
-
-DOUBLED = "its name is used by another"
-"""The call's reason in words, and the name of the alarm that ends it."""
 
 DOUBLED_S = 60.0
 """Silence after which the other user of its id counts as stopped (s). Then a person may release the vehicle."""
@@ -152,7 +149,7 @@ class ProblemHandling:
         The problem ends with the silence. The call goes on until a person has come, who otherwise would not know of
         it.
         """
-        self._commands.stop_itself()
+        self._commands.stop_itself(DOUBLED)
         self._life.alarm(DOUBLED, now_s + DOUBLED_S)
         self.raise_problem(ProblemRaised(reason=DOUBLED), now_s)
 
@@ -171,7 +168,7 @@ class ProblemHandling:
             waits = about.passes is True and not about.needs_person
             self._calls.open(about, problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
         elif self._commands.stopped_itself:
-            self._calls.open(NOTHING_KNOWN, DOUBLED, now_s)
+            self._calls.open(NOTHING_KNOWN, self._commands.stop_cause, now_s)
         elif not owner.is_busy and not self._commands.stopped:
             self._calls.open(WLAN_LOST, NO_WLAN, now_s, after_s=WLAN_LOST_S)
         else:
