@@ -125,7 +125,7 @@ def test_an_arrow_that_is_no_import_and_an_import_without_an_arrow_are_found() -
 
 
 def test_the_protocol_imports_of_dray_what_architecture_says_and_nothing_else() -> None:
-    said = re.search(r"Of `dray`, `protocol` imports (.*?) only", ARCHITECTURE)
+    said = re.search(r"From `dray`, `protocol` imports (.*?) only", ARCHITECTURE)
     assert said is not None
     imported = {name[1] for names in imports().values() for name in names} - {"protocol"}
     assert set(re.findall(r"`(\w+)`", said[1])) == imported
