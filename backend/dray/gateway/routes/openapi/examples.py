@@ -53,6 +53,7 @@ from dray.gateway.routes.orders.transports import EXAMPLE as TRANSPORT
 from dray.gateway.routes.people import EXAMPLE as PERSON
 from dray.gateway.routes.people import LINK_EXAMPLE as LOGIN_LINK
 from dray.gateway.routes.products.imports import ImportedProduct, ProductsAnswer
+from dray.gateway.routes.products.products import DEFINITION, REMOVED
 from dray.gateway.routes.products.products import EXAMPLE as PRODUCT
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
@@ -230,6 +231,8 @@ _STRUCTS = (
             ),
         ),
     ),
+    DEFINITION,
+    REMOVED,
     ProductsAnswer(
         products=(ImportedProduct(id="P1", name="Gear unit", becomes="changed", revision=2),),
         faults=(),
