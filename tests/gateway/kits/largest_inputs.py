@@ -13,7 +13,7 @@ from gateway_kit import PRODUCT, draft
 from dray.gateway.http.csv_rows import MAX_ROWS
 from dray.gateway.orders.drafts import MAX_ITEMS
 from dray.gateway.routes.factory.plant_drafts import MAX_PLAN_BYTES
-from dray.gateway.routes.products.products import REMOVED_AT_ONCE
+from dray.gateway.routes.products.removal import REMOVED_AT_ONCE
 from dray.plant import default_plant, plant_yaml
 
 Json = Mapping[str, Any]

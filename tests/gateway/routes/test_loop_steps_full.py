@@ -25,7 +25,7 @@ from dray.gateway.orders.drafts import MAX_ITEMS
 from dray.gateway.orders.placement import MAX_OPEN_ORDERS
 from dray.gateway.orders.transports import OPEN_MAX
 from dray.gateway.routes.history.tasks import EVENTS_MOST
-from dray.gateway.routes.products.products import REMOVED_AT_ONCE
+from dray.gateway.routes.products.removal import REMOVED_AT_ONCE
 from dray.gateway.schedules.drafts import HOLIDAYS_MAX
 from dray.gateway.schedules.scheduler import SCHEDULES_MAX
 from dray.messages import (

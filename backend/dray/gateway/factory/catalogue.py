@@ -15,7 +15,7 @@ import logging
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from http import HTTPStatus
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 from msgspec.structs import replace
@@ -25,6 +25,7 @@ from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.live.projection import Projection
 from dray.gateway.products.drafts import Wanted
 from dray.gateway.products.judging import Known, definition, faults, own_s
+from dray.gateway.products.needs import NAMED_MAX, Kept, Need, NeedKind, needing, schedules_needing, users_of
 from dray.messages import Document, PartDefinition, ProductDefinition
 from dray.plant import BillLine as PlantLine
 from dray.plant import Fault, Plant, PlantFile, Product, file_without_products, products_faults
@@ -39,9 +40,6 @@ PLANT_FILE = 1
 
 PRODUCTS_MAX = 2_000
 """Maximum definitions: with so many, adding a plant's products still is one short step of the event loop."""
-
-NAMED_MAX = 5
-"""Maximum names, of each kind, of what needs a product."""
 
 FORMER_MAX = REMOVED_KEPT
 """Maximum products that cannot be ordered any more whose names are in memory; the last removed."""
@@ -220,16 +218,16 @@ class Catalogue:
             "order": await work.products.orders_needing(ids, NAMED_MAX),
             "transport": await work.products.transports_needing(ids, NAMED_MAX),
             "schedule": await asyncio.to_thread(
-                _schedules_needing, await work.schedules.contents(), frozenset(ids)
+                schedules_needing, await work.schedules.contents(), frozenset(ids)
             ),
             "machine": self._machines_needing(ids),
         }
         needs: dict[str, list[Need]] = {}
         for kind, found in sources.items():
-            for product, needing in found.items():
-                needs.setdefault(product, []).append(Need(kind, *needing))
+            for product, some in found.items():
+                needs.setdefault(product, []).append(Need(kind, *some))
         file = self._projection.site.plant.file
-        for product, users in (await asyncio.to_thread(_users, file, ids, frozenset(needs))).items():
+        for product, users in (await asyncio.to_thread(users_of, file, ids, frozenset(needs))).items():
             needs.setdefault(product, []).append(Need("product", *users))
         return {product: tuple(found) for product, found in needs.items()}
 
@@ -243,7 +241,7 @@ class Catalogue:
             if machine.id not in self._file.machines:
                 for product in ids & {making.product for making in machine.makes}:
                     found.setdefault(product, []).append(machine.id)
-        return {product: _needing(machines) for product, machines in found.items()}
+        return {product: needing(machines) for product, machines in found.items()}
 
     async def look(self, work: Work) -> None:
         """Read definitions and removals made since the last look; at first, all."""
@@ -341,69 +339,8 @@ class Catalogue:
             self._projection.materials.note(each.row.id, [line.material for line in each.product.bill])
 
 
-NeedKind = Literal["order", "schedule", "transport", "machine", "product"]
-
-
-class Need(msgspec.Struct, frozen=True):
-    """What needs a product, of one kind."""
-
-    kind: NeedKind
-    first: tuple[str, ...]
-    """The first ones, at most `NAMED_MAX`."""
-    count: int
-
-
-class Kept(msgspec.Struct, frozen=True):
-    """Why a product is not removed."""
-
-    why: Literal["unknown", "in_plant_file", "changed", "needed"]
-    needs: tuple[Need, ...] = ()
-
-
-def _needing(names: Iterable[str]) -> Needing:
-    found = sorted(set(names))
-    return Needing(tuple(found[:NAMED_MAX]), len(found))
-
-
 async def _former(work: Work) -> dict[str, str]:
     return {each.id: each.name for each in await work.products.removed(FORMER_MAX)}
-
-
-def _schedules_needing(contents: Iterable[tuple[str, str, str]], ids: AbstractSet[str]) -> dict[str, Needing]:
-    """Recurring work that orders or fetches these; paused work goes on some day."""
-    found: dict[str, list[str]] = {}
-    for name, transport, order in contents:
-        for item in ids & _items_of(transport, order):
-            found.setdefault(item, []).append(name)
-    return {item: _needing(names) for item, names in found.items()}
-
-
-def _items_of(transport: str, order: str) -> set[str]:
-    if order:
-        return {item["product"] for item in msgspec.json.decode(order)["items"]}
-    return {msgspec.json.decode(transport).get("item", "")}
-
-
-def _users(file: PlantFile, ids: AbstractSet[str], needed: Collection[str]) -> dict[str, Needing]:
-    """Products of which these are parts and that stay, by part.
-
-    Args:
-        file: of the plant.
-        ids: the products to remove.
-        needed: those of them that stay for other reasons.
-    """
-    bills = {each.id: ids & {line.material for line in each.bill} for each in file.products}
-    users: dict[str, list[str]] = {}
-    ahead = [product for product in bills if product not in ids or product in needed]
-    stay = set(ahead)
-    while ahead:
-        product = ahead.pop()
-        for part in bills[product]:
-            users.setdefault(part, []).append(product)
-            if part not in stay:
-                stay.add(part)
-                ahead.append(part)
-    return {part: _needing(names) for part, names in users.items()}
 
 
 class _News(NamedTuple):

@@ -64,7 +64,8 @@ from dray.gateway.routes.orders.transports import TransportAnswer, TransportStor
 from dray.gateway.routes.people import LoginLinkAnswer, PersonAnswer
 from dray.gateway.routes.priorities import PrioritiesAnswer
 from dray.gateway.routes.products.imports import ProductsAnswer
-from dray.gateway.routes.products.products import DefinitionAnswer, ProductAnswer, RemovedProducts
+from dray.gateway.routes.products.products import ProductAnswer
+from dray.gateway.routes.products.removal import DefinitionAnswer, RemovedProducts
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.gateway.tracking.transport import TransportTrackAnswer
 from dray.plant.model import PlantFile

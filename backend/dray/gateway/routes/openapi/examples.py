@@ -53,8 +53,8 @@ from dray.gateway.routes.orders.transports import EXAMPLE as TRANSPORT
 from dray.gateway.routes.people import EXAMPLE as PERSON
 from dray.gateway.routes.people import LINK_EXAMPLE as LOGIN_LINK
 from dray.gateway.routes.products.imports import ImportedProduct, ProductsAnswer
-from dray.gateway.routes.products.products import DEFINITION, REMOVED
 from dray.gateway.routes.products.products import EXAMPLE as PRODUCT
+from dray.gateway.routes.products.removal import DEFINITION, REMOVED
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
 from dray.plant import default_plant

@@ -127,9 +127,12 @@ function UnfitRow({ definition }: { definition: Definition }) {
         <small class="line muted">{definition.id}</small>
       </th>
       <td class="num">{format.count(definition.revision)}</td>
-      <td colSpan={4}>
+      <td>
         <Tag tone="warn">{t("products.unfit")}</Tag>
       </td>
+      <td />
+      <td />
+      <td />
       <Author definition={definition} />
     </tr>
   );

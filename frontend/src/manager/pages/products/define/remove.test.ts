@@ -17,7 +17,7 @@ test("a part that stands in a request before the product that needs it goes in t
     return await Promise.resolve(asked.map((id) => {
       const needed = id === "p7" || (id === "part" && !gone.has("whole"));
       if (!needed) gone.add(id);
-      return { id, result: needed ? "needed" : "removed", reasons: [] } as const;
+      return { id, result: needed ? ("needed" as const) : ("removed" as const), reasons: [] };
     }));
   });
   expect(sizes).toEqual([500, 1, 2, 1]);
@@ -28,7 +28,7 @@ test("what was looked at together is not asked again", async () => {
   let asked = 0;
   await inTurns(["a", "b"], async (ids) => {
     asked += 1;
-    return await Promise.resolve(ids.map((id) => ({ id, result: id === "a" ? "removed" : "needed", reasons: [] }) as const));
+    return await Promise.resolve(ids.map((id) => ({ id, result: id === "a" ? ("removed" as const) : ("needed" as const), reasons: [] })));
   });
   expect(asked).toBe(1);
 });
