@@ -90,7 +90,7 @@ export async function removeAll(chosen: readonly Definition[]): Promise<void> {
   }
 }
 
-async function reasonOf({ reasons = [], result }: Removed): Promise<string> {
+async function reasonOf({ reasons, result }: Removed): Promise<string> {
   if (result === "in_plant_file") return t("products.inPlantFile");
   return (await Promise.all(reasons.map(async (each) => await faultText(each)))).join(" ");
 }
