@@ -223,7 +223,7 @@ class Products:
         return await self._needing(open_with(ids), most)
 
     async def _needing(
-        self, pairs: Select[tuple[str, str]] | CompoundSelect[tuple[str, str]], most: int
+        self, pairs: Select[str, str] | CompoundSelect[str, str], most: int
     ) -> dict[str, Needing]:
         each = pairs.subquery()
         place = func.row_number().over(partition_by=each.c.product, order_by=each.c.of)

@@ -195,7 +195,7 @@ def place_of(row: TransportRow, by: SortedBy) -> tuple[float, str]:
 _OPEN = [state.value for state in TransportState if state not in TRANSPORT_ENDED]
 
 
-def open_with(items: Collection[str]) -> Select[tuple[str, str]]:
+def open_with(items: Collection[str]) -> Select[str, str]:
     """A query for the transports of these items that have not ended: their item as `product`, their id as `of`."""
     c = transports.c
     query = select(c.item.label("product"), c.id.label("of"))
