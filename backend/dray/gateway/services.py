@@ -294,6 +294,7 @@ async def restore(services: Services) -> None:
     async with services.store.write() as work:
         await services.catalogue.look(work)
         await work.products.replace(services.projection.site.plant.file.products)
+        await services.catalogue.recall(work)
     await services.database_sync.restore()
     async with services.store.read() as work:
         await backfill_news(work, services.projection.news, services.time)

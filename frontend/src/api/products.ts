@@ -28,3 +28,21 @@ export async function defineProduct(product: string, draft: Schemas["ProductDraf
 export async function importProducts(file: FileBody, dryRun: boolean): Promise<Schemas["ProductsAnswer"]> {
   return await bodyOf(gateway.POST("/api/products/import", { body: { ...csvOf(file), dry_run: dryRun } }));
 }
+
+/** Products that people have defined, also those that the plant does not fit any more; or the last removed ones. */
+export async function fetchDefinitions(removed = false): Promise<Schemas["DefinitionAnswer"][]> {
+  const found: Schemas["DefinitionAnswer"][] = [];
+  let cursor: string | null = null;
+  do {
+    const query: { limit: number; removed: boolean; cursor?: string } = { limit: 200, removed, ...(cursor === null ? {} : { cursor }) };
+    const page: { items: Schemas["DefinitionAnswer"][]; next_cursor: string | null } = await bodyOf(gateway.GET("/api/product-definitions", { params: { query } }));
+    found.push(...page.items);
+    cursor = page.next_cursor;
+  } while (cursor !== null);
+  return found;
+}
+
+/** @returns what became of each, in the same order */
+export async function removeProducts(products: readonly string[]): Promise<readonly Schemas["RemovedProduct"][]> {
+  return (await bodyOf(gateway.POST("/api/products/remove", { body: { products: [...products] } }))).products;
+}

@@ -7,8 +7,14 @@ export type Names = (id: string) => string;
 /** The item of what has no master data (`dray.messages.THING`). */
 export const THING = ".thing";
 
-export function namesOf(plant: PlantFile | null): Names {
+const SAME: Names = (id) => id;
+
+/**
+ * @param former what those are called that are not in the plant any more; their id if it is not known
+ */
+export function namesOf(plant: PlantFile | null, former: Names = SAME): Names {
   const items = [...(plant?.materials ?? []), ...(plant?.products ?? [])];
   const names = new Map(items.map((item) => [item.id, item.name]));
-  return (id) => names.get(id) ?? (id === THING ? t("item.thing") : id);
+  const other = plant === null ? SAME : former;
+  return (id) => names.get(id) ?? (id === THING ? t("item.thing") : other(id));
 }

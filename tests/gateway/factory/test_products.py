@@ -12,6 +12,7 @@ import pytest
 from answers import problem
 from gateway_kit import House, gateway
 from msgspec.structs import replace
+from products_kit import NEW, body, define
 
 from dray.gateway.access.principal import Role, Scope
 from dray.gateway.factory import catalogue
@@ -21,28 +22,6 @@ from dray.messages import BillLine, Document, MachineCycle, ProductDefinition
 from dray.plant import load_plant
 
 pytestmark = pytest.mark.anyio
-
-NEW = {"If-None-Match": "*"}
-
-
-def body(house: House, **changes: Any) -> dict[str, Any]:
-    """A product of the first material, made at the first machine."""
-    plant = house.projection.site.plant
-    material, machine = next(iter(plant.materials)), next(iter(plant.machines))
-    fields = {
-        "name": "Bracket",
-        "lot": 2,
-        "ability": plant.abilities[0],
-        "bill": {material: 2},
-        "machines": {machine: 12.5},
-    }
-    return fields | changes
-
-
-async def define(
-    house: House, headers: dict[str, str], id_: str = "bracket", **changes: Any
-) -> httpx.Response:
-    return await house.client.put(f"/api/products/{id_}", json=body(house, **changes), headers=headers)
 
 
 async def test_a_new_product_can_be_ordered_at_once_and_the_order_brings_its_definition(house: House) -> None:

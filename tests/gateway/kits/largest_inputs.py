@@ -13,6 +13,7 @@ from gateway_kit import PRODUCT, draft
 from dray.gateway.http.csv_rows import MAX_ROWS
 from dray.gateway.orders.drafts import MAX_ITEMS
 from dray.gateway.routes.factory.plant_drafts import MAX_PLAN_BYTES
+from dray.gateway.routes.products.removal import REMOVED_AT_ONCE
 from dray.plant import default_plant, plant_yaml
 
 Json = Mapping[str, Any]
@@ -70,6 +71,10 @@ def products_file(_size: int) -> Json:
 
 def products_bytes(size: int) -> Json:
     return {"base64": as_bytes(str(products_file(size)["csv"]), size, "utf-16-le"), "dry_run": True}
+
+
+def products_to_remove(_size: int) -> Json:
+    return {"products": [f"X{number}" for number in range(REMOVED_AT_ONCE)]}
 
 
 def large_draft(size: int) -> Json:
@@ -142,6 +147,7 @@ LARGEST: dict[tuple[str, str], tuple[Callable[[int], Json], ...]] = {
     ("PUT", "/api/people/{person}/areas"): (),
     ("POST", "/api/keys"): (),
     ("PUT", "/api/products/{product}"): (),
+    ("POST", "/api/products/remove"): (products_to_remove,),
     ("POST", "/api/products/import"): (products_file, products_bytes),
     ("POST", "/api/tasks/{task}/load"): (),
     ("POST", "/api/machines/{machine}/commands"): (),

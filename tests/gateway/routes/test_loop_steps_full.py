@@ -25,6 +25,7 @@ from dray.gateway.orders.drafts import MAX_ITEMS
 from dray.gateway.orders.placement import MAX_OPEN_ORDERS
 from dray.gateway.orders.transports import OPEN_MAX
 from dray.gateway.routes.history.tasks import EVENTS_MOST
+from dray.gateway.routes.products.removal import REMOVED_AT_ONCE
 from dray.gateway.schedules.drafts import HOLIDAYS_MAX
 from dray.gateway.schedules.scheduler import SCHEDULES_MAX
 from dray.messages import (
@@ -316,4 +317,23 @@ async def test_no_step_of_defining_a_product_is_long_however_many_there_are(full
 async def test_no_step_is_long_of_one_task(fullest: House, path: str) -> None:
     took_ms = await longest_ms(fullest, "GET", path, "", {})
     print(f"\nGET {path} | {took_ms}")  # noqa: T201 - for who runs pytest with -s
+    assert took_ms <= STEP_MS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [1, REMOVED_AT_ONCE])
+async def test_no_step_of_removing_products_is_long_however_many_there_are(
+    fullest: House, count: int
+) -> None:
+    """The last test here: afterwards there are fewer."""
+    path, headers = "/api/products/remove", {"Content-Type": "application/json"}
+    took_ms = float("inf")
+    for _ in range(TRIES):
+        there = [id_ for id_ in sorted(fullest.projection.site.products) if id_.startswith("X")][:count]
+        body = json.dumps({"products": there}).encode()
+        took_ms = min(took_ms, await longest_ms(fullest, "POST", path, "", headers, body, 1))
+        assert not set(there) & fullest.projection.site.products
+        if took_ms <= STEP_MS:
+            break
+    print(f"\nPOST {path} | {count} | {took_ms}")  # noqa: T201 - for who runs pytest with -s
     assert took_ms <= STEP_MS

@@ -3,13 +3,17 @@
 A definition is in SQL before it is answered. It is not published to agents: an order carries it to the
 strategist through the outbox, which repeats it until answered, and a goal carries it to the machine. Other
 gateways read it from SQL within seconds.
+
+So a removal needs no message either: nothing that is open needs the product, and no agent keeps a table of products.
+SQL alone says what there is. Every gateway compares its memory with it, and whoever was away reads it at the start.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from http import HTTPStatus
 from typing import NamedTuple
 
@@ -21,11 +25,12 @@ from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.live.projection import Projection
 from dray.gateway.products.drafts import Wanted
 from dray.gateway.products.judging import Known, definition, faults, own_s
+from dray.gateway.products.needs import NAMED_MAX, Kept, Need, NeedKind, needing, schedules_needing, users_of
 from dray.messages import Document, PartDefinition, ProductDefinition
 from dray.plant import BillLine as PlantLine
-from dray.plant import Fault, Plant, PlantFile, Product, products_faults
+from dray.plant import Fault, Plant, PlantFile, Product, file_without_products, products_faults
 from dray.store import Store
-from dray.store.orders.products import DefinedProduct
+from dray.store.orders.products import REMOVED_KEPT, DefinedProduct, Mark, Needing
 from dray.store.work import Work
 
 _log = logging.getLogger(__name__)
@@ -36,8 +41,15 @@ PLANT_FILE = 1
 PRODUCTS_MAX = 2_000
 """Maximum definitions: with so many, adding a plant's products still is one short step of the event loop."""
 
+FORMER_MAX = REMOVED_KEPT
+"""Maximum products that cannot be ordered any more whose names are in memory; the last removed."""
+
 PARTS = 2
 """Divisor for one caller's share: in many plants one system defines nearly all products, in one file."""
+
+
+NEVER = Mark(-1, 0.0)
+"""The mark of no database: the next look reads all."""
 
 
 class Catalogue:
@@ -53,7 +65,11 @@ class Catalogue:
         self._file = projection.site.plant
         """The plant as in its file, with the machines' own cycle times."""
         self._defined: dict[str, ProductDefinition] = {}
-        self._mark = 0
+        self._mark = NEVER
+        self._looks: list[set[str]] = []
+        """Per look under way, the products that have changed here since it began: what it has read may be older."""
+        self._removing: AbstractSet[str] = frozenset()
+        """Products whose removal is being written."""
 
     def revision(self, product: str) -> int:
         """The revision of a product that can be ordered."""
@@ -112,22 +128,27 @@ class Catalogue:
                 new ones.
             UnavailableError: the database cannot be written.
         """
-        news = [_news(each, by, now_s) for each in products]
         try:
             async with self._store.write() as work:
                 # From here nobody else defines anything; the earlier judgement may be out of date.
                 await self.look(work)
                 if self._projection.site.plant is not judged:
                     await self._judge_again(products)
-                await _refuse_too_many(work, sum(each.before is None for each in products), by)
+                new = [each.product.id for each in products if each.before is None]
+                await _refuse_too_many(work, len(new), by)
+                # Of those that nobody can order here: removed ones, and those that do not fit this plant any more.
+                lasts = await work.products.revisions(set(new) - self._projection.site.products)
+                at_s = await work.products.next_s(now_s)
+                news = [_news(each, lasts.get(each.product.id), by, at_s) for each in products]
                 for each in news:
                     await _define(work, each.row)
         except _ChangedError as changed:
             return changed.product
         if self._projection.site.plant is judged:
-            self._go_by(news)
+            self._go_by([each for each in news if self._is_later(each.row)])
         else:
             await self._take([each.row for each in news])
+        self._mark = NEVER
         return ""
 
     def is_news(self, wanted: Wanted) -> bool:
@@ -135,14 +156,119 @@ class Catalogue:
         known = self._defined.get(wanted.product.id)
         return known is None or replace(definition(wanted), revision=known.revision) != known
 
+    async def lasts(self, ids: Collection[str]) -> dict[str, int]:
+        """Of these, the last revisions of those that cannot be ordered any more; a new definition has the next one.
+
+        Raises:
+            UnavailableError: the database cannot be read.
+        """
+        async with self._store.read() as work:
+            return await work.products.revisions(set(ids) - self._projection.site.products)
+
+    async def remove(
+        self, ids: Collection[str], by: str, now_s: float, *, revision: int | None = None
+    ) -> dict[str, Kept]:
+        """Remove products that people have defined: those that nothing needs.
+
+        Args:
+            ids: the products. One that only others of them need is removed with these.
+            by: the caller.
+            now_s: wall clock.
+            revision: the one that the caller has read; None for any.
+
+        Returns:
+            The products that are not removed, by id, with what keeps them.
+
+        Raises:
+            UnavailableError: the database cannot be written.
+        """
+        try:
+            async with self._store.write() as work:
+                # From here nobody else defines, orders or removes anything in this database.
+                await self.look(work)
+                defined = await work.products.revisions(ids, defined=True)
+                kept = {id_: why for id_ in ids if (why := self._unremovable(id_, defined, revision))}
+                needs = await self._needs(work, set(ids) - kept.keys())
+                kept |= {id_: Kept("needed", why) for id_, why in needs.items()}
+                if gone := set(ids) - kept.keys():
+                    await work.products.remove(gone, by, await work.products.next_s(now_s))
+                    former = await _former(work)
+                    # Before it is on disk: no order is prepared in between that would need them.
+                    self._removing = gone
+                    self._go_by([], gone)
+                    self._projection.site.former = former
+        finally:
+            # If it was not written after all, the next look brings them back.
+            self._removing, self._mark = frozenset(), NEVER
+        return kept
+
+    def _unremovable(self, product: str, defined: Mapping[str, int], revision: int | None) -> Kept | None:
+        """Why a product cannot be removed, whatever needs it; None for no reason."""
+        if product in self._file.products:
+            return Kept("in_plant_file")
+        if product not in defined:
+            return Kept("unknown")
+        return None if revision in (None, defined[product]) else Kept("changed")
+
+    async def _needs(self, work: Work, ids: AbstractSet[str]) -> dict[str, tuple[Need, ...]]:
+        """What needs these products, by product; those that nothing needs are left out."""
+        if not ids:
+            return {}
+        sources: dict[NeedKind, dict[str, Needing]] = {
+            "order": await work.products.orders_needing(ids, NAMED_MAX),
+            "transport": await work.products.transports_needing(ids, NAMED_MAX),
+            "schedule": await asyncio.to_thread(
+                schedules_needing, await work.schedules.contents(), frozenset(ids)
+            ),
+            "machine": self._machines_needing(ids),
+        }
+        needs: dict[str, list[Need]] = {}
+        for kind, found in sources.items():
+            for product, some in found.items():
+                needs.setdefault(product, []).append(Need(kind, *some))
+        file = self._projection.site.plant.file
+        for product, users in (await asyncio.to_thread(users_of, file, ids, frozenset(needs))).items():
+            needs.setdefault(product, []).append(Need("product", *users))
+        return {product: tuple(found) for product, found in needs.items()}
+
+    def _machines_needing(self, ids: AbstractSet[str]) -> dict[str, Needing]:
+        """Machines with goals of these products, by their last heartbeats, or that have joined and make them by themselves."""
+        found: dict[str, list[str]] = {}
+        for heartbeat, _ in self._projection.machines.heartbeats():
+            for product in ids & {goal.product for goal in heartbeat.goals}:
+                found.setdefault(product, []).append(heartbeat.machine)
+        for machine in self._projection.site.plant.file.machines:
+            if machine.id not in self._file.machines:
+                for product in ids & {making.product for making in machine.makes}:
+                    found.setdefault(product, []).append(machine.id)
+        return {product: needing(machines) for product, machines in found.items()}
+
     async def look(self, work: Work) -> None:
-        """Read definitions made since the last look; at first, all."""
-        mark = await work.products.mark()
-        if mark == self._mark:
-            return
-        news = [row for row in await work.products.defined() if self._is_later(row)]
-        await self._take(news)
-        self._mark = mark
+        """Read definitions and removals made since the last look; at first, all."""
+        meanwhile = set(self._removing)
+        self._looks.append(meanwhile)
+        try:
+            mark = await work.products.mark()
+            if mark == self._mark:
+                return
+            stored = {row.id: row for row in await work.products.defined()}
+            former = await _former(work)
+            gone = self._defined.keys() - stored.keys()
+            await self._take([row for row in stored.values() if self._is_news(row)], gone, meanwhile)
+            self._projection.site.former = former
+            # What has changed meanwhile is read again.
+            self._mark = NEVER if meanwhile else mark
+        finally:
+            # By identity: two looks may have seen the same changes.
+            self._looks = [each for each in self._looks if each is not meanwhile]
+
+    async def recall(self, work: Work) -> None:
+        """Read the names of products that cannot be ordered any more."""
+        self._projection.site.former = await _former(work)
+
+    def _is_news(self, row: DefinedProduct) -> bool:
+        known = self._defined.get(row.id)
+        return known is None or row.revision != known.revision
 
     def _is_later(self, row: DefinedProduct) -> bool:
         known = self._defined.get(row.id)
@@ -156,29 +282,65 @@ class Catalogue:
         if found:
             raise unusable(*found)
 
-    async def _take(self, rows: Sequence[DefinedProduct]) -> None:
-        """Apply definitions that fit this plant; one that no longer fits is skipped and logged."""
-        if not rows:
+    async def _take(
+        self,
+        rows: Sequence[DefinedProduct],
+        gone: AbstractSet[str] = frozenset(),
+        meanwhile: AbstractSet[str] = frozenset(),
+    ) -> None:
+        """Apply what was read: definitions that fit this plant, and removals.
+
+        A definition that does not fit any more is skipped and logged; so are removals of what the rest of the plant still needs.
+
+        Args:
+            rows: the definitions.
+            gone: the removed products.
+            meanwhile: products that have changed here since this was read; they stay as they are.
+        """
+        if not rows and not gone:
             return
         # Judging a whole plant happens outside the loop: all at once, and in halves only if there is a fault.
-        news, found = await asyncio.to_thread(_judged, self._projection.site.plant.file, rows)
+        news, found = await asyncio.to_thread(_judged, self._projection.site.plant.file, rows, gone)
         if not found:
-            self._go_by(news)
-        elif len(rows) == 1:
+            self._go_by([each for each in news if each.row.id not in meanwhile], gone - meanwhile, meanwhile)
+        elif gone and not rows:
+            _log.error("removed products stay in this plant until a restart: %s", ", ".join(sorted(gone)))
+        elif len(rows) == 1 and not gone:
             said = "; ".join(f"{field}: {reason}" for field, reason in found)
             _log.error("product %s cannot be made in this plant: %s", rows[0].id, said)
         else:
-            half = len(rows) // 2
-            await self._take(rows[:half])
-            await self._take(rows[half:])
+            half = (len(rows) + 1) // 2
+            await self._take(rows[:half], meanwhile=meanwhile)
+            await self._take(rows[half:], meanwhile=meanwhile)
+            await self._take((), gone, meanwhile)
 
-    def _go_by(self, news: Iterable[_News]) -> None:
-        """Apply definitions that fit this plant, unless newer ones have arrived."""
-        later = [each for each in news if self._is_later(each.row)]
-        self._projection.site.define([(each.product, each.cycles_s) for each in later])
-        for each in later:
+    def _go_by(
+        self, news: Sequence[_News], gone: Collection[str] = (), look: AbstractSet[str] | None = None
+    ) -> None:
+        """Apply definitions that fit this plant, and removals.
+
+        Args:
+            news: the definitions.
+            gone: the removed products.
+            look: the changes seen by the look that has read this; None for a change of our own.
+        """
+        known = [product for product in gone if product in self._defined]
+        if not news and not known:
+            return
+        for other in self._looks:
+            if other is not look:
+                other.update(known, (each.row.id for each in news))
+        self._projection.site.change_products([(each.product, each.cycles_s) for each in news], known)
+        for product in known:
+            del self._defined[product]
+            self._projection.materials.forget(product)
+        for each in news:
             self._defined[each.row.id] = each.definition
             self._projection.materials.note(each.row.id, [line.material for line in each.product.bill])
+
+
+async def _former(work: Work) -> dict[str, str]:
+    return {each.id: each.name for each in await work.products.removed(FORMER_MAX)}
 
 
 class _News(NamedTuple):
@@ -190,17 +352,31 @@ class _News(NamedTuple):
     cycles_s: Mapping[str, float]
 
 
-def _news(wanted: Wanted, by: str, now_s: float) -> _News:
+def _news(wanted: Wanted, last: int | None, by: str, now_s: float) -> _News:
+    """A definition to apply.
+
+    Args:
+        wanted: as asked for.
+        last: the last revision of a product of its id that cannot be ordered any more; None for none.
+        by: the caller.
+        now_s: wall clock.
+    """
     product, defined = wanted.product, definition(wanted)
+    if last is not None:
+        defined = replace(defined, revision=last + 1)
     written = msgspec.json.encode(defined).decode()
     row = DefinedProduct(product.id, product.name, defined.revision, written, by, now_s)
     return _News(row, defined, product, wanted.machines)
 
 
-def _judged(file: PlantFile, rows: Iterable[DefinedProduct]) -> tuple[list[_News], list[Fault]]:
-    """Stored definitions, decoded, and their faults in a plant."""
+def _judged(
+    file: PlantFile, rows: Iterable[DefinedProduct], gone: Collection[str]
+) -> tuple[list[_News], list[Fault]]:
+    """Stored definitions, decoded, and their faults in a plant without those that are gone."""
     news = [_read(row) for row in rows]
-    return news, products_faults(file, [(each.product, each.cycles_s) for each in news])
+    return news, products_faults(
+        file_without_products(file, gone), [(each.product, each.cycles_s) for each in news]
+    )
 
 
 def _read(row: DefinedProduct) -> _News:
@@ -224,7 +400,7 @@ async def _refuse_too_many(work: Work, new: int, by: str) -> None:
     if not new:
         return
     own, everybodys = await work.products.counted(by)
-    do = "change one that is not made any more instead of defining another one (GET /api/products lists them)"
+    do = "remove those that are not made any more (GET /api/products lists them, POST /api/products/remove removes several)"
     if own + new > share_of(PRODUCTS_MAX, PARTS):
         raise share_used("defined products", PRODUCTS_MAX, do, again_s=None, parts=PARTS)
     if everybodys + new > PRODUCTS_MAX:

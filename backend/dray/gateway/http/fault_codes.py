@@ -104,6 +104,11 @@ TEXTS: Mapping[str, str] = {
     "node_unknown": "there is no node or place {place}; GET /api/plant has them",
     "in_crossing": "{node} lies in a crossing, where no vehicle stops; name another",
     "part_of_one": "give a part of 1, as 0.95",
+    "needed_by_order": "orders that have not ended and need it: {count} ({names}); cancel them, or wait until they have ended",
+    "needed_by_transport": "plain transports that have not ended and bring it: {count} ({names}); cancel them, or wait until they have ended",
+    "needed_by_schedule": "recurring work that needs it: {count} ({names}); change or remove it",
+    "needed_by_machine": "machines that have a goal for it, or make it by themselves: {count} ({names}); wait until it is made",
+    "needed_by_product": "products of which it is a part: {count} ({names}); change or remove them, too",
     "definition_too_large": "with its bill, machines and documents it has {size} bytes, and goals carry {most}: name fewer, or shorter addresses",
 }
 """Texts of our own faults, with values; other faults bring their own words."""

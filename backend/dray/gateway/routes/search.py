@@ -34,7 +34,8 @@ async def _sought(
     ] = "",
 ) -> tuple[Sought, ...]:
     file = projection.site.plant.file
-    names = {each.id: each.name.casefold() for each in file.materials}
+    names = {id_: name.casefold() for id_, name in projection.site.former.items()}
+    names |= {each.id: each.name.casefold() for each in file.materials}
     names |= {each.id: each.name.casefold() for each in file.products}
     return tuple(sought(q, names))
 

@@ -38,6 +38,7 @@ from dray.gateway.routes.orders import (
 from dray.gateway.routes.pages import call, customer, docs, login, panels
 from dray.gateway.routes.products import imports as product_imports
 from dray.gateway.routes.products import products
+from dray.gateway.routes.products import removal as product_removal
 
 API = (
     # Its path also matches that of an order, so it comes first.
@@ -51,6 +52,7 @@ API = (
     schedules,
     product_imports,
     products,
+    product_removal,
     inventory,
     machine_commands,
     machines,

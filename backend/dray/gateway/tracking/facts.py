@@ -89,7 +89,8 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
         order: the order.
         now_s: wall clock.
     """
-    names = {product.id: product.name for product in projection.site.plant.file.products}
+    site = projection.site
+    names = {**site.former, **{product.id: product.name for product in site.plant.file.products}}
     goals = tuple((await work.goals.of_orders([order.id]))[order.id])
     times = await work.milestones.of_order(order.id)
     if order.status in ENDED:

@@ -8,7 +8,7 @@ are named, and contradictions among the lanes that are drawn.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from itertools import islice
@@ -218,6 +218,22 @@ def file_with_products(file: PlantFile, products: Sequence[Defined]) -> PlantFil
     others = (each for each in file.products if each.id not in new)
     machines = (_making(each, cycles_s[each.id]) if each.id in cycles_s else each for each in file.machines)
     return replace(file, products=(*reversed(new.values()), *others), machines=tuple(machines))
+
+
+def file_without_products(file: PlantFile, products: Collection[str]) -> PlantFile:
+    """The file of the same plant without these products, whose machines make them no more."""
+    if not products:
+        return file
+    return replace(
+        file,
+        products=tuple(each for each in file.products if each.id not in products),
+        machines=tuple(_not_making(each, products) for each in file.machines),
+    )
+
+
+def _not_making(machine: MachineSpec, products: Collection[str]) -> MachineSpec:
+    made = tuple(making for making in machine.makes if making.product not in products)
+    return machine if len(made) == len(machine.makes) else replace(machine, makes=made)
 
 
 def _making(machine: MachineSpec, cycles_s: Mapping[str, float]) -> MachineSpec:

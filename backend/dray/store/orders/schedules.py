@@ -119,6 +119,12 @@ class Schedules:
         rows = await self._connection.execute(select(*_COLUMNS).order_by(schedules.c.id))
         return [_row(row) for row in rows]
 
+    async def contents(self) -> list[tuple[str, str, str]]:
+        """Of all schedules the name, and its transport and order as JSON, one of which is empty."""
+        c = schedules.c
+        rows = await self._connection.execute(select(c.name, c.transport, c.order_draft))
+        return [(name, transport, order) for name, transport, order in rows]
+
     async def due(self, now_s: float) -> list[ScheduleRow]:
         """The schedules whose next moment has come, the longest waiting first."""
         c = schedules.c

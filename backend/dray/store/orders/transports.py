@@ -6,7 +6,7 @@ counts, and an end is final.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Literal
 
 import msgspec
@@ -18,6 +18,7 @@ from sqlalchemy import (
     ForeignKey,
     Index,
     Integer,
+    Select,
     String,
     Table,
     Text,
@@ -192,6 +193,14 @@ def place_of(row: TransportRow, by: SortedBy) -> tuple[float, str]:
 
 
 _OPEN = [state.value for state in TransportState if state not in TRANSPORT_ENDED]
+
+
+def open_with(items: Collection[str]) -> Select[str, str]:
+    """A query for the transports of these items that have not ended: their item as `product`, their id as `of`."""
+    c = transports.c
+    query = select(c.item.label("product"), c.id.label("of"))
+    return query.where(c.status.in_(_OPEN), c.item.in_(sorted(items)))
+
 
 _COLUMNS = [transports.c[name] for name in TransportRow.__struct_fields__]
 

@@ -24,6 +24,10 @@ class Materials:
         """Set a product's materials."""
         self._bills[product] = materials
 
+    def forget(self, product: str) -> None:
+        """Forget a product's materials; harmless if it has none."""
+        self._bills.pop(product, None)
+
     def lacking(self, heartbeat: MachineHeartbeat) -> dict[str, tuple[MaterialWait, ...]]:
         """Per unfinished goal of a machine, the materials that it waits for."""
         lacking: dict[str, tuple[MaterialWait, ...]] = {}

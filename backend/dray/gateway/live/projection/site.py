@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from msgspec import ValidationError, convert, to_builtins
 
@@ -15,6 +15,7 @@ from dray.plant import (
     Plant,
     PlantFile,
     file_with_products,
+    file_without_products,
     with_machine,
 )
 
@@ -26,13 +27,15 @@ class Site:
         file: a plant file without faults.
 
     Attributes:
-        plant: replaced as a whole when a machine joins or people define a product; never changes in place.
-        products: ids of the products that can be ordered; grows.
+        plant: replaced as a whole when a machine joins or people define or remove a product; never changes in place.
+        products: ids of the products that can be ordered; always the same set.
+        former: names by id of products that cannot be ordered any more, for what was ordered before.
     """
 
     def __init__(self, file: PlantFile) -> None:
         self.plant = Plant(file)
         self.products = {product.id for product in file.products}
+        self.former: Mapping[str, str] = {}
         self._heard: set[str] = set()
         """Joining machines whose introduction was read, whether they fit the plant or not."""
 
@@ -47,9 +50,10 @@ class Site:
         except (PlantError, ValidationError):
             return
 
-    def define(self, products: Sequence[Defined]) -> None:
-        """Add products that are known to fit this plant, one after the other."""
-        self.plant = Plant(file_with_products(self.plant.file, products))
+    def change_products(self, products: Sequence[Defined], gone: Collection[str] = ()) -> None:
+        """Add products that are known to fit this plant, one after the other, without those that are gone."""
+        self.plant = Plant(file_with_products(file_without_products(self.plant.file, gone), products))
+        self.products.difference_update(gone)
         self.products.update(product.id for product, _ in products)
 
 

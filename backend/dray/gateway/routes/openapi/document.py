@@ -65,6 +65,7 @@ from dray.gateway.routes.people import LoginLinkAnswer, PersonAnswer
 from dray.gateway.routes.priorities import PrioritiesAnswer
 from dray.gateway.routes.products.imports import ProductsAnswer
 from dray.gateway.routes.products.products import ProductAnswer
+from dray.gateway.routes.products.removal import DefinitionAnswer, RemovedProducts
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.gateway.tracking.transport import TransportTrackAnswer
 from dray.plant.model import PlantFile
@@ -79,6 +80,7 @@ SHAPES = (
     ClosureView,
     CallAnswered,
     CommandAnswer,
+    DefinitionAnswer,
     Delta,
     DutyView,
     DraftLine,
@@ -125,6 +127,7 @@ SHAPES = (
     PromiseLedger,
     QualityAnswer,
     RemovalView,
+    RemovedProducts,
     RunsPreview,
     ScenarioView,
     ScheduleAnswer,

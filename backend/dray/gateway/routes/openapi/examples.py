@@ -54,6 +54,7 @@ from dray.gateway.routes.people import EXAMPLE as PERSON
 from dray.gateway.routes.people import LINK_EXAMPLE as LOGIN_LINK
 from dray.gateway.routes.products.imports import ImportedProduct, ProductsAnswer
 from dray.gateway.routes.products.products import EXAMPLE as PRODUCT
+from dray.gateway.routes.products.removal import DEFINITION, REMOVED
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
 from dray.plant import default_plant
@@ -230,6 +231,8 @@ _STRUCTS = (
             ),
         ),
     ),
+    DEFINITION,
+    REMOVED,
     ProductsAnswer(
         products=(ImportedProduct(id="P1", name="Gear unit", becomes="changed", revision=2),),
         faults=(),

@@ -96,6 +96,7 @@ async def import_products(
     news = [wish for wish in wishes if wish.before is None or catalogue.is_news(wish)]
     note.detail |= {"products": len(wishes), "changed": len(news), "dry_run": read.dry_run}
     new = {wish.product.id for wish in news}
+    lasts = await catalogue.lasts([wish.product.id for wish in news if wish.before is None])
     products = tuple(
         ImportedProduct(
             id=wish.product.id,
@@ -105,7 +106,7 @@ async def import_products(
             else "new"
             if wish.before is None
             else "changed",
-            revision=(wish.before or 0) + (wish.product.id in new),
+            revision=(wish.before or lasts.get(wish.product.id, 0)) + (wish.product.id in new),
         )
         for wish in wishes
     )

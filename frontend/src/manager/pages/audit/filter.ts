@@ -26,7 +26,7 @@ export function filterFrom(said: Asked): Filter {
 export const ACTIONS = [
   "vehicle.command", "vehicle.carry_away", "vehicle.put_back", "machine.command", "station.command", "load.see", "call.answer", "duty.set", "alert.acknowledge",
   "order.place", "order.import", "order.release", "order.revoke", "order.change", "order.cancel", "transport.call", "transport.cancel",
-  "product.define", "product.import", "link.create", "link.revoke", "floor.close", "floor.open", "area.pause", "area.go_on", "floor.cleared", "agent.shut_out", "agent.readmit",
+  "product.define", "product.remove", "product.remove_several", "product.import", "link.create", "link.revoke", "floor.close", "floor.open", "area.pause", "area.go_on", "floor.cleared", "agent.shut_out", "agent.readmit",
   "draft.begin", "draft.change", "draft.plan", "draft.play", "draft.remove", "report.targets", "schedule.add", "schedule.change", "schedule.remove", "fault.begin", "fault.end", "scenario.skip", "scenario.skip_end",
   "login", "login.station", "logout", "user.add", "user.link", "user.secret", "user.password", "user.pin", "user.badge", "user.move", "user.disable", "user.enable", "key.create", "key.revoke",
 ] as const;

@@ -52,6 +52,8 @@ export const records: Catalogue<typeof en> = {
   "audit.did.transport.call": "Transport gerufen",
   "audit.did.transport.cancel": "Transport storniert",
   "audit.did.product.import": "Produkte eingelesen",
+  "audit.did.product.remove": "Produkt entfernt",
+  "audit.did.product.remove_several": "Produkte entfernt",
   "audit.did.product.define": "Produkt festgelegt",
   "audit.did.report.targets": "Ziele einer Schicht gesetzt",
   "audit.did.schedule.add": "wiederkehrende Arbeit angelegt",

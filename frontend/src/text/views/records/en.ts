@@ -49,6 +49,8 @@ export const records = {
   "audit.did.transport.call": "transport called",
   "audit.did.transport.cancel": "transport cancelled",
   "audit.did.product.import": "products imported",
+  "audit.did.product.remove": "product removed",
+  "audit.did.product.remove_several": "products removed",
   "audit.did.product.define": "product defined",
   "audit.did.report.targets": "targets of a shift set",
   "audit.did.schedule.add": "recurring work added",

@@ -52,6 +52,8 @@ export const records: Catalogue<typeof en> = {
   "audit.did.transport.call": "transporte pedido",
   "audit.did.transport.cancel": "transporte anulado",
   "audit.did.product.import": "productos importados",
+  "audit.did.product.remove": "producto eliminado",
+  "audit.did.product.remove_several": "productos eliminados",
   "audit.did.product.define": "producto definido",
   "audit.did.report.targets": "objetivos de un turno fijados",
   "audit.did.schedule.add": "trabajo recurrente añadido",

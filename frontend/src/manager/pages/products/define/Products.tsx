@@ -1,8 +1,13 @@
-import { fetchProducts } from "../../../../api/products";
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { fetchDefinitions, fetchProducts } from "../../../../api/products";
 import { Table } from "../../../../parts/Table";
+import { Tag } from "../../../../parts/Tag";
+import { nowS } from "../../../../stream/stream";
 import { format, n, t, tables } from "../../../../text/views/products";
 import { factoryTime } from "../../../../text/plant-time";
 import { speakAlso } from "../../../../text/speech";
+import { Choice } from "../../../parts/filters/Choice";
 import { names } from "../../../state";
 import { useRefreshed } from "../../../refreshed";
 import "./products.css";
@@ -10,10 +15,12 @@ import { DefineForm, FORM } from "./DefineForm";
 import { FileButton, FileSheet } from "./FileSheet";
 import type { ProductAnswer } from "./draft";
 import { begin } from "./form";
+import { authorsOf, type Definition, forget, tick, ticked } from "./remove";
+import { RemoveBar } from "./RemoveBar";
 
 const EVERY_MS = 10_000;
 
-const HEADS = ["name", "revision", "bill", "lot", "machines", "documents"] as const;
+const HEADS = ["tick", "name", "revision", "bill", "lot", "machines", "documents", "definedBy"] as const;
 
 /** The view, once it has its words. */
 export async function load(): Promise<typeof Products> {
@@ -21,10 +28,23 @@ export async function load(): Promise<typeof Products> {
   return Products;
 }
 
-/** What can be made, of what, and where; one is chosen to be changed, or a new one defined. */
+async function fetchAll(): Promise<{ products: ProductAnswer[]; definitions: Definition[] }> {
+  const [products, definitions] = await Promise.all([fetchProducts(), fetchDefinitions()]);
+  return { products, definitions };
+}
+
+/** What can be made, of what, and where; one is chosen to be changed, a new one defined, and those that nobody needs removed. */
 export function Products() {
-  const { again, answer, failed } = useRefreshed(fetchProducts, EVERY_MS);
-  const products = answer.value ?? [];
+  const { again, answer, failed } = useRefreshed(fetchAll, EVERY_MS);
+  const by = useSignal("");
+  useEffect(() => forget, []);
+  const all = answer.value?.products ?? [];
+  const definitions = new Map((answer.value?.definitions ?? []).map((each) => [each.id, each]));
+  const authors = authorsOf([...definitions.values()]);
+  const isShown = (definition: Definition | undefined): boolean => by.value === "" || definition?.by === by.value;
+  const products = all.filter(({ id }) => isShown(definitions.get(id)));
+  const unfit = [...definitions.values()].filter((each) => each.state === "unfit" && isShown(each));
+  const shown = [...definitions.values()].filter(isShown).map(({ id }) => id);
   return (
     <Table
       title={t("nav.products")}
@@ -34,6 +54,20 @@ export function Products() {
       busy={answer.value === null && failed.value === null}
       aside={
         <>
+          {authors.length > 0 && (
+            <>
+              <Choice
+                label={t("products.definedBy")}
+                any={t("products.anybody")}
+                value={by.value}
+                options={authors.map(({ by: id, count }) => ({ id, name: t("products.author", { by: id, count: format.count(count) }) }))}
+                onChosen={(author) => { by.value = author; }}
+              />
+              <button type="button" class="button" disabled={shown.length === 0} onClick={() => { tick(shown, true); }}>
+                {n("products.tickAll", shown.length, format.count(shown.length))}
+              </button>
+            </>
+          )}
           <button type="button" class="button primary" popovertarget={FORM} onClick={() => { begin(null); }}>
             {t("products.define")}
           </button>
@@ -42,23 +76,74 @@ export function Products() {
       }
       below={
         <>
+          <RemoveBar definitions={[...definitions.values()]} onRemoved={again} />
           <DefineForm onDefined={again} />
           <FileSheet onTaken={again} />
         </>
       }
     >
-      {products.map((product) => (
-        <Row key={product.id} product={product} />
-      ))}
+      {[
+        ...products.map((product) => <Row key={product.id} product={product} definition={definitions.get(product.id)} />),
+        ...unfit.map((definition) => <UnfitRow key={definition.id} definition={definition} />),
+      ]}
     </Table>
   );
 }
 
-function Row({ product }: { product: ProductAnswer }) {
+function Tick({ definition }: { definition: Definition | undefined }) {
+  return (
+    <td>
+      {definition && (
+        <label class="tick">
+          <input
+            type="checkbox"
+            aria-label={t("products.tickOf", { name: definition.name })}
+            checked={ticked.value.has(definition.id)}
+            onChange={(event) => { tick([definition.id], event.currentTarget.checked); }}
+          />
+        </label>
+      )}
+    </td>
+  );
+}
+
+function Author({ definition }: { definition: Definition | undefined }) {
+  if (!definition) return <td class="muted">{t("products.plantFile")}</td>;
+  return (
+    <td>
+      {definition.by}
+      <small class="line muted">{format.when(definition.at_s, nowS.value)}</small>
+    </td>
+  );
+}
+
+/** One that was defined for another plant file: it counts, and nobody can order it. */
+function UnfitRow({ definition }: { definition: Definition }) {
+  return (
+    <tr>
+      <Tick definition={definition} />
+      <th scope="row">
+        {definition.name}
+        <small class="line muted">{definition.id}</small>
+      </th>
+      <td class="num">{format.count(definition.revision)}</td>
+      <td>
+        <Tag tone="warn">{t("products.unfit")}</Tag>
+      </td>
+      <td />
+      <td />
+      <td />
+      <Author definition={definition} />
+    </tr>
+  );
+}
+
+function Row({ definition, product }: { definition: Definition | undefined; product: ProductAnswer }) {
   const bill = Object.entries(product.bill).map(([material, pieces]) => `${format.count(pieces)} ${names.value(material)}`);
   const machines = Object.entries(product.machines).map(([machine, cycleS]) => t("products.cycle", { machine, cycle: factoryTime(cycleS) }));
   return (
     <tr>
+      <Tick definition={definition} />
       <th scope="row">
         <button type="button" class="link" popovertarget={FORM} title={t("products.change", { name: product.name })} onClick={() => { begin(product); }}>
           {product.name}
@@ -76,6 +161,7 @@ function Row({ product }: { product: ProductAnswer }) {
           </a>
         ))}
       </td>
+      <Author definition={definition} />
     </tr>
   );
 }

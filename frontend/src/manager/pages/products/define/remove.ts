@@ -1,0 +1,96 @@
+/** Removing of products: several at once, and what became of each. */
+import { signal } from "@preact/signals";
+import { removeProducts } from "../../../../api/products";
+import type { components } from "../../../../api/types";
+import { loadPlant } from "../../../../plant/load";
+import { t } from "../../../../text/views/products";
+import { faultText } from "../../../../text/views/rows/fault-text";
+import { problemText } from "../../../problem-text";
+import { plant, plantFailed } from "../../../state";
+
+export type Definition = components["schemas"]["DefinitionAnswer"];
+type Removed = components["schemas"]["RemovedProduct"];
+
+/** As many as one request takes. */
+const AT_ONCE = 500;
+
+/** Ids of those whose box is ticked. */
+export const ticked = signal<ReadonlySet<string>>(new Set());
+/** Those that stay, and why. */
+export const kept = signal<readonly { readonly name: string; readonly reason: string }[]>([]);
+/** How many were removed last; null before. */
+export const removed = signal<number | null>(null);
+export const removing = signal(false);
+
+/** When the view is left, or the answer was read. */
+export function forget(): void {
+  ticked.value = new Set();
+  kept.value = [];
+  removed.value = null;
+}
+
+export function tick(ids: readonly string[], on: boolean): void {
+  const after = new Set(ticked.value);
+  for (const id of ids) {
+    if (on) after.add(id);
+    else after.delete(id);
+  }
+  ticked.value = after;
+}
+
+/** Those that people have defined, by who did it last, most of them first. */
+export function authorsOf(definitions: readonly Definition[]): readonly { readonly by: string; readonly count: number }[] {
+  const counts = new Map<string, number>();
+  for (const { by } of definitions) counts.set(by, (counts.get(by) ?? 0) + 1);
+  return [...counts].map(([by, count]) => ({ by, count })).sort((one, other) => other.count - one.count || (one.by < other.by ? -1 : 1));
+}
+
+/**
+ * In requests of as many as one takes. A part may stand in one before the product that needs it:
+ * what was kept is tried again for as long as something goes.
+ *
+ * @returns the last answer about each
+ */
+export async function inTurns(ids: readonly string[], ask: typeof removeProducts): Promise<readonly Removed[]> {
+  const told = new Map<string, Removed>();
+  let left = [...ids];
+  for (let gone = true; gone && left.length > 0; ) {
+    gone = false;
+    for (let from = 0; from < left.length; from += AT_ONCE) {
+      for (const each of await ask(left.slice(from, from + AT_ONCE))) {
+        told.set(each.id, each);
+        gone ||= each.result === "removed";
+      }
+    }
+    left = left.filter((id) => told.get(id)?.result === "needed");
+    // All of them were in one request: it has looked at them together.
+    if (ids.length <= AT_ONCE) break;
+  }
+  return [...told.values()];
+}
+
+export async function removeAll(chosen: readonly Definition[]): Promise<void> {
+  const names = new Map(chosen.map(({ id, name }) => [id, name]));
+  removing.value = true;
+  kept.value = [];
+  removed.value = null;
+  try {
+    const told = await inTurns([...names.keys()], removeProducts);
+    const gone = told.filter(({ result }) => result === "removed" || result === "unknown").map(({ id }) => id);
+    tick(gone, false);
+    removed.value = gone.length;
+    const stay = told.filter(({ id }) => !gone.includes(id));
+    kept.value = await Promise.all(stay.map(async (each) => ({ name: names.get(each.id) ?? each.id, reason: await reasonOf(each) })));
+  } catch (error) {
+    kept.value = [{ name: t("products.removeAny"), reason: problemText(error) }];
+  } finally {
+    removing.value = false;
+    // Whatever names products by the plant knows it at once.
+    void loadPlant(plant, plantFailed, problemText);
+  }
+}
+
+async function reasonOf({ reasons, result }: Removed): Promise<string> {
+  if (result === "in_plant_file") return t("products.inPlantFile");
+  return (await Promise.all(reasons.map(async (each) => await faultText(each)))).join(" ");
+}
