@@ -43,8 +43,6 @@ HERE, NEXT = "b3", "m4-lane"
 DISTRICT = PLACES.district_of[HERE]
 assert PLACES.district_of[NEXT] == DISTRICT
 REPLICAS = PLACES.replicas_of[DISTRICT]
-AWAY, BACK = "m5-lane", "c3"
-assert PLACES.district_of[AWAY] != DISTRICT == PLACES.district_of[BACK]
 MOST = FAR // 2 + VERSION_LEAP
 """The highest version that is believed of one alone."""
 
@@ -52,11 +50,8 @@ MOST = FAR // 2 + VERSION_LEAP
 class Floor:
     """The vehicle and the three of them, at one time; messages arrive at once, but for those that are lost."""
 
-    def __init__(self, version: int, node: str = HERE) -> None:
+    def __init__(self, version: int) -> None:
         self.now_s = 0.0
-        self.node = node
-        self.dead = ""
-        """A replica that is switched off."""
         self.lost: deque[type[Message]] = deque()
         """The next messages of these types are lost."""
         traffic = TrafficMap(PLANT, is_signed)
@@ -81,8 +76,6 @@ class Floor:
         )
         self.row.start(0.0)
         self._see(version)
-        if node != HERE:
-            self.row.relocate(node, "", 0.0, past_m=0.0, speed_mps=0.0)
         self.life.effects.clear()
         self.tables = {}
         for replica in REPLICAS:
@@ -127,7 +120,7 @@ class Floor:
             about = getattr(sent.message, "district", "")
             if self.lost and type(sent.message) is self.lost[0] and about == DISTRICT:
                 self.lost.popleft()
-            elif self.dead not in (sender, sent.to):
+            else:
                 self._deliver(sender, sent.to, sent.message)
 
     def _deliver(self, sender: str, to: str, message: Message) -> None:
@@ -147,7 +140,7 @@ class Floor:
         while self.now_s < until_s:
             self.now_s += 0.5
             for replica, tables in self.tables.items():
-                heartbeat = beat(seq=int(2.0 * self.now_s), node=self.node)
+                heartbeat = beat(seq=int(2.0 * self.now_s), node=HERE)
                 tables.handlers({})[AtvHeartbeat]("A", heartbeat, self.now_s)
                 for tick in self.lives[replica].timers.due(self.now_s):
                     name, of = cast(tuple[str, str], tick)
@@ -173,34 +166,3 @@ def test_the_only_vehicle_drives_however_far_the_version_was_when_all_lost_their
     floor.run(floor.now_s + 10.0)
     assert NEXT in {node for drive in floor.drives for node in drive.nodes[: drive.released or None]}
     assert NEVER_GRANTED not in [one.reason for one in floor.out if isinstance(one, Ignore)]
-
-
-@pytest.mark.parametrize("lost", [0, 1, 2, 3], ids=lambda lost: f"{lost} words of an epoch lost")
-@pytest.mark.parametrize("version", [7, FAR], ids=["", "far"])
-def test_it_is_heard_by_the_next_leader_where_it_held_nothing_and_was_granted_nothing_by_the_one_before(
-    version: int, lost: int
-) -> None:
-    floor = Floor(version, AWAY)
-    floor.run(POLL_S + 20.0)
-    assert floor.row.is_placed
-    floor.dead = REPLICAS[0]
-    floor.lost.extend([HoldsAsked] * lost)
-    assert floor.row.go(BACK, 0, floor.now_s)
-    floor.carry()
-    floor.run(floor.now_s + 90.0)
-    assert BACK in {node for drive in floor.drives for node in drive.nodes[: drive.released or None]}
-
-
-@pytest.mark.parametrize("version", [7, FAR], ids=["", "far"])
-def test_it_is_heard_by_the_next_leader_where_it_stands_and_has_not_heard_the_one_before(
-    version: int,
-) -> None:
-    floor = Floor(version)
-    floor.lost.extend([PlaceGranted] * 100)
-    floor.run(POLL_S + 4.0)
-    floor.lost.clear()
-    floor.dead = REPLICAS[0]
-    assert floor.row.go(NEXT, 0, floor.now_s)
-    floor.carry()
-    floor.run(floor.now_s + 90.0)
-    assert NEXT in {node for drive in floor.drives for node in drive.nodes[: drive.released or None]}

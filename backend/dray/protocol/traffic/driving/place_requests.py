@@ -162,7 +162,7 @@ class _Line:
         """Whether the replica knows of places that are held or wanted."""
 
     def note_new_table(self, granted: PlaceGranted) -> None:
-        """Note an answer under the agreed epoch. The first table after a recovery poll may have lower numbers: `seen` is void."""
+        """Note an answer under the agreed epoch. The first table after a recovery poll may have lower numbers: then `seen` is void."""
         after, (_, answer) = self.rolled_after, self.rolled
         if (
             after is None
@@ -171,17 +171,9 @@ class _Line:
             or not granted.grants
         ):
             return
-        self.rolled_after, self.seen = None, 0
-
-    @property
-    def seen_of_table(self) -> int:
-        """The newest grant that it has seen of the present table.
-
-        It has seen none of a table that was made by a recovery poll and has granted nothing to it yet. If another replica than the
-        poll's leads by now, that one does not know how far earlier numbers went.
-        """
-        is_new = self.rolled_after is not None and self.agreed > self.rolled_after
-        return 0 if is_new else self.seen
+        self.rolled_after = None
+        if max(reservation.number for reservation in granted.grants) < self.seen:
+            self.seen = 0
 
 
 class PlaceRequests:
@@ -321,7 +313,7 @@ class PlaceRequests:
             rank=state.rank,
             holds=holds,
             groups=groups,
-            seen=0 if state.asks and groups else line.seen_of_table,
+            seen=0 if state.asks and groups else line.seen,
             stands=state.stands,
             docked=state.docked,
             avoid=state.avoid if groups else (),

@@ -116,8 +116,6 @@ class District:
         self._report = report
         self._impostors = impostors
         self._refusals = Refusals(life)
-        self._reminders = Throttle()
-        """Vehicles that were told the epoch since they say to have seen what was never granted."""
         self._turns = Turns(me, replicas)
         self._life = life
         self._table = ReservationTable()
@@ -282,9 +280,6 @@ class District:
             self._impostors.tell(sender, now_s)
         elif request.seen > max(self._table.version, self._seen_before.get((sender, request.mark), 0)):
             self._life.ignore(NEVER_GRANTED)
-            if self._reminders.passes(sender, now_s):
-                # It may not know yet under which epoch its number became void.
-                self._life.send(sender, HoldsAsked(district=self._district, epoch=self.copies.kept.epoch))
         else:
             return True
         return False
