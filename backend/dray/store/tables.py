@@ -54,7 +54,7 @@ products = Table(
     Column("definition", Text, nullable=False, server_default=""),
     Column("by", String(200), nullable=False, server_default=""),
     Column("at_s", Double, nullable=False, server_default="0"),
-    comment="What could ever be ordered; a product that left the plant or was removed stays, for its orders' sake.",
+    comment="What could ever be ordered; a product that left the plant stays, for its orders' sake.",
 )
 
 orders = Table(

@@ -347,7 +347,7 @@ async def test_one_that_does_not_fit_the_plant_any_more_is_listed_removed_and_de
         assert (again.status_code, again.json()["revision"]) == (201, 3)
         for state, id_, asked in (("made", "A2", {}), ("removed", "A1", {"removed": True})):
             [found] = (await house.get("/api/product-definitions", **asked))["items"]
-            assert (found["id"], found["state"], found["by"]) == (id_, state, "administrator")
+            assert (found["id"], found["state"], found["by"]) == (id_, state, "Administrator")
 
 
 async def test_of_removed_ones_that_no_order_names_only_the_last_are_remembered(

@@ -86,7 +86,7 @@ class Needing(NamedTuple):
     """What needs a product: the first of its kind, and their number."""
 
     first: tuple[str, ...]
-    count: int
+    how_many: int
 
 
 _REMOVED = [products.c[name] for name in RemovedProduct.__struct_fields__]
@@ -129,13 +129,13 @@ class Products:
     async def authored(self) -> list[AuthoredProduct]:
         """The products defined by people, without their definitions, by id."""
         query = select(*_REMOVED).where(products.c.definition != "").order_by(products.c.id)
-        return [AuthoredProduct(*row, defined=True) for row in await self._connection.execute(query)]
+        return [AuthoredProduct(*row, True) for row in await self._connection.execute(query)]
 
     async def removed_by_people(self) -> list[AuthoredProduct]:
         """The last `REMOVED_KEPT` products that people have removed, by id."""
         query = select(*_REMOVED).where(_REMOVED_BY_PEOPLE)
         query = query.order_by(products.c.at_s.desc(), products.c.id).limit(REMOVED_KEPT)
-        found = [AuthoredProduct(*row, defined=False) for row in await self._connection.execute(query)]
+        found = [AuthoredProduct(*row, False) for row in await self._connection.execute(query)]
         return sorted(found, key=lambda product: product.id)
 
     async def removed(self, most: int) -> list[RemovedProduct]:
