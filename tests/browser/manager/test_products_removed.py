@@ -8,7 +8,7 @@ from typing import Any
 
 from complaints import Complaints
 from playwright.sync_api import Page, expect
-from tablet_kit import Cable, be_cut_off, can_be_cut_off, forgive
+from tablet_kit import Cable, be_cut_off, can_be_cut_off
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -83,5 +83,6 @@ def test_nothing_is_removed_while_the_panel_is_cut_off_and_it_says_why(
     screenshot(page, "products-remove-cut-off")
     cable.plug_in()
     expect(page.locator(".banner")).to_have_count(0)
-    forgive(complaints, "ERR_INTERNET_DISCONNECTED")
+    # Whether it asked for something meanwhile is nobody's concern.
+    complaints[:] = [each for each in complaints if "ERR_INTERNET_DISCONNECTED" not in each]
     assert page.request.delete(f"{forms.url}/api/products/odd-3").ok
