@@ -171,12 +171,13 @@ async def fullest(files: Files, tmp_path_factory: pytest.TempPathFactory) -> Asy
                 assert await work_.schedules.add(row)
             for product in products(house.projection.site.plant):
                 assert await work_.products.define(product)
-            await provided(house.app, Catalogue).look(work_)
             await work_.orders.add_all(list(orders()))
             for transport in transports():
                 assert await work_.transports.add(transport)
             for number in range(HISTORY_ROWS):
                 await work_.audit.add(audit_line(number))
+        async with house.store.read() as work_:
+            await provided(house.app, Catalogue).look(work_)
         await is_full(house)
         yield house
 
@@ -328,7 +329,8 @@ async def test_no_step_of_removing_products_is_long_however_many_there_are(
     """The last test here: afterwards there are fewer."""
     path, headers = "/api/products/remove", {"Content-Type": "application/json"}
     took_ms = float("inf")
-    for _ in range(TRIES):
+    # Four times 500 are all that there are.
+    for _ in range(3):
         there = [id_ for id_ in sorted(fullest.projection.site.products) if id_.startswith("X")][:count]
         body = json.dumps({"products": there}).encode()
         took_ms = min(took_ms, await longest_ms(fullest, "POST", path, "", headers, body, 1))

@@ -224,14 +224,15 @@ def file_without_products(file: PlantFile, products: Collection[str]) -> PlantFi
     """The file of the same plant without these products, whose machines make them no more."""
     if not products:
         return file
+    gone = frozenset(products)
     return replace(
         file,
-        products=tuple(each for each in file.products if each.id not in products),
-        machines=tuple(_not_making(each, products) for each in file.machines),
+        products=tuple(each for each in file.products if each.id not in gone),
+        machines=tuple(_not_making(each, gone) for each in file.machines),
     )
 
 
-def _not_making(machine: MachineSpec, products: Collection[str]) -> MachineSpec:
+def _not_making(machine: MachineSpec, products: frozenset[str]) -> MachineSpec:
     made = tuple(making for making in machine.makes if making.product not in products)
     return machine if len(made) == len(machine.makes) else replace(machine, makes=made)
 

@@ -129,13 +129,15 @@ class Products:
     async def authored(self) -> list[AuthoredProduct]:
         """The products defined by people, without their definitions, by id."""
         query = select(*_REMOVED).where(products.c.definition != "").order_by(products.c.id)
-        return [AuthoredProduct(*row, True) for row in await self._connection.execute(query)]
+        rows = (await self._connection.execute(query)).mappings()
+        return [AuthoredProduct(**row, defined=True) for row in rows]
 
     async def removed_by_people(self) -> list[AuthoredProduct]:
         """The last `REMOVED_KEPT` products that people have removed, by id."""
         query = select(*_REMOVED).where(_REMOVED_BY_PEOPLE)
         query = query.order_by(products.c.at_s.desc(), products.c.id).limit(REMOVED_KEPT)
-        found = [AuthoredProduct(*row, False) for row in await self._connection.execute(query)]
+        rows = (await self._connection.execute(query)).mappings()
+        found = [AuthoredProduct(**row, defined=False) for row in rows]
         return sorted(found, key=lambda product: product.id)
 
     async def removed(self, most: int) -> list[RemovedProduct]:
