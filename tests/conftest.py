@@ -7,6 +7,7 @@ forbids (see `forbidden`) is named as loudly, and fails nowhere. `tools/run_test
 
 from __future__ import annotations
 
+import faulthandler
 import gc
 import os
 import signal
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import pytest
+from _pytest.faulthandler import fault_handler_stderr_fd_key
 from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent / "kits"))
@@ -27,6 +29,7 @@ from databases import Files
 from dray_process import DrayProcess, SteppedServer
 from examples import examples
 from forbidden import Forbidden
+from outcomes import HAS_FAILED
 
 if TYPE_CHECKING:
     from postgres_databases import Postgres, PostgresServer
@@ -59,9 +62,11 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
+    item: pytest.Item,
     call: pytest.CallInfo[None],
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     report = yield
+    item.stash[HAS_FAILED] = item.stash.get(HAS_FAILED, False) or report.failed
     if call.excinfo is not None and call.excinfo.errisinstance(Forbidden):
         setattr(report, FORBIDDEN, True)
         return report
@@ -76,6 +81,18 @@ def pytest_report_teststatus(report: pytest.TestReport) -> tuple[str, str, str] 
         category = "failed" if report.when == "call" else "error"
         return category, f"\nFAILED {report.nodeid} ({report.when}): {reason_of(report)}\n", "FAILED"
     return None
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
+    """Bound the teardown of a failed test: its timers are gone, since somebody might have debugged it."""
+    timeout_s = float(item.config.getini("faulthandler_timeout") or 0)
+    if timeout_s and item.stash.get(HAS_FAILED, False):
+        # The end of pytest's own protocol takes this one back.
+        faulthandler.dump_traceback_later(
+            timeout_s, file=item.config.stash[fault_handler_stderr_fd_key], exit=True
+        )
+    yield
 
 
 @pytest.hookimpl(wrapper=True)

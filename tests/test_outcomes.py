@@ -106,6 +106,27 @@ def test_that_hangs_once_and_hears_no_signal():
             pass
 """
 
+ENDLESS = """
+import time
+
+import pytest
+
+
+@pytest.fixture
+def never_ends():
+    yield
+    while True:
+        time.sleep(1)
+
+
+def test_that_fails(never_ends):
+    raise AssertionError("wrong")
+
+
+def test_that_passes():
+    pass
+"""
+
 ALWAYS = """
 def test_that_fails_always():
     raise AssertionError("wrong")
@@ -152,6 +173,19 @@ def test_what_hangs_and_hears_no_signal_is_ended_with_its_process(tmp_path: Path
     done = run_again(tmp_path, CHANCE + DEAF, "-o", "faulthandler_timeout=3")
     assert done.returncode == 0, done.stdout
     assert "unsteady: 5" in done.stdout
+
+
+@pytest.mark.slow
+def test_the_end_of_a_failed_test_is_bounded(tmp_path: Path) -> None:
+    """Pytest takes the timers of a failed test back, for a debugger."""
+    (tmp_path / "test_it.py").write_text(ENDLESS, encoding="utf-8")
+    bounds = [f"{name}={value}" for name, value in {"timeout": 2, "faulthandler_timeout": 3}.items()]
+    plugins = ("-p", "xdist", "-p", "pytest_timeout", "-n", "1", "-o", "faulthandler_exit_on_timeout=true")
+    done = run(tmp_path, *plugins, *(word for bound in bounds for word in ("-o", bound)))
+    assert done.returncode == 1, done.stdout
+    assert "FAILED test_it.py::test_that_fails (call): AssertionError: wrong" in done.stdout
+    assert "crashed while running 'test_it.py::test_that_fails'" in done.stdout
+    assert "1 passed" in done.stdout
 
 
 @pytest.mark.parametrize("tests", variants(["import nowhere", ""]))

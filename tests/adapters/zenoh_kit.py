@@ -6,7 +6,7 @@ import asyncio
 import selectors
 import socket
 import time
-from collections.abc import Coroutine, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
@@ -14,7 +14,7 @@ import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.security.identity import Identity
-from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.bus import ZenohBus, ZenohSession
 from dray.adapters.zenoh.links import Links
 from dray.errors import UnavailableError
 from dray_sim.clock.loop import VirtualLoop, paced
@@ -68,10 +68,11 @@ class Row:
 
     def __init__(self, count: int, plant: str = "p", identities: Sequence[Identity] = ()) -> None:
         self.buses: list[ZenohBus] = []
+        self._somebody_left = asyncio.Event()
         self._markers: list[zenoh.Subscriber[None]] = []
         before: tuple[str, ...] = ()
         for place in range(count):
-            bus, own = _listening(plant, before, identities[place] if identities else None)
+            bus, own = _listening(plant, before, identities[place] if identities else None, self._on_replaced)
             self.buses.append(bus)
             before = (own,)
         self._round = 0
@@ -100,6 +101,17 @@ class Row:
                     bus.inner.put(f"settle/{place}", str(self._round))
                 with suppress(TimeoutError):
                     await asyncio.wait_for(self._complete.wait(), AGAIN_S)
+
+    async def left(self, sessions: Iterable[ZenohSession]) -> None:
+        """Wait until all of these have left: a later life of each was said, and no marker comes after that for certain."""
+        waited_for = tuple(sessions)
+        async with asyncio.timeout(PATIENCE_S):
+            while not all(session._left for session in waited_for):
+                self._somebody_left.clear()
+                await self._somebody_left.wait()
+
+    def _on_replaced(self, _agent: str) -> None:
+        self._somebody_left.set()
 
     def told(self) -> str:
         """What each computer has counted, for whoever looks into a test that has failed."""
@@ -133,13 +145,15 @@ class Row:
                 self._complete.set()
 
 
-def _listening(plant: str, peers: tuple[str, ...], identity: Identity | None) -> tuple[ZenohBus, str]:
+def _listening(
+    plant: str, peers: tuple[str, ...], identity: Identity | None, replaced: Callable[[str], None]
+) -> tuple[ZenohBus, str]:
     """A computer on a free port, and its address."""
 
     def listen(own: str) -> tuple[ZenohBus, str]:
         plain = identity is None
         links = Links(listen=(own,), peers=peers, identity=identity, plain=plain, lease_s=LEASE_S)
-        return ZenohBus(links, plant), own
+        return ZenohBus(links, plant, replaced), own
 
     with suppress(UnavailableError):  # somebody else was quicker
         return listen(free_address())

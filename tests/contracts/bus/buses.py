@@ -14,6 +14,7 @@ from typing import Any
 from zenoh_kit import Row
 
 from dray.adapters.security.identity import Identity
+from dray.adapters.zenoh.bus import ZenohSession
 from dray.messages import Pose
 from dray.messages.kinds import Kind
 from dray.ports import Bus, Receive, Session
@@ -178,6 +179,7 @@ class OnZenoh(World):
 
     def __init__(self, count: int, identities: Sequence[Identity] = ()) -> None:
         self._count, self._identities = count, identities
+        self._sessions: list[ZenohSession] = []
 
     @property
     def refused(self) -> Mapping[str, int]:
@@ -199,10 +201,15 @@ class OnZenoh(World):
         asyncio.run(main())
 
     def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
-        return next(self._turns).join(agent, receive, life)
+        self._sessions.append(next(self._turns).join(agent, receive, life))
+        return self._sessions[-1]
 
     async def settle(self) -> None:
         await self._row.settle()
+        latest: dict[str, int] = {}
+        for session in self._sessions:
+            latest[session.agent] = max(session.life, latest.get(session.agent, 0))
+        await self._row.left(each for each in self._sessions if each.life < latest[each.agent])
 
 
 class Certified(OnZenoh):

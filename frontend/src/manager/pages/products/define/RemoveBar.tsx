@@ -39,7 +39,7 @@ export function RemoveBar({ definitions, onRemoved }: { definitions: readonly De
         />
       )}
       {cutOff && chosen.length > 0 && <span id="products-cut-off" class="muted" role="status">{t("products.cutOff")}</span>}
-      {removed.value !== null && <span role="status" class="outcome-good">{n("products.removed", removed.value, format.count(removed.value))}</span>}
+      {!removing.value && removed.value !== null && <span role="status" class="outcome-good">{n("products.removed", removed.value, format.count(removed.value))}</span>}
       {!removing.value && !asking.value && (
         <button type="button" class="button small" onClick={forget}>
           {t(chosen.length > 0 ? "products.tickNone" : "products.dismiss")}
