@@ -66,6 +66,7 @@ class Plant:
 
     Args:
         file: a plant file without faults (`dray.plant.file.check.faults` finds none).
+        floor: the floor of a plant whose file differs in its products alone, with the ways that were found on it.
 
     Every method that takes an id raises `KeyError` for one that the plant does not have.
 
@@ -79,19 +80,20 @@ class Plant:
     restrictions = OPEN
     obstructed: frozenset[Ends] = frozenset()
 
-    def __init__(self, file: PlantFile) -> None:
+    def __init__(self, file: PlantFile, floor: _Floor | None = None) -> None:
         self.file = file
         self.id, self.name = file.plant, file.name
         self.width_m, self.height_m, self.cell_m = file.width_m, file.height_m, file.cell_m
-        layout = floor_of(file)
-        self.door_on: Mapping[Ends, Door] = MappingProxyType(doors_on(file, layout))
+        self._floor = floor = _Floor(file) if floor is None else floor
+        layout = floor.layout
+        self.door_on = floor.door_on
         """Lane as it is driven, in each direction -> its door."""
         self.driven = _as_driven(file, layout, self.door_on)
         """The file with the nodes and lanes that vehicles drive on; the file itself where no road has two lanes."""
-        self.nodes: Mapping[str, Node] = _by_id(layout.nodes)
+        self.nodes = floor.nodes
         """Nodes of the floor as it is driven: with stop points, without the nodes that these replace."""
         self.crossings: Mapping[str, Crossing] = MappingProxyType(dict(layout.crossings))
-        self.stops = tuple(node.id for node in layout.nodes if node.id not in layout.inner)
+        self.stops = floor.stops
         """The nodes where a vehicle may stand: all that lie in no crossing."""
         self.corners: Mapping[Ends, tuple[str, ...]] = MappingProxyType(dict(layout.corners))
         """Lane with a shape, by its ends -> the nodes at its corners, in the order in which they are driven over."""
@@ -109,33 +111,29 @@ class Plant:
         self.areas: Mapping[str, Area] = _by_id(file.areas)
         self._shapes = {area.id: (area.polygon, box_of(area.polygon)) for area in file.areas}
         """The border of every area, and the box around it: most points lie outside of that already."""
-        self.vehicle_types: Mapping[str, VehicleType] = _by_id(file.vehicle_types)
+        self.vehicle_types = floor.vehicle_types
         self.fleet: Mapping[str, VehicleSpec] = _by_id(file.fleet)
         self.dwell_points: tuple[str, ...] = (*self.chargers, *self.parkings)
         """Places where a vehicle may stay: chargers, then parking places."""
-        self.roads = Roads(layout.nodes, layout.lanes, self.door_on)
+        self.roads = floor.roads
         self._inner, self._crossed = layout.inner, layout.crossed
-        self._opposite = opposite_stops(file, self.nodes)
-        self._node_of = {
-            dock.id: dock.node
-            for docks in (file.machines, file.storages, file.warehouses, file.chargers, file.parkings)
-            for dock in docks
-        }
+        self._opposite, self._node_of, self._ways = floor.opposite, floor.node_of, floor.ways
         handled: Iterable[MachineSpec | Storage | Warehouse] = file.machines + file.storages + file.warehouses
         self._handling_cv = {place.id: place.handling_cv for place in handled}
         self._cycle_s = {m.id: {making.product: making.cycle_s for making in m.makes} for m in file.machines}
-        self._machines_for = {
-            product: tuple(machine for machine, cycles in self._cycle_s.items() if product in cycles)
-            for product in self.products
-        }
-        self._materials_of = {machine: self._needed(cycles) for machine, cycles in self._cycle_s.items()}
+        self._machines_for = self._makers()
+        self._materials_of: dict[str, tuple[str, ...]] = {}
+        """By machine, as far as somebody has asked: where there are thousands of products, it takes a while to say."""
         self._items: dict[str, Material | Product] = {**self.materials, **self.products}
         self.abilities = tuple(sorted({item.ability for item in self._items.values()}))
         """Abilities that the items of this plant need."""
         self._grid = Grid(file.width_m, file.height_m, file.cell_m)
         self._extents: dict[str, Extent] = {}
         self._drawn: dict[tuple[tuple[float, float], ...], Extent] = {}
-        self._ways = _Ways(self.roads, self.vehicle_types, self._node_of)
+
+    def with_products(self, file: PlantFile) -> Plant:
+        """The plant of a file that differs from this one's in its products and in what machines make of them alone."""
+        return Plant(file, self._floor)
 
     @property
     def charger_queue(self) -> ChargerQueue:
@@ -253,7 +251,7 @@ class Plant:
 
     def keepers_of(self, material: str) -> tuple[str, ...]:
         """Places where a material can be fetched and put down: storages, warehouses, and machines with a buffer for it."""
-        machines = (machine for machine in self.machines if material in self._materials_of[machine])
+        machines = (machine for machine in self.machines if material in self.materials_of(machine))
         return (*self._keeping.places[material], *machines)
 
     def machines_for(self, product: str) -> tuple[str, ...]:
@@ -271,7 +269,13 @@ class Plant:
 
     def materials_of(self, machine: str) -> tuple[str, ...]:
         """Every material that any product of a machine needs."""
-        return self._materials_of[machine]
+        known = self._materials_of.get(machine)
+        if known is None:
+            products = map(self.products.__getitem__, self._cycle_s[machine])
+            needed = {line.material for product in products for line in product.bill}
+            known = tuple(material for material in self.materials if material in needed)
+            self._materials_of[machine] = known
+        return known
 
     def ability_of(self, item: str) -> str:
         """Ability that a vehicle needs for a material or product; empty for an item that is not in the plant file."""
@@ -356,9 +360,12 @@ class Plant:
         """The lanes on which a type of vehicle may drive, with the limits that hold for it; of an unknown type, all lanes."""
         return self._ways.roads_of(vehicle_type)
 
-    def _needed(self, products: Iterable[str]) -> tuple[str, ...]:
-        bills = {line.material for product in products for line in self.products[product].bill}
-        return tuple(material for material in self.materials if material in bills)
+    def _makers(self) -> dict[str, tuple[str, ...]]:
+        makers: dict[str, list[str]] = {product: [] for product in self.products}
+        for machine, cycles in self._cycle_s.items():
+            for product in cycles:
+                makers[product].append(machine)
+        return {product: tuple(machines) for product, machines in makers.items()}
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Plant) and self.file == other.file
@@ -372,6 +379,25 @@ class Plant:
 
     def __repr__(self) -> str:
         return f"<Plant {self.id}: {len(self.machines)} machines, {len(self.fleet)} vehicles>"
+
+
+class _Floor:
+    """The floor of a plant file, and the ways on it: what no product changes."""
+
+    def __init__(self, file: PlantFile) -> None:
+        self.layout = layout = floor_of(file)
+        self.door_on: Mapping[Ends, Door] = MappingProxyType(doors_on(file, layout))
+        self.nodes: Mapping[str, Node] = _by_id(layout.nodes)
+        self.stops = tuple(node.id for node in layout.nodes if node.id not in layout.inner)
+        self.opposite = opposite_stops(file, self.nodes)
+        self.roads = Roads(layout.nodes, layout.lanes, self.door_on)
+        self.node_of = {
+            dock.id: dock.node
+            for docks in (file.machines, file.storages, file.warehouses, file.chargers, file.parkings)
+            for dock in docks
+        }
+        self.vehicle_types: Mapping[str, VehicleType] = _by_id(file.vehicle_types)
+        self.ways = _Ways(self.roads, self.vehicle_types, self.node_of)
 
 
 class _Ways:

@@ -52,7 +52,9 @@ class Site:
 
     def change_products(self, products: Sequence[Defined], gone: Collection[str] = ()) -> None:
         """Add products that are known to fit this plant, one after the other, without those that are gone."""
-        self.plant = Plant(file_with_products(file_without_products(self.plant.file, gone), products))
+        self.plant = self.plant.with_products(
+            file_with_products(file_without_products(self.plant.file, gone), products)
+        )
         self.products.difference_update(gone)
         self.products.update(product.id for product, _ in products)
 
