@@ -239,7 +239,7 @@ def _not_making(machine: MachineSpec, products: frozenset[str]) -> MachineSpec:
 
 def _making(machine: MachineSpec, cycles_s: Mapping[str, float]) -> MachineSpec:
     """The same machine with other cycles, in seconds by product."""
-    known = {making.product: making for making in machine.makes}
+    known = {making.product: making for making in machine.makes if making.product in cycles_s}
     others = (making for making in machine.makes if making.product not in cycles_s)
     made = (
         replace(known[product], cycle_s=cycle_s) if product in known else Making(product, cycle_s)
