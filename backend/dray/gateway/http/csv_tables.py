@@ -27,7 +27,7 @@ _log = logging.getLogger(__name__)
 CUT_SHORT = "error: this table was cut short and is not whole. Ask for it again."
 """Last row of a table that was cut short, since the status was sent long before."""
 
-BATCH = 100
+BATCH = 50
 """Rows after which other work gets a turn: a fast client would otherwise take the whole event loop."""
 
 _FORMULA = re.compile(

@@ -29,7 +29,7 @@ Cursor = Annotated[
     str | None, Query(max_length=CURSOR_MOST, description="`next_cursor` of the page before; opaque")
 ]
 
-AT_ONCE = 50
+AT_ONCE = 20
 """Items encoded per step of the event loop: some milliseconds, with all bids that a task may have."""
 
 PIECE_BYTES = 2**16
@@ -59,22 +59,22 @@ def listing(items: Sequence[object], next_cursor: str | None) -> Json:
     return Json({"items": items, "next_cursor": next_cursor})
 
 
-def listing_in_turns(
-    names: Sequence[str], now: Callable[[str], object | None], next_cursor: str | None
+async def listing_in_turns(
+    items: Sequence[T], told: Callable[[T], object | None], next_cursor: str | None
 ) -> Response:
     """One page of items that may be large, such as tasks with bids.
 
-    A long page is streamed in pieces, lets other work run, and has no `ETag`.
+    Other work runs in between. A long page is streamed in pieces, and has no `ETag`.
 
     Args:
-        names: names of its items.
-        now: returns an item's present state; None if it is no longer part of the list.
+        items: items of this page, or their names.
+        told: turns one into its answer as it is now; None if it is no longer part of the list.
         next_cursor: cursor of the next page.
     """
-    return _told_in_turns(names, now, {"next_cursor": next_cursor})
+    return await _told_in_turns(items, told, {"next_cursor": next_cursor})
 
 
-def counted_in_turns(
+async def counted_in_turns(
     items: Sequence[T], told: Callable[[T], object], next_cursor: str | None, total: int | None
 ) -> Response:
     """One page of a list with its total, like `counted`, streamed like `listing_in_turns`.
@@ -85,15 +85,12 @@ def counted_in_turns(
         next_cursor: cursor of the next page.
         total: total of the list; None if it is expensive.
     """
-    return _told_in_turns(items, told, {"next_cursor": next_cursor, "total": total})
+    return await _told_in_turns(items, told, {"next_cursor": next_cursor, "total": total})
 
 
-def _told_in_turns(
+async def _told_in_turns(
     items: Sequence[T], told: Callable[[T], object | None], rest: Mapping[str, object]
 ) -> Response:
-    if len(items) <= PAGE:
-        return Json({"items": [each for item in items if (each := told(item)) is not None], **rest})
-
     async def pieces() -> AsyncIterator[bytes]:
         yield b'{"items":['
         before = b""
@@ -105,6 +102,8 @@ def _told_in_turns(
             await asyncio.sleep(0)
         yield b"]," + msgspec.json.encode(rest)[1:]
 
+    if len(items) <= PAGE:
+        return Json(b"".join([piece async for piece in pieces()]))
     return StreamingResponse(pieces(), media_type=Json.media_type)
 
 

@@ -79,7 +79,7 @@ async def list_tasks(
     wanted = [(place, name) for place, name in found if after is None or place < after]
     last = wanted[limit - 1][0] if len(wanted) > limit else None
     names = [name for _, name in wanted[:limit]]
-    return listing_in_turns(names, now, None if last is None else write_cursor(*last))
+    return await listing_in_turns(names, now, None if last is None else write_cursor(*last))
 
 
 @router.get(

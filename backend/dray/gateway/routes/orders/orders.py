@@ -251,7 +251,7 @@ async def list_orders(
         is_all = cursor is None and len(orders) <= limit
         total = len(orders) if is_all else None if wanted.words else await work.orders.total(wanted)
     last = orders[limit - 1] if len(orders) > limit else None
-    return counted_in_turns(
+    return await counted_in_turns(
         orders[:limit],
         lambda order: order_answer(order, base, projection.orders.why_waits(order.id)),
         None if last is None else write_cursor(*sorting.place(last)),

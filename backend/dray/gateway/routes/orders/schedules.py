@@ -24,7 +24,7 @@ from dray.gateway.http.responses import (
     described,
     iso,
     list_of,
-    listing,
+    listing_in_turns,
     part,
     problems,
 )
@@ -195,7 +195,8 @@ async def list_schedules(
     if format == "csv":
         return table("recurring", COLUMNS, _rows(rows, gone))
     shown, next_cursor = part(rows, lambda row: row.id, cursor, limit)
-    return listing([answer async for answer in _answers(shown, gone)], next_cursor)
+    answers = [answer async for answer in _answers(shown, gone)]
+    return await listing_in_turns(answers, lambda answer: answer, next_cursor)
 
 
 @router.post(
