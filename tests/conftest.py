@@ -129,6 +129,19 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 LONGEST = "test_scenarios"
 """Begins first: one that takes minutes and begins last holds everybody up."""
 
+WAITING = (
+    "adapters/vda5050/test_vda5050_independent",
+    "adapters/zenoh",
+    "cli/fleet",
+    "cli/simulation",
+    "cli/test_service_without_simulator",
+    "delivery/test_service",
+    "delivery/test_vehicle_ts",
+    "simulation/controllers",
+    "traffic/test_slow_links",
+)
+"""Modules and folders whose tests wait for other processes in real time, and hardly compute."""
+
 
 def _place(item: pytest.Item) -> Path:
     """Its module, from here."""
@@ -237,7 +250,8 @@ ONE_OF = 3
 `make campaign`. All are in `make test` on SQLite, and those of the store on both."""
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def choose(items: list[pytest.Item]) -> None:
+    """Leave out what is needless, and mark what waits for `make test-long` or a campaign."""
     items[:] = [item for item in items if not _is_needless(item)]
     numbers: defaultdict[Path, Iterator[int]] = defaultdict(count)
     for item in items:
@@ -246,6 +260,26 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             soon = next(numbers[item.path]) % ONE_OF == 0 or item.path.stem in SEVERAL_AT_ONCE
             item.add_marker(pytest.mark.slow if soon else pytest.mark.campaign)
     items.sort(key=lambda item: item.path.stem != LONGEST)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> Generator[None, None, None]:
+    choose(items)
+    # After what else chooses, by marks and by what failed last.
+    yield
+    items[:] = mixed(items)
+
+
+def mixed(items: list[pytest.Item]) -> list[pytest.Item]:
+    """Tests in the order in which they use all processors to the end.
+
+    Each worker begins with its own share of the list. So what waits stands at the begin of every second quarter: one half of the
+    workers waits while the other computes, and nothing that waits is left for the end.
+    """
+    waiting = [item for item in items if str(_place(item)).startswith(WAITING)]
+    others = [item for item in items if not str(_place(item)).startswith(WAITING)]
+    half, middle = len(waiting) // 2, len(others) // 2
+    return [*waiting[:half], *others[:middle], *waiting[half:], *others[middle:]]
 
 
 @pytest.hookimpl(trylast=True)

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from runpy import run_path
 
 import pytest
 from variants import later, variants
@@ -173,6 +174,16 @@ def test_what_hangs_and_hears_no_signal_is_ended_with_its_process(tmp_path: Path
     done = run_again(tmp_path, CHANCE + DEAF, "-o", "faulthandler_timeout=3")
     assert done.returncode == 0, done.stdout
     assert "unsteady: 5" in done.stdout
+
+
+def test_a_test_that_runs_for_minutes_is_named_once() -> None:
+    watch = run_path(RUN_TESTS)["Watch"]()
+    for test, begun_s in {"short": 0.0, "long": 0.0, "later": 200.0}.items():
+        watch.began(test, begun_s)
+    watch.pytest_runtest_logfinish("short")
+    assert watch.overdue(299.0) == {}
+    assert watch.overdue(310.0) == {"long": 310.0}
+    assert watch.overdue(400.0) == {}
 
 
 @pytest.mark.slow

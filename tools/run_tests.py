@@ -8,7 +8,7 @@ at most `TRIES_ALONE` times. Tests that pass then are `unsteady`: they are named
 `artifacts/unsteady.json`, by the run's NAME, and the run is green. How long each module took in the parallel run stands in
 `artifacts/durations.json`, by the run's NAME, the longest first.
 
-A test that hangs is a failure once pytest's `timeout` ends it. A test whose process dies is a failure of that test;
+A test that runs for minutes is named meanwhile, and one that hangs is a failure once pytest's `timeout` ends it. A test whose process dies is a failure of that test;
 pytest-xdist starts another worker.
 """
 
@@ -16,6 +16,8 @@ from __future__ import annotations
 
 import json
 import sys
+import threading
+import time
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -33,6 +35,12 @@ UNSTEADY = Path("artifacts/unsteady.json")
 
 DURATIONS = Path("artifacts/durations.json")
 """Per name of a run its modules, with the seconds that their tests took and waited in all."""
+
+
+LONG_S = 300.0
+"""A test that takes longer is named while it runs: it hangs, or the computer is very busy."""
+
+LOOK_S = 30.0
 
 
 class Failures:
@@ -64,6 +72,45 @@ class Failures:
         self.is_collected &= not report.failed
 
 
+class Watch:
+    """A plugin of pytest that names a test that does not end, for whoever reads a run that was cut off."""
+
+    def __init__(self) -> None:
+        self._begun_s: dict[str, float] = {}
+        self._ended = threading.Event()
+
+    def pytest_sessionstart(self) -> None:
+        threading.Thread(target=self._look, daemon=True).start()
+
+    def pytest_sessionfinish(self) -> None:
+        self._ended.set()
+
+    def pytest_runtest_logstart(self, nodeid: str) -> None:
+        self.began(nodeid, time.monotonic())
+
+    def began(self, test: str, now_s: float) -> None:
+        self._begun_s[test] = now_s
+
+    def pytest_runtest_logfinish(self, nodeid: str) -> None:
+        self._begun_s.pop(nodeid, None)
+
+    def overdue(self, now_s: float) -> dict[str, float]:
+        """Tests that run for long, with their seconds so far; each is named once."""
+        overdue = {
+            test: now_s - begun_s
+            for test, begun_s in list(self._begun_s.items())
+            if now_s - begun_s >= LONG_S
+        }
+        for test in overdue:
+            self._begun_s.pop(test, None)
+        return overdue
+
+    def _look(self) -> None:
+        while not self._ended.wait(LOOK_S):
+            for test, took_s in self.overdue(time.monotonic()).items():
+                print(f"\nhas run for {took_s:.0f} s: {test}", flush=True)
+
+
 def first_line(report: pytest.TestReport) -> str:
     """Why the test failed. The report of a worker that died has no crash, and its text is the reason."""
     crash = getattr(report.longrepr, "reprcrash", None)
@@ -75,14 +122,16 @@ def main(name: str, options: list[str]) -> int:
     # The cache tells the later runs which tests had failed; a cache per name, since two runs may go on at once.
     options = [*options, "-o", f"cache_dir=.pytest_cache/{name}"]
     first = Failures()
-    code = int(pytest.main([*options, "--cache-clear"], plugins=[first]))
+    code = int(pytest.main([*options, "--cache-clear"], plugins=[first, Watch()]))
     failed = first
     for attempt in range(1, TRIES_ALONE + 1):
         if not may_be_chance(code, failed):
             break
         _say(f"{len(failed.tests)} failed: again alone, {attempt} of {TRIES_ALONE}")
         failed = Failures(failed.tests)
-        code = int(pytest.main([*options, *AGAIN, "-n", "1"], plugins=[failed])) or int(bool(failed.tests))
+        code = int(pytest.main([*options, *AGAIN, "-n", "1"], plugins=[failed, Watch()])) or int(
+            bool(failed.tests)
+        )
     longest = sorted(first.took_s.items(), key=lambda each: -each[1])
     _note(DURATIONS, name, {module: round(took_s, 1) for module, took_s in longest})
     unsteady = {test: reason for test, reason in first.tests.items() if test not in failed.tests}
