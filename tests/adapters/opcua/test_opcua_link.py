@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from asyncua import ua
@@ -157,16 +157,27 @@ NODES = {
 """How a node may be named, and what is said where it is not there."""
 
 
+class Awaited(asyncio.Event):
+    """An event that tells when somebody waits for it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.awaited = asyncio.Event()
+
+    async def wait(self) -> Literal[True]:
+        self.awaited.set()
+        return await super().wait()
+
+
 def test_a_link_that_is_ended_in_the_moment_in_which_something_is_to_be_written_ends(tmp_path: Path) -> None:
     async def story() -> None:
         async with Plc() as plc:
             rig = Linked(parse_mapping(text_of(plc.url).encode(), "mapping.yaml", OpcUaMapping), tmp_path)
             assert rig.link is not None
+            rig.link._changed = changed = Awaited()
             running = asyncio.create_task(rig.link.run(rig.body))
-            while not await plc.read(Signal.ALIVE):  # noqa: ASYNC110 - a server's value has no event
-                await asyncio.sleep(0.02)
-            # Everything is written by now, and it waits for more.
-            await asyncio.sleep(0.3)
+            # Everything is written by then, and it waits for more.
+            await changed.awaited.wait()
             rig.link.write()
             running.cancel()
             await asyncio.wait((running,), timeout=PATIENCE_S)
