@@ -38,7 +38,7 @@ from dray.messages.people.operator import DutyStatus
 from dray.messages.problem import ProblemKind
 from dray.messages.reason import Implausible, Reason
 from dray.protocol.vehicle import status_report
-from dray.protocol.vehicle.people.command_handling import DENIED, DOUBLED
+from dray.protocol.vehicle.people.command_handling import ALONE, DENIED, DOUBLED
 from dray.protocol.vehicle.people.problem_handling import NO_WLAN
 from dray.store.replay.spells import AtvDoing, MachineDoing
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY, LOAD_SHIFTED
@@ -163,6 +163,7 @@ def words_of_vehicles() -> set[str]:
         NO_WLAN,
         DOUBLED,
         DENIED,
+        ALONE,
         LOAD_SHIFTED,
         BATTERY_EMPTY,
     }

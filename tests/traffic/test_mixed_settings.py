@@ -20,7 +20,7 @@ from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.reservations.reservation_handling import NOTE, WITHOUT_TABLES, ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.drivers.traffic_handling import PROBLEM
+from dray.protocol.vehicle.people.command_handling import ALONE
 from dray_sim.bodies.floor import Floor
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run
@@ -59,9 +59,11 @@ def test_a_vehicle_without_right_of_way_among_others_stands_at_once_and_says_why
         )
         stood = factory.vehicles["ATV9"].sense().pose
         await asyncio.sleep(60.0)
-        assert (heard.newest["ATV9"].status, factory.vehicles["ATV9"].sense().held) == (AtvStatus.ERROR, True)
+        beat = heard.newest["ATV9"]
+        assert (beat.status, beat.problem) == (AtvStatus.STOPPED, ALONE)
+        assert factory.vehicles["ATV9"].sense().held
         assert factory.vehicles["ATV9"].sense().pose == stood
-        assert AtvStatus.ERROR not in {heard.newest[atv].status for atv in PLANT.fleet}
+        assert not {AtvStatus.STOPPED, AtvStatus.ERROR} & {heard.newest[atv].status for atv in PLANT.fleet}
         overlaps.check_end(factory.clock.now_s())
         assert overlaps.count == 0
         life.cancel()
@@ -89,7 +91,7 @@ def test_two_replicas_of_tables_are_believed_and_nobody_else(askers: tuple[str, 
     for asker in askers:
         effects += agent.handle(Received(asker, HoldsAsked(district="M1.0", epoch=0)), 1.0)
     holds = [effect for effect in effects if isinstance(effect, Instruct)]
-    assert (len(holds) == 1, agent.unfit() == PROBLEM) == (stands, stands)
+    assert (len(holds) == 1, agent.unfit() == ALONE) == (stands, stands)
 
 
 def request(district: str) -> PlaceRequested:

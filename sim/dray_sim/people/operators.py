@@ -30,7 +30,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.people import people_of
 from dray.ports import Bus, Clock
-from dray.protocol.vehicle.people.command_handling import DENIED, DOUBLED
+from dray.protocol.vehicle.people.command_handling import ALONE, DENIED, DOUBLED
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
 from dray_sim.people.areas import EVERYWHERE, area_at
 from dray_sim.people.duty import CALLED, OWN, Duty, PersonOnDuty
@@ -217,7 +217,7 @@ class Operator:
     def _calls_to_be_let_go(self, atv: str) -> bool:
         """Whether a vehicle has stopped by itself, and calls this person."""
         shown = self.duty.shown(atv)
-        return shown is not None and shown.call.reason in (DOUBLED, DENIED)
+        return shown is not None and shown.call.reason in (ALONE, DOUBLED, DENIED)
 
     def _is_here(self, heard: LastHeard) -> bool:
         return self._whose(heard) == self._area

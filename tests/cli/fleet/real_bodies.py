@@ -7,6 +7,9 @@ import signal
 import socket
 import subprocess
 import sys
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -57,57 +60,95 @@ class BrokerProcess:
         self._process.wait(START_S)
 
 
+@dataclass
+class Word:
+    """What a person at the gate says of the pieces of one goal, until it was answered often enough.
+
+    Attributes:
+        told: the request. It bears a name, so the gate counts it once however often it comes.
+        to_answer: how often it is still to be answered.
+        counted: whether an answer has said that it counts.
+    """
+
+    told: dict[str, Any]
+    to_answer: int
+    counted: bool = False
+
+
 class Gatekeeper:
     """A person at the gate: sees what lies there, and says it to the gate as the tablet does.
 
-    A word has a name of its own, and is said again under it until it is answered; half of all words are said once more after that.
+    A word has a name of its own, and is said again under it until it is answered. Every other word, and the first, is said until
+    it was answered twice. The gate refuses pieces that it no longer admits: those of a goal that was given to another machine
+    while they were on their way. They are surplus, and the goal's new machine makes them once more.
 
     Args:
         fleet: whose gate.
+
+    Attributes:
+        said: pieces by goal, by answered words.
+        surplus: pieces by goal that the gate has refused.
+        again: answers to words that had been answered before.
     """
 
     def __init__(self, fleet: Fleet) -> None:
         self._fleet = fleet
-        self.said: dict[str, int] = {}
-        """Pieces by goal, by answered words."""
+        self.said: Counter[str] = Counter()
+        self.surplus: Counter[str] = Counter()
         self._words = self.again = 0
-        self._open: dict[str, dict[str, Any]] = {}
+        self._open: dict[str, Word] = {}
         """By goal, the word that is not answered yet."""
 
-    def look(self, lies_there: dict[str, int]) -> None:
+    def has_said(self, lies_there: Mapping[str, int]) -> bool:
+        """Whether the gate has answered for every piece that lies there."""
+        return not self._open and +Counter(lies_there) == self.said + self.surplus
+
+    def look(self, lies_there: Mapping[str, int]) -> None:
         """Say what has come; what is not answered is said again when this is called next."""
         for goal, pieces in lies_there.items():
-            word = self._open.get(goal)
-            if word is None and pieces > self.said.get(goal, 0):
+            new = pieces - self.said[goal] - self.surplus[goal]
+            if goal not in self._open and new > 0:
                 self._words += 1
-                quantity = pieces - self.said.get(goal, 0)
-                word = {
+                told = {
                     "kind": "arrived",
                     "item": goal,
-                    "quantity": quantity,
+                    "quantity": new,
                     "command": f"gatekeeper-{self._words}",
                     "sure": True,
                 }
-                self._open[goal] = word
-            if word is not None and self._say(word):
+                self._open[goal] = Word(told, 1 + self._words % 2)
+        for goal, word in tuple(self._open.items()):
+            while word.to_answer and (answer := self._say(word.told)) is not None:
+                self._take(goal, word, answer)
+            if not word.to_answer:
                 del self._open[goal]
-                self.said[goal] = self.said.get(goal, 0) + word["quantity"]
-                if self._words % 2:
-                    self.again += self._say(word)
 
-    def _say(self, word: dict[str, Any]) -> bool:
-        """Whether it was answered that it counts."""
+    def _take(self, goal: str, word: Word, answer: dict[str, Any]) -> None:
+        word.to_answer -= 1
+        if not answer["done"]:
+            assert answer["reason"] == "not_admitted", (word, answer)
+            assert not word.counted, f"a word that had counted is refused: {word}, {answer}"
+            # The detail is the number that is admitted; the rest is said with another word.
+            self.surplus[goal] += word.told["quantity"] - int(answer["detail"] or 0)
+            word.to_answer = 0
+        elif word.counted:
+            self.again += 1
+        else:
+            word.counted = True
+            self.said[goal] += word.told["quantity"]
+
+    def _say(self, told: dict[str, Any]) -> dict[str, Any] | None:
+        """Say it, and wait for the answer; None when none has come, and the gate may have heard it or not."""
         try:
             with self._fleet.gateway() as client:
-                answer = client.post(f"/api/stations/{GATE}/commands", json=word)
+                answer = client.post(f"/api/stations/{GATE}/commands", json=told)
         except httpx.TransportError:
-            return False
+            return None
         if answer.status_code in (502, 503, 504):
-            return False
+            return None
         assert answer.status_code == 200, answer.text
-        told = answer.json()
-        assert told["done"], told
-        return True
+        taken: dict[str, Any] = answer.json()
+        return taken
 
 
 NOTES = """

@@ -204,6 +204,7 @@ export const de: Catalogue<typeof en> = {
   "failure.out of service": "außer Betrieb genommen",
   "failure.its name is used by another": "ein anderer benutzt seinen Namen",
   "failure.reported as carried away while driving": "als weggetragen gemeldet, während es fuhr",
+  "failure.started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all": "ohne Vorfahrt gestartet, und andere fahren mit Vorfahrt; DRAY_TRAFFIC für alle gleich setzen",
   "failure.draining": "verabschiedet sich",
   "failure.a load is on board": "noch eine Ladung an Bord",
   "reason.why.silent": "stumm",

@@ -201,6 +201,7 @@ export const en = {
   "failure.out of service": "taken out of service",
   "failure.its name is used by another": "its name is used by another",
   "failure.reported as carried away while driving": "reported as carried away while it was driving",
+  "failure.started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all": "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all",
   "failure.draining": "leaving",
   "failure.a load is on board": "a load is still on board",
   "reason.why.silent": "silent",

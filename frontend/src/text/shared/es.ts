@@ -204,6 +204,7 @@ export const es: Catalogue<typeof en> = {
   "failure.out of service": "puesto fuera de servicio",
   "failure.its name is used by another": "otro usa su nombre",
   "failure.reported as carried away while driving": "dado por retirado mientras circulaba",
+  "failure.started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all": "iniciado sin prioridad de paso, y otros circulan con ella; DRAY_TRAFFIC debe ser igual para todos",
   "failure.draining": "se está retirando",
   "failure.a load is on board": "aún lleva una carga",
   "reason.why.silent": "en silencio",

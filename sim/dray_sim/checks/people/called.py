@@ -8,20 +8,30 @@ Like those of `dray_sim.checks.invariants`, these checks hear all messages, look
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from math import inf
 
 from msgspec import UNSET
 
 from dray.messages import (
     AtvHeartbeat,
+    AtvStatus,
     CallState,
+    CommandKind,
     DutyStatus,
+    Event,
     HelpCall,
     MachineHeartbeat,
     Message,
     OperatorHeartbeat,
+    VehicleCommand,
 )
+from dray.messages.fact import CommandObeyed, MemoryLost
+from dray.messages.fact.base import Fact
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.people.duty import PersonOnDuty
+
+STOP_HEARD_S = 5.0
+"""Longest time from a person's stop to its vehicle's doing, and to the end of that life, if the vehicle cannot tell any more."""
 
 LOST_S = 60.0
 """Longest time without a call: a vehicle or a machine that needs a person calls at once. One with a problem that may
@@ -92,6 +102,9 @@ class OneTakerEach:
 class NoCallIsLost:
     """Invariant 19: a vehicle or a machine that cannot go on without a person calls, and goes on calling until it can.
 
+    A vehicle that stands stopped, and that no person has stopped, has stopped itself: it calls until a person has
+    acknowledged that. Without its memory it no longer knows who has stopped it.
+
     The time between the last heartbeat of one life and the first of the next does not count: the agent may not run.
 
     Args:
@@ -105,32 +118,76 @@ class NoCallIsLost:
         """Beginning of a problem, or time of the last call, by vehicle or machine."""
         self._heard: dict[str, tuple[int, float]] = {}
         """Last known life, and when that was heard, by vehicle or machine."""
+        self._stopped_itself: set[str] = set()
+        self._known: set[str] = set()
+        """Vehicles whose stop people know of: they have given it or acknowledged it."""
+        self._asked_s: dict[str, float] = {}
+        """Time of the last stop that was sent, by vehicle."""
+        self._forgot: set[str] = set()
+        """Agents that have lost their memory, and were not heard since."""
 
-    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """Note one utterance.
 
         Raises:
             InvariantBroken: see the class.
         """
-        if type(message) is HelpCall:
+        if type(message) is VehicleCommand:
+            if message.kind is CommandKind.STOP:
+                self._asked_s[address.removeprefix(">")] = at_s
+        elif type(message) is HelpCall:
             if not message.goods and message.state is not CallState.ENDED and sender in self._since_s:
                 self._since_s[sender] = at_s
         elif isinstance(message, AtvHeartbeat | MachineHeartbeat) and sender == _of(message):
             self._note(message, sender, at_s)
+        elif type(message) is Event and sender == message.agent:
+            self._note_fact(message.fact, sender)
+
+    def _note_fact(self, fact: Fact, agent: str) -> None:
+        if type(fact) is MemoryLost:
+            self._forgot.add(agent)
+        elif type(fact) is CommandObeyed and fact.done:
+            # A stop of one that stands already is no acknowledgement.
+            is_stop = fact.what == CommandKind.STOP and agent not in self._stopped_itself
+            if is_stop or fact.what == CommandKind.ACKNOWLEDGE:
+                self._known.add(agent)
+            elif fact.what == CommandKind.RESUME:
+                self._known.discard(agent)
 
     def _note(self, heartbeat: AtvHeartbeat | MachineHeartbeat, agent: str, at_s: float) -> None:
         life, heard_s = self._heard.get(agent, (heartbeat.incarnation, at_s))
         self._heard[agent] = (heartbeat.incarnation, at_s)
-        if life != heartbeat.incarnation and agent in self._since_s:
-            self._since_s[agent] += at_s - heard_s
-        calls = heartbeat.problem and heartbeat.out_of_service is UNSET and not heartbeat.draining
-        if not calls or self._excused(agent):
+        if life != heartbeat.incarnation:
+            if agent in self._since_s:
+                self._since_s[agent] += at_s - heard_s
+        self._judge_stop(heartbeat, agent, heard_s if life != heartbeat.incarnation else None)
+        why = heartbeat.problem or ("stopped itself" if agent in self._stopped_itself else "")
+        if not why or not _may_call(heartbeat) or self._excused(agent):
             self._since_s.pop(agent, None)
         elif at_s - self._since_s.setdefault(agent, at_s) > LOST_S:
             lost_s = at_s - self._since_s[agent]
-            raise InvariantBroken(
-                19, at_s, f"{agent} has had {heartbeat.problem!r} for {lost_s:.0f} s and calls nobody"
-            )
+            raise InvariantBroken(19, at_s, f"{agent} has had {why!r} for {lost_s:.0f} s and calls nobody")
+
+    def _judge_stop(
+        self, heartbeat: AtvHeartbeat | MachineHeartbeat, agent: str, ended_s: float | None
+    ) -> None:
+        """Note whether it has stopped itself; `ended_s` is the end of the life before, in the first heartbeat of the next one."""
+        forgot = agent in self._forgot
+        self._forgot.discard(agent)
+        if heartbeat.status is not AtvStatus.STOPPED:
+            self._stopped_itself.discard(agent)
+            return
+        was_asked = ended_s is not None and self._asked_s.get(agent, -inf) > ended_s - STOP_HEARD_S
+        if forgot or (was_asked and agent not in self._stopped_itself):
+            self._known.add(agent)
+        if agent in self._known:
+            self._stopped_itself.discard(agent)
+        else:
+            self._stopped_itself.add(agent)
+
+
+def _may_call(heartbeat: AtvHeartbeat | MachineHeartbeat) -> bool:
+    return heartbeat.out_of_service is UNSET and not heartbeat.draining
 
 
 def _of(heartbeat: AtvHeartbeat | MachineHeartbeat) -> str:

@@ -11,10 +11,19 @@ from spoken import announcement, award
 
 from dray.body import Hold, ProblemCleared, ProblemRaised
 from dray.memory import WHOLE, AtvMemory
-from dray.messages import AtvStatus, CallState, CommandKind, CommandRefusal, HelpCall, Reason, Resigned
+from dray.messages import (
+    AtvStatus,
+    CallState,
+    CommandKind,
+    CommandRefusal,
+    HelpCall,
+    HoldsAsked,
+    Reason,
+    Resigned,
+)
 from dray.messages.fact import BidRefused
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.people.command_handling import DENIED, DOUBLED
+from dray.protocol.vehicle.people.command_handling import ALONE, DENIED, DOUBLED
 from dray.protocol.vehicle.people.problem_handling import DOUBLED_S
 
 
@@ -36,6 +45,21 @@ def denied() -> VehicleRig:
     rig.on_message("M8", award())
     answer(rig)
     answer(rig, removal=1, grants=False)
+    rig.held = True
+    rig.wake()
+    return rig
+
+
+def ask_holds(rig: VehicleRig) -> None:
+    """Two replicas of reservation tables ask it what it holds."""
+    for replica in ("M1", "M2"):
+        rig.on_message(replica, HoldsAsked(district="M1.0", epoch=0))
+
+
+def alone() -> VehicleRig:
+    """ATV1 without right of way, which has just heard that others have it."""
+    rig = parked()
+    ask_holds(rig)
     rig.held = True
     rig.wake()
     return rig
@@ -150,6 +174,50 @@ def test_one_that_has_stopped_itself_gives_its_watch_back_as_one_in_error() -> N
     assert isinstance(agent, Atv)
     agent.note_denied(rig.now_s)
     assert [said.reason for said in sent(rig.wake(), Resigned)] == [Reason.PROBLEM]
+
+
+def test_one_that_is_alone_without_right_of_way_stands_stopped_and_calls_as_long_as_it_runs() -> None:
+    rig = alone()
+    rig.run(rig.now_s + 3.0 * DOUBLED_S)
+    beat = last_beat(rig)
+    assert (beat.status, beat.problem) == (AtvStatus.STOPPED, ALONE)
+    assert calls(rig) == (ALONE, True)
+    assert says(rig, "M8-2") == ALONE
+    answer = command(rig, CommandKind.ACKNOWLEDGE)
+    assert (answer.reason, answer.detail) == (CommandRefusal.FAULTY, ALONE)
+
+
+def test_one_that_is_alone_is_stopped_once_and_again_when_it_may_drive() -> None:
+    rig = alone()
+    rig.report(ProblemRaised(reason="a wheel is stuck"))
+    ask_holds(rig)
+    assert last_beat(rig).problem == "a wheel is stuck"
+    assert instructed(rig.all, Hold) == [Hold()]
+    rig.report(ProblemCleared())
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+    assert command(rig, CommandKind.RESUME).done
+    rig.held = False
+    ask_holds(rig)
+    rig.wake()
+    assert instructed(rig.all, Hold) == [Hold(), Hold()]
+    assert calls(rig) == (ALONE, True)
+
+
+def test_its_next_life_that_has_right_of_way_calls_until_a_person_lets_it_go() -> None:
+    before = alone()
+    rig = VehicleRig(incarnation=2, traffic=TRAFFIC)
+    rig.memory = committed(before.all)
+    rig.start()
+    assert instructed(rig.all, Hold) == [Hold()]
+    rig.held = True
+    rig.run(DOUBLED_S)
+    assert last_beat(rig).status is AtvStatus.STOPPED
+    assert calls(rig) == (ALONE, True)
+    assert says(rig, "M8-2") == ALONE
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+    assert command(rig, CommandKind.RESUME).done
+    rig.run(rig.now_s + 1.0)
+    assert calls(rig) == (ALONE, False)
 
 
 def test_it_says_why_it_does_not_bid_until_it_is_resumed() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from dray.body import Hold, ProblemRaised
 from dray.messages import (
     FloorReported,
     HoldsAsked,
@@ -28,8 +27,6 @@ Handler = Callable[[str, Any, float], None]
 NO_NEWS = "a report about a district that is not its leader's, or not new"
 
 
-PROBLEM = "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all"
-
 BELIEVED_BY = 2
 """Replicas of reservation tables that must agree: one alone may lie."""
 
@@ -39,15 +36,13 @@ class AloneAmongOthers:
 
     Args:
         plant: its machines and storages, which may keep reservation tables.
-        raise_problem: reports that the vehicle stands until a person has checked it.
+        note_alone: called with the time at each sign that others drive with right of way.
     """
 
-    def __init__(
-        self, plant: Plant, life: Life, raise_problem: Callable[[ProblemRaised, float], None]
-    ) -> None:
+    def __init__(self, plant: Plant, life: Life, note_alone: Callable[[float], None]) -> None:
         self._plant = plant
         self._life = life
-        self._raise_problem = raise_problem
+        self._note_alone = note_alone
         self._asked_by: set[str] = set()
 
     def fill(self, messages: dict[type[Message], Callable[..., None]]) -> None:
@@ -58,12 +53,9 @@ class AloneAmongOthers:
     def _on_asked(self, sender: str, _message: Message, now_s: float) -> None:
         if sender not in self._plant.machines and sender not in self._plant.stores:
             return
-        first = len(self._asked_by) < BELIEVED_BY
         self._asked_by.add(sender)
         if len(self._asked_by) >= BELIEVED_BY:
-            self._life.instruct(Hold())
-            if first:
-                self._raise_problem(ProblemRaised(reason=PROBLEM), now_s)
+            self._note_alone(now_s)
 
 
 class Owner(Protocol):
@@ -82,8 +74,8 @@ class Owner(Protocol):
 class Problems(Protocol):
     """The handling of a vehicle's problems."""
 
-    def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
-        """Stop until a person has checked the vehicle."""
+    def note_alone(self, now_s: float) -> None:
+        """Others drive with right of way, and it drives without."""
 
     def note_doubled(self, now_s: float) -> None:
         """Another agent uses its id."""
@@ -187,4 +179,4 @@ def handle_traffic(
     if isinstance(driver, ReservedDriver):
         TrafficHandling(driver, vehicle, life).fill(messages, alarms)
     else:
-        AloneAmongOthers(plant, life, vehicle.problems.raise_problem).fill(messages)
+        AloneAmongOthers(plant, life, vehicle.problems.note_alone).fill(messages)

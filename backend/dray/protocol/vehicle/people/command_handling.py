@@ -20,6 +20,7 @@ from dray.protocol.vehicle.people.assistance import Assistance
 
 DOUBLED = "its name is used by another"
 DENIED = "reported as carried away while driving"
+ALONE = "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all"
 """Why a vehicle stops itself, in words: the reason of its call, and of its refusals. Panels know them (`failure.` in their
 texts)."""
 

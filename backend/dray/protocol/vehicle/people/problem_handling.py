@@ -17,7 +17,7 @@ from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_f
 from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
-from dray.protocol.vehicle.people.command_handling import DOUBLED, CommandHandling
+from dray.protocol.vehicle.people.command_handling import ALONE, DOUBLED, CommandHandling
 
 
 class Owner(Protocol):
@@ -152,6 +152,16 @@ class ProblemHandling:
         self._commands.stop_itself(DOUBLED)
         self._life.alarm(DOUBLED, now_s + DOUBLED_S)
         self.raise_problem(ProblemRaised(reason=DOUBLED), now_s)
+
+    def note_alone(self, now_s: float) -> None:
+        """Others drive with right of way, and it drives without: stop until it was started as they were.
+
+        The call goes on in its next life until a person has come. Harmless when repeated.
+        """
+        if not self._commands.stopped_itself:
+            self._commands.stop_itself(ALONE)
+        if not self._assistance.problem:
+            self.raise_problem(ProblemRaised(reason=ALONE), now_s)
 
     def update_call(self, now_s: float) -> None:
         """Open and close the call for a person.
