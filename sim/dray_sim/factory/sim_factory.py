@@ -42,6 +42,7 @@ from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.installation import (
     Embody,
     EmbodyMachine,
+    EmbodyStore,
     Installation,
     MakeAgent,
     MakeBody,
@@ -95,6 +96,7 @@ class SimFactory:
         traffic: whether vehicles drive with right of way; else as if each were alone.
         embody: makes an adapter between a vehicle and each life of its agent; none by default.
         embody_machine: makes an adapter between a workcell and each life of its agent; none by default.
+        embody_store: likewise between a storage and its station.
         strategists: how many there are.
 
     Attributes:
@@ -108,6 +110,7 @@ class SimFactory:
         journals: by agent id.
         gate, strategists: the gate of all delivery warehouses, and the ids of the strategists that share it.
         in_hands: pieces that people carry, by item.
+        has_levels: whether stations learn by the levels of controllers what lies in their storages.
     """
 
     def __init__(
@@ -126,9 +129,11 @@ class SimFactory:
         traffic: bool = False,
         embody: Embody = directly,
         embody_machine: EmbodyMachine = itself,
+        embody_store: EmbodyStore = itself,
         strategists: int = 1,
     ) -> None:
         self._embody = embody
+        self.has_levels = embody_store is not itself
         self.plant = plant
         self.clock = clock
         self.keys = Keys(plant.id)
@@ -162,7 +167,7 @@ class SimFactory:
                 machine, Kind.MACHINE, self._machine(machine, plant), partial(embody_machine, workcell)
             )
         for storage, place in self.storages.items():
-            self._employ(storage, Kind.STATION, self._station(storage), always(place))
+            self._employ(storage, Kind.STATION, self._station(storage), partial(embody_store, place))
         for spec in plant.fleet.values():
             self._man(spec)
         self.strategists = strategists_of(strategists)

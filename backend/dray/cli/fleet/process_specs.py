@@ -87,7 +87,7 @@ def specs_of(
         secret: more settings, for the gateway alone.
         demand: whether the gateway places orders, too.
         metrics: whether every process serves its metrics.
-        opcua: whether machines are behind the floor's OPC UA server.
+        opcua: whether machines and storages are behind the floor's OPC UA server.
         vda5050: the broker of vehicles that speak VDA 5050; empty for none.
         people_at_gate: whether people operate the gate.
     """
@@ -120,7 +120,7 @@ def specs_of(
         }
         command = commands[name]
         body = {}
-        if opcua and name in plant.machines:
+        if opcua and (name in plant.machines or name in plant.stores):
             body = {"BODY": "opcua", "MAPPING": str(controllers / f"{name}.yaml")}
         elif vda5050 and name in plant.fleet:
             body = {"BODY": "vda5050", "BROKER": vda5050} | _simulated_vehicle(name)

@@ -18,7 +18,7 @@ from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.opcua.mapping_file import OpcUaMapping
 from dray.adapters.signals.signal import LinkListener, SignalMapping
-from dray.adapters.signals.store import DAMAGED_STORE, KeptStore, SignalledStore
+from dray.adapters.signals.store import DAMAGED_STORE, KeptStore, SignalledStore, rests_s
 from dray.adapters.signals.workcell import DAMAGED as DAMAGED_WORKCELL
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.adapters.zenoh.bus import ZenohBus
@@ -196,7 +196,8 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
             _log.error("%s: %s", name, file.lost)
         now = clock()
         link = real.link(f"dray-{name}")
-        body = SignalledStore(spec, real.mapping, now, _World(link.write, file.write), kept)
+        world, rest_s = _World(link.write, file.write), rests_s(settings.plant_speed)
+        body = SignalledStore(spec, real.mapping, now, world, kept, rests_s=rest_s)
         running = asyncio.create_task(link.run(body))
 
         async def lost() -> None:

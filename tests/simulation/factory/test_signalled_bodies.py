@@ -1,22 +1,27 @@
-"""Machines that are controllers with single values, in a simulated plant: a shift in which links are cut and agents are killed."""
+"""Machines and storages that are controllers with single values, in a simulated plant: a shift in which links are cut and agents are killed."""
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from random import Random
+from typing import Any
 
 import pytest
 
-from dray.adapters.signals.signal import Sample, Signal, SignalMapping, Tag, Value
+from dray.adapters.signals.signal import AT_A_DOCK, LEVEL, Sample, Signal, SignalMapping, Tag, Value
+from dray.adapters.signals.store import KeptStore, SignalledStore
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.messages import OrderItem
 from dray.plant import Plant, default_plant
 from dray.plant.file.file import shipped_plant
 from dray.ports import Body, Clock
+from dray_sim.bodies.stores import Storage
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.controllers.machine import COUNTERS, MachineController
+from dray_sim.controllers.store import StoreController
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners
 from dray_sim.people.demand import Order
@@ -37,41 +42,35 @@ MODULUS = 16
 
 
 class Wired:
-    """A machine's controller, wired to the body of each life of its agent; the wire may be cut.
+    """The controller of a machine or a storage, wired to the body of each life of its agent; the wire may be cut.
 
     Args:
-        workcell: the machine.
-        plant: where it stands.
-        now: the plant's clock.
+        make: the body of the next life, of its world and of what the last life has kept.
     """
 
-    def __init__(self, workcell: SimWorkcell, plant: Plant, now: Clock) -> None:
-        self._spec, self._plant, self._now = plant.machines[workcell.id], plant, now
-        self._controller = MachineController(workcell, now, self._tell, modulus=MODULUS)
-        tags = {signal: Tag(signal.value) for signal in SIGNALS}
-        for signal in COUNTERS:
-            tags[signal] = Tag(signal.value, rolls_over_at=MODULUS)
-        self._mapping = SignalMapping(tags, workcell.sense().stock)
-        self.body: SignalledWorkcell | None = None
-        self.kept: Kept | None = None
+    def __init__(self, make: Callable[[Wired, Any], SignalledWorkcell | SignalledStore]) -> None:
+        self._make = make
+        self.controller: MachineController | StoreController
+        self.body: SignalledWorkcell | SignalledStore | None = None
+        self.kept: Kept | KeptStore | None = None
         self.linked = True
 
     def live(self) -> Body:
         """The body of the next life of its agent."""
-        self.body = SignalledWorkcell(self._spec, self._plant, self._mapping, self._now, self, self.kept)
+        self.body = self._make(self, self.kept)
         if self.linked:
             self.link()
         return self.body
 
     # --- a world ---
 
-    def remember(self, kept: Kept) -> None:
+    def remember(self, kept: Kept | KeptStore) -> None:
         self.kept = kept
 
     def write(self) -> None:
         if self.linked and self.body is not None:
             for name, value in self.body.outputs.items():
-                self._controller.on_write(Signal(name), value)
+                self.controller.on_write(Signal(name), value)
 
     # --- the wire ---
 
@@ -85,14 +84,36 @@ class Wired:
         """It is heard again."""
         self.linked = True
         if self.body is not None:
-            for signal, value in self._controller.shows.items():
-                self._tell(signal, value)
+            for signal, value in self.controller.shows.items():
+                self.tell(signal, value)
             self.body.on_link()
             self.write()
 
-    def _tell(self, signal: Signal, value: Value) -> None:
-        if self.linked and self.body is not None and signal in SIGNALS:
-            self.body.on_sample(signal, Sample(value))
+    def tell(self, name: str, value: Value) -> None:
+        """It shows a value."""
+        if self.linked and self.body is not None and (name in SIGNALS or name.startswith(LEVEL)):
+            self.body.on_sample(name, Sample(value))
+
+
+def wired_machine(workcell: SimWorkcell, plant: Plant, now: Clock) -> Wired:
+    """A machine whose counters roll over within the shift, several times."""
+    tags = {signal: Tag(signal.value) for signal in SIGNALS}
+    for signal in COUNTERS:
+        tags[signal] = Tag(signal.value, rolls_over_at=MODULUS)
+    mapping, spec = SignalMapping(tags, workcell.sense().stock), plant.machines[workcell.id]
+    wired = Wired(lambda world, kept: SignalledWorkcell(spec, plant, mapping, now, world, kept))
+    wired.controller = MachineController(workcell, now, wired.tell, modulus=MODULUS)
+    return wired
+
+
+def wired_store(storage: Storage, plant: Plant, now: Clock) -> Wired:
+    """A storage with a scale for each material."""
+    tags = {signal: Tag(signal.value) for signal in AT_A_DOCK}
+    levels = {item: Tag(item) for item in storage.stock}
+    mapping, spec = SignalMapping(tags, dict(storage.stock), levels), plant.stores[storage.id]
+    wired = Wired(lambda world, kept: SignalledStore(spec, mapping, now, world, kept))
+    wired.controller = StoreController(storage, now, wired.tell)
+    return wired
 
 
 async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dict[str, Wired], Invariants]:
@@ -100,10 +121,15 @@ async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dic
     now, listeners, chance = clock(), Listeners(), Random(seed)
     controllers: dict[str, Wired] = {}
 
-    def embody(workcell: SimWorkcell, _life: int) -> Body:
+    def embody_machine(workcell: SimWorkcell, _life: int) -> Body:
         if workcell.id not in controllers:
-            controllers[workcell.id] = Wired(workcell, plant, now)
+            controllers[workcell.id] = wired_machine(workcell, plant, now)
         return controllers[workcell.id].live()
+
+    def embody_store(storage: Storage, _life: int) -> Body:
+        if storage.id not in controllers:
+            controllers[storage.id] = wired_store(storage, plant, now)
+        return controllers[storage.id].live()
 
     factory = SimFactory(
         plant,
@@ -112,7 +138,8 @@ async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dic
         stock_frac=(0.02, 0.15),
         listener=listeners,
         traffic=True,
-        embody_machine=embody,
+        embody_machine=embody_machine,
+        embody_store=embody_store,
     )
     invariants = Invariants(factory)
     listeners.add(invariants)
@@ -125,13 +152,13 @@ async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dic
     running.append(asyncio.create_task(OrderClient(factory.bus, now).place(orders)))
     while now.now_s() < span_s / 2:
         await asyncio.sleep(chance.uniform(20.0, 120.0))
-        machine = chance.choice([*controllers])
+        name = chance.choice([*controllers])
         if chance.random() < 0.5:
-            factory.restart(machine)
+            factory.restart(name)
         else:
-            controllers[machine].cut()
+            controllers[name].cut()
             await asyncio.sleep(chance.uniform(1.0, 90.0))
-            controllers[machine].link()
+            controllers[name].link()
     await asyncio.sleep(span_s / 2)
     for task in running:
         assert not task.done() or task.exception() is None, task
@@ -151,9 +178,9 @@ def test_every_piece_is_counted_once_and_every_order_is_delivered(plant: Plant, 
     assert invariants.broken is None
     arrived = sum(sum(warehouse.arrived.values()) for warehouse in factory.delivery.values())
     assert arrived == PIECES * sum(item not in plant.parts for item in plant.products)
-    for machine, controller in controllers.items():
-        assert controller.kept is None or controller.kept.doubt == "", machine
-        body = controller.body
-        assert body is not None
+    there: dict[str, Body] = {**factory.workcells, **factory.storages}
+    for name, wired in controllers.items():
+        assert not isinstance(wired.kept, Kept) or wired.kept.doubt == "", name
+        assert wired.body is not None
         # What is reckoned is what lies there.
-        assert body.sense().stock == factory.workcells[machine].sense().stock, machine
+        assert wired.body.sense().stock == there[name].sense().stock, name
