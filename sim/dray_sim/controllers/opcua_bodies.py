@@ -1,4 +1,4 @@
-"""The machines and storages of a simulated factory behind a real OPC UA server: agents and controllers speak by TCP only."""
+"""The machines, storages and gate of a simulated factory behind a real OPC UA server: agents and controllers speak by TCP only."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ from typing import Any, Protocol
 from dray.adapters.documents import DocumentReader
 from dray.adapters.opcua.link import OpcUaLink
 from dray.adapters.opcua.mapping_file import OpcUaMapping
+from dray.adapters.signals.gate import SignalledGate, settle_s
 from dray.adapters.signals.signal import LinkListener, Sample, Value
 from dray.adapters.signals.store import SignalledStore, rests_s
 from dray.adapters.signals.workcell import SignalledWorkcell
 from dray.body.documents import Documents
+from dray.messages.keys import GATE
 from dray.plant import Plant
 from dray.ports import Body, Clock
+from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.stores import Storage
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.controllers.opcua_controllers import OpcUaControllers
@@ -26,7 +29,7 @@ class _Controlled(LinkListener, Body, Protocol):
 
 
 class OpcUaBodies:
-    """All machines and stores of a plant with their controllers, and the bodies of their agents. Made on the factory's loop.
+    """All machines, stores and the gate of a plant with their controllers, and the bodies of their agents. Made on the factory's loop.
 
     Args:
         plant: its machines and stores.
@@ -39,6 +42,7 @@ class OpcUaBodies:
         controllers: those of machines, by machine.
         machines: their bodies in the present lives, by machine.
         stores: the bodies of storages and source warehouses, likewise.
+        gate: the body of the gate; None before its agent's first life.
     """
 
     def __init__(
@@ -50,13 +54,14 @@ class OpcUaBodies:
         documents: Documents | None = None,
     ) -> None:
         self._plant, self._clock, self._server = plant, clock, server
-        self._rests_s = rests_s(speed)
+        self._rests_s, self._settle_s = rests_s(speed), settle_s(speed)
         self._documents = documents
         self._controllers = OpcUaControllers(clock, server, speed)
         self.controllers = self._controllers.controllers
         self._loop = asyncio.get_running_loop()
         self.machines: dict[str, SignalledWorkcell] = {}
         self.stores: dict[str, SignalledStore] = {}
+        self.gate: SignalledGate | None = None
         self._mappings: dict[str, OpcUaMapping] = {}
         self._kept: dict[str, Any] = {}
         self._lives: dict[str, _Life] = {}
@@ -88,6 +93,18 @@ class OpcUaBodies:
         spec, mapping, kept = self._plant.stores[store], self._mappings[store], self._kept.get(store)
         body = SignalledStore(spec, mapping, self._clock, life, kept, rests_s=self._rests_s)
         self.stores[store] = body
+        life.begin(body)
+        return body
+
+    def embody_gate(self, gate: Gate, _life: int) -> Body:
+        """The body of the next life of the gate's agent, likewise.
+
+        Raises:
+            OSError: the mapping file cannot be written.
+        """
+        life = self._next_life(GATE, lambda: self._controllers.build_gate(gate))
+        mapping, kept = self._mappings[GATE], self._kept.get(GATE)
+        body = self.gate = SignalledGate(mapping, self._clock, life, kept, settle_s=self._settle_s)
         life.begin(body)
         return body
 

@@ -1,4 +1,4 @@
-"""The controllers of a simulated floor's machines and storages, on the nodes of an OPC UA server."""
+"""The controllers of a simulated floor's machines, storages and gate, on the nodes of an OPC UA server."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ import msgspec
 
 from dray.adapters.opcua.mapping_file import OpcUaMapping
 from dray.adapters.signals.signal import AT_A_DOCK, LEVEL, Signal, Tag, Value
+from dray.messages.keys import GATE
 from dray.ports import Clock
+from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.stores import Storage
 from dray_sim.bodies.workcell import SimWorkcell
+from dray_sim.controllers.gate import GateController
 from dray_sim.controllers.machine import MachineController
-from dray_sim.controllers.opcua_server import NODES, ControllerServer, node_id
+from dray_sim.controllers.opcua_server import GATE_NODES, NODES, ControllerServer, node_id
 from dray_sim.controllers.store import StoreController
 
 REST_WALL_S, REST_MIN_S = 0.5, 1.0
@@ -71,6 +74,16 @@ class OpcUaControllers:
             store, OpcUaMapping(url=self._server.url, signals=tags, levels=levels, stock=stock)
         )
 
+    def build_gate(self, gate: Gate) -> OpcUaMapping:
+        """Give the gate its controller, and write down where that is.
+
+        Raises:
+            OSError: the mapping file cannot be written.
+        """
+        self._connect(GATE, GateController(gate, self._clock, self._show(GATE)))
+        tags = {signal: Tag(node_id(GATE, signal)) for signal in GATE_NODES}
+        return self._write(GATE, OpcUaMapping(url=self._server.url, signals=tags))
+
     def end(self) -> None:
         """Hear nothing any more; the loop may be closed then."""
         self._ended = True
@@ -78,7 +91,7 @@ class OpcUaControllers:
     def _show(self, name: str) -> Callable[[str, Value], None]:
         return partial(self._server.show, name)
 
-    def _connect(self, name: str, controller: MachineController | StoreController) -> None:
+    def _connect(self, name: str, controller: MachineController | StoreController | GateController) -> None:
         def on_write(signal: Signal, value: Value) -> None:
             """Runs on the server's thread."""
             if not self._ended:

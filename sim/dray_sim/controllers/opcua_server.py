@@ -1,4 +1,4 @@
-"""An OPC UA server that has the controllers of simulated machines and storages.
+"""An OPC UA server that has the controllers of simulated machines, storages and the gate.
 
 It runs in a thread of its own, and so do the links of agents to it: a network uses the wall clock, at any speed of
 the plant's clock. Each machine is an object, and each of its signals a node, as `ns=2;s=M8.pieces`.
@@ -20,6 +20,7 @@ from asyncua.server.server import Server
 
 from dray.adapters.signals.signal import AT_A_DOCK, LEVEL, Signal, Value, is_told
 from dray.errors import UnavailableError
+from dray.messages.keys import GATE
 from dray.plant.model import Storage as StorageSpec
 from dray_sim.controllers.opcua_nodes import Types, add_controller, short, shown
 
@@ -48,6 +49,15 @@ NODES: Types[Signal] = {
     Signal.ALIVE: (0, ua.VariantType.UInt16),
 }
 """The first value and the type of each signal of a machine."""
+
+GATE_NODES: Types[Signal] = {
+    Signal.PIECES: NODES[Signal.PIECES],
+    Signal.GOAL: ("", ua.VariantType.String),
+    Signal.ADMITTED: (0, ua.VariantType.UInt32),
+    Signal.ADMITTED_GOAL: ("", ua.VariantType.String),
+    Signal.ALIVE: NODES[Signal.ALIVE],
+}
+"""The first value and the type of each signal of the gate."""
 
 OnWrite = Callable[[Signal, Value], None]
 
@@ -79,18 +89,23 @@ class ControllerServer:
         machines: their ids.
         folder: where the mapping file of each is written, as `M8.yaml`.
         stores: the storages and source warehouses with controllers.
+        gate: whether the gate has one.
 
     Attributes:
         url: where it is.
         loop: of its thread; for links to it, too.
     """
 
-    def __init__(self, machines: Iterable[str], folder: Path, stores: Iterable[StorageSpec] = ()) -> None:
+    def __init__(
+        self, machines: Iterable[str], folder: Path, stores: Iterable[StorageSpec] = (), *, gate: bool = False
+    ) -> None:
         self.url = ""
         self.folder = folder
         self.loop = asyncio.new_event_loop()
         self._types: dict[str, Types[Any]] = dict.fromkeys(machines, NODES)
         self._types |= {store.id: nodes_of(store) for store in stores}
+        if gate:
+            self._types[GATE] = GATE_NODES
         self._thread = threading.Thread(target=self._run, name="opc-ua", daemon=True)
         self._server: Server | None = None
         self._nodes: dict[tuple[str, str], Node] = {}

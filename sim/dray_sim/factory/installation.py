@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from dray.plant.model import VehicleSpec
 from dray.ports import Body
 from dray.protocol.runtime.events import Agent
+from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.stores import Storage
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
@@ -61,8 +62,12 @@ EmbodyStore = Callable[[Storage, int], Body]
 """Makes the body of one life of a station, from its storage and the number of that life."""
 
 
+EmbodyGate = Callable[[Gate, int], Body]
+"""Makes the body of one life of the gate's agent, from the gate and the number of that life."""
+
+
 def itself(body: Body, _life: int) -> Body:
-    """An `EmbodyMachine` and `EmbodyStore` that puts nothing between a body and its agent."""
+    """An `EmbodyMachine`, `EmbodyStore` and `EmbodyGate` that puts nothing between a body and its agent."""
     return body
 
 

@@ -41,6 +41,7 @@ from dray_sim.clock.computer import ComputerClock
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.installation import (
     Embody,
+    EmbodyGate,
     EmbodyMachine,
     EmbodyStore,
     Installation,
@@ -59,14 +60,14 @@ from dray_sim.network.sim_network import SimNetwork
 
 
 def with_gate(
-    plant: Plant, gate: Gate, strategists: tuple[str, ...]
+    plant: Plant, gate: Gate, strategists: tuple[str, ...], embody: EmbodyGate = itself
 ) -> Iterator[tuple[str, Kind, MakeAgent, MakeBody]]:
     """The gate and each strategist: how its agent is made, and its body. Strategists have none."""
     yield (
         GATE,
         Kind.GATE,
         lambda life, software, _probation: DeliveryGate(plant, incarnation=life, software=software),
-        always(gate),
+        partial(embody, gate),
     )
     for strategist in strategists:
         yield strategist, Kind.STRATEGIST, _maker(plant, strategist, strategists), always(None)
@@ -97,6 +98,7 @@ class SimFactory:
         embody: makes an adapter between a vehicle and each life of its agent; none by default.
         embody_machine: makes an adapter between a workcell and each life of its agent; none by default.
         embody_store: likewise between a storage and its station.
+        embody_gate: likewise between the gate and its agent.
         strategists: how many there are.
 
     Attributes:
@@ -130,6 +132,7 @@ class SimFactory:
         embody: Embody = directly,
         embody_machine: EmbodyMachine = itself,
         embody_store: EmbodyStore = itself,
+        embody_gate: EmbodyGate = itself,
         strategists: int = 1,
     ) -> None:
         self._embody = embody
@@ -171,7 +174,7 @@ class SimFactory:
         for spec in plant.fleet.values():
             self._man(spec)
         self.strategists = strategists_of(strategists)
-        for agent, kind, make, body in with_gate(plant, self.gate, self.strategists):
+        for agent, kind, make, body in with_gate(plant, self.gate, self.strategists, embody_gate):
             self._employ(agent, kind, make, body)
 
     @property

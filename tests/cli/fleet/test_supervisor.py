@@ -44,14 +44,14 @@ def test_the_database_is_the_options_the_environments_or_the_folders(
     ]
 
 
-def test_a_fleet_with_controllers_begins_with_none_and_its_machines_and_storages_wait_for_theirs(
+def test_a_fleet_with_controllers_begins_with_none_and_its_agents_wait_for_theirs(
     call: Call, supervised: list[FleetOptions], tmp_path: Path
 ) -> None:
     call("fleet", "up", "--folder", tmp_path, "--opcua")
     assert [each.opcua for each in supervised] == [True]
     plant = default_plant()
-    files = [tmp_path / "controllers" / f"{name}.yaml" for name in ("M8", "S1")]
-    files += [tmp_path / "journals" / f"{name}.json" for name in ("M8.workcell", "S1.store")]
+    files = [tmp_path / "controllers" / f"{name}.yaml" for name in ("M8", "S1", "gate")]
+    files += [tmp_path / "journals" / f"{name}.json" for name in ("M8.workcell", "S1.store", "gate.signals")]
     other = tmp_path / "journals" / "M8-elsewhere.workcell.json"
     for file in (*files, other):
         file.parent.mkdir(exist_ok=True)
@@ -63,7 +63,7 @@ def test_a_fleet_with_controllers_begins_with_none_and_its_machines_and_storages
     assert told["floor"] == (("floor", "--opcua", str(tmp_path / "controllers")), "")
     assert told["M8"] == (("agent", "machine", "M8"), "opcua")
     assert told["S1"] == (("agent", "station", "S1"), "opcua")
-    assert told["gate"] == (("agent", "gate", "gate"), "")
+    assert told["gate"] == (("agent", "gate", "gate"), "opcua")
     assert told["ATV1"] == (("agent", "atv", "ATV1"), "")
 
 

@@ -1,4 +1,4 @@
-"""An order of the default plant where every machine and storage is behind OPC UA, and every vehicle behind VDA 5050."""
+"""An order of the default plant where every machine and storage, and the gate, is behind OPC UA, and every vehicle behind VDA 5050."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from dray.adapters.mapping_file import load_mapping
 from dray.adapters.opcua.mapping_file import OpcUaMapping
 from dray.adapters.vda5050.link import BrokerAddress
 from dray.messages import OrderItem
+from dray.messages.keys import GATE
 from dray.plant import default_plant
 from dray.ports import Body
 from dray_sim.checks.invariants import Invariants
@@ -47,6 +48,8 @@ class Shift:
     problems: dict[str, str] = field(default_factory=dict)
     restarted: bool = False
     """Whether the agents of machines and storages have begun another life."""
+    at_the_gate: dict[str, int] = field(default_factory=dict)
+    """Pieces by goal, as the gate has counted them."""
     broken: object = None
 
 
@@ -64,6 +67,7 @@ async def worked(broker: BrokerAddress, server: ControllerServer) -> Shift:
         embody=fleet.embody,
         embody_machine=bodies.embody_machine,
         embody_store=bodies.embody_store,
+        embody_gate=bodies.embody_gate,
     )
     invariants = Invariants(factory)
     listeners.add(invariants)
@@ -73,6 +77,17 @@ async def worked(broker: BrokerAddress, server: ControllerServer) -> Shift:
     def arrived() -> dict[str, int]:
         places = factory.delivery.values()
         return {line.product: sum(place.arrived[line.product] for place in places) for line in wanted}
+
+    def rests() -> bool:
+        gate = bodies.gate
+        return (
+            gate is not None
+            and gate.sense().arrived == factory.gate.sense().arrived
+            and all(
+                body.sense().stock == there[name].sense().stock
+                for name, body in (*bodies.machines.items(), *bodies.stores.items())
+            )
+        )
 
     await fleet.ready()
     await bodies.ready()
@@ -87,14 +102,11 @@ async def worked(broker: BrokerAddress, server: ControllerServer) -> Shift:
                     each.made[COUNTERS[0]] for each in bodies.controllers.values()
                 ):
                     shift.restarted = True
-                    for agent in (*plant.machines, *plant.stores):
+                    for agent in (*plant.machines, *plant.stores, GATE):
                         factory.restart(agent)
                 await asyncio.sleep(LOOK_S)
-            # What is on its way between the two sides comes to rest.
-            while any(  # noqa: ASYNC110 - nobody tells when
-                body.sense().stock != there[name].sense().stock
-                for name, body in (*bodies.machines.items(), *bodies.stores.items())
-            ):
+            # What is on its way between the two sides comes to rest, and what stands before the gate comes in.
+            while not rests():  # noqa: ASYNC110 - nobody tells when
                 await asyncio.sleep(LOOK_S)
     finally:
         for machine, body in bodies.machines.items():
@@ -103,6 +115,9 @@ async def worked(broker: BrokerAddress, server: ControllerServer) -> Shift:
             shift.counted[machine] = sum(controller.made.values())
             shift.believed[machine], shift.there[machine] = body.sense().stock, workcell.sense().stock
             shift.problems[machine] = body.sense().broken
+        if bodies.gate is not None:
+            shift.at_the_gate = bodies.gate.sense().arrived
+            shift.problems[GATE] = bodies.gate.away
         for store, place in bodies.stores.items():
             shift.believed[store], shift.there[store] = place.sense().stock, factory.storages[store].stock
         for task in (running, customers):
@@ -117,12 +132,16 @@ async def worked(broker: BrokerAddress, server: ControllerServer) -> Shift:
 @pytest.mark.slow
 def test_an_order_is_delivered_and_every_piece_is_counted_once(tmp_path: Path) -> None:
     plant = default_plant()
-    with local_broker() as broker, local_server(plant.machines, tmp_path, plant.stores.values()) as server:
+    with (
+        local_broker() as broker,
+        local_server(plant.machines, tmp_path, plant.stores.values(), gate=True) as server,
+    ):
         shift = run(worked(broker, server), paced(SPEED))
         url = server.url
     assert shift.broken is None
     assert shift.restarted
     assert all(pieces >= PIECES for pieces in shift.delivered.values()), shift
+    assert sum(shift.at_the_gate.values()) == sum(shift.delivered.values())
     assert sum(shift.made.values()) >= 2 * PIECES
     assert shift.counted == shift.made
     assert shift.believed == shift.there
@@ -135,3 +154,4 @@ def test_an_order_is_delivered_and_every_piece_is_counted_once(tmp_path: Path) -
         mapping = load_mapping(tmp_path / f"{store.id}.yaml", OpcUaMapping)
         mapping.check_store({line.material for line in store.stocks})
         assert {*mapping.levels} == {line.material for line in store.stocks}
+    load_mapping(tmp_path / "gate.yaml", OpcUaMapping).check_gate()

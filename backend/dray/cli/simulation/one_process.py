@@ -102,7 +102,7 @@ async def run_service(
         broker: the broker of vehicles that speak VDA 5050; None for none.
         live: the scenario to play, whose plant is the service's; None for a factory without a script.
         wall: the clock of factory and gateway; the computer's when None.
-        controllers: the OPC UA server of the controllers of machines and storages; None for ones without controllers.
+        controllers: the OPC UA server of the controllers of machines, storages and gate; None for ones without controllers.
 
     Raises:
         UnavailableError: the port or the database is unavailable.
@@ -187,6 +187,7 @@ def _life(
                 embody=directly if fleet is None else fleet.embody,
                 embody_machine=itself if bodies is None else bodies.embody_machine,
                 embody_store=itself if bodies is None else bodies.embody_store,
+                embody_gate=itself if bodies is None else bodies.embody_gate,
             )
             faults = Faults(factory)
         else:
@@ -222,7 +223,7 @@ def _life(
 def _bodies(
     service: Service, controllers: ControllerServer, now: VirtualClock, documents: FetchedDocuments
 ) -> OpcUaBodies:
-    """The controllers of the factory's machines and storages, created on its loop."""
+    """The controllers of the factory's machines, storages and gate, created on its loop."""
     from dray_sim.controllers.opcua_bodies import OpcUaBodies
 
     return OpcUaBodies(service.plant, now, controllers, service.speed, documents)

@@ -66,8 +66,7 @@ def up(
         bool,
         typer.Option(
             "--real-bodies",
-            help="Machines, storages and source warehouses are behind an OPC UA server, and vehicles speak VDA 5050 as with --vda5050. "
-            "The gate is simulated as before.",
+            help="Machines, storages, source warehouses and the gate are behind an OPC UA server, and vehicles speak VDA 5050 as with --vda5050.",
         ),
     ] = False,
     broker: Annotated[
@@ -174,7 +173,7 @@ def brokered(*, vda5050: bool, url: str | None) -> Iterator[BrokerAddress | None
 
 @contextmanager
 def controlled(plant: Plant, *, real_bodies: bool) -> Iterator[ControllerServer | None]:
-    """The OPC UA server of machines and storages with controllers, as long as the context lasts; None without them.
+    """The OPC UA server of machines, storages and the gate with controllers, as long as the context lasts; None without them.
 
     Raises:
         UnavailableError: no server can be started here.
@@ -189,12 +188,11 @@ def controlled(plant: Plant, *, real_bodies: bool) -> Iterator[ControllerServer 
 
     with (
         TemporaryDirectory(prefix="dray-mappings-") as folder,
-        local_server(plant.machines, Path(folder), plant.stores.values()) as server,
+        local_server(plant.machines, Path(folder), plant.stores.values(), gate=True) as server,
     ):
         typer.echo(
             f"OPC UA server      {server.url}, nodes as ns=2;s=MACHINE.pieces\n"
-            f"Mapping files      {folder}, one for each machine, storage and source warehouse\n"
-            "As before          the gate has no controller; it is simulated",
+            f"Mapping files      {folder}, one for each machine, storage and source warehouse, and the gate",
             err=True,
         )
         yield server
