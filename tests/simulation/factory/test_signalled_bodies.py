@@ -1,4 +1,4 @@
-"""Machines and storages that are controllers with single values, in a simulated plant: a shift in which links are cut and agents are killed."""
+"""Machines, storages and a gate that are controllers with single values, in a simulated plant: a shift in which links are cut and agents are killed."""
 
 from __future__ import annotations
 
@@ -9,17 +9,30 @@ from typing import Any
 
 import pytest
 
-from dray.adapters.signals.signal import AT_A_DOCK, LEVEL, Sample, Signal, SignalMapping, Tag, Value
+from dray.adapters.signals.gate import KeptSignals, SignalledGate
+from dray.adapters.signals.signal import (
+    AT_A_DOCK,
+    LEVEL,
+    OF_A_GATE,
+    Sample,
+    Signal,
+    SignalMapping,
+    Tag,
+    Value,
+)
 from dray.adapters.signals.store import KeptStore, SignalledStore
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.messages import OrderItem
+from dray.messages.keys import GATE
 from dray.plant import Plant, default_plant
 from dray.plant.file.file import shipped_plant
 from dray.ports import Body, Clock
+from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.stores import Storage
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import JUMP, clock, run
+from dray_sim.controllers.gate import GateController
 from dray_sim.controllers.machine import COUNTERS, MachineController
 from dray_sim.controllers.store import StoreController
 from dray_sim.factory.sim_factory import SimFactory
@@ -42,17 +55,19 @@ MODULUS = 16
 
 
 class Wired:
-    """The controller of a machine or a storage, wired to the body of each life of its agent; the wire may be cut.
+    """The controller of a machine, a storage or the gate, wired to the body of each life of its agent; the wire may be cut.
 
     Args:
         make: the body of the next life, of its world and of what the last life has kept.
     """
 
-    def __init__(self, make: Callable[[Wired, Any], SignalledWorkcell | SignalledStore]) -> None:
+    def __init__(
+        self, make: Callable[[Wired, Any], SignalledWorkcell | SignalledStore | SignalledGate]
+    ) -> None:
         self._make = make
-        self.controller: MachineController | StoreController
-        self.body: SignalledWorkcell | SignalledStore | None = None
-        self.kept: Kept | KeptStore | None = None
+        self.controller: MachineController | StoreController | GateController
+        self.body: SignalledWorkcell | SignalledStore | SignalledGate | None = None
+        self.kept: Kept | KeptStore | KeptSignals | None = None
         self.linked = True
 
     def live(self) -> Body:
@@ -64,7 +79,7 @@ class Wired:
 
     # --- a world ---
 
-    def remember(self, kept: Kept | KeptStore) -> None:
+    def remember(self, kept: Kept | KeptStore | KeptSignals) -> None:
         self.kept = kept
 
     def write(self) -> None:
@@ -91,7 +106,11 @@ class Wired:
 
     def tell(self, name: str, value: Value) -> None:
         """It shows a value."""
-        if self.linked and self.body is not None and (name in SIGNALS or name.startswith(LEVEL)):
+        if (
+            self.linked
+            and self.body is not None
+            and (name in (*SIGNALS, Signal.GOAL) or name.startswith(LEVEL))
+        ):
             self.body.on_sample(name, Sample(value))
 
 
@@ -116,6 +135,15 @@ def wired_store(storage: Storage, plant: Plant, now: Clock) -> Wired:
     return wired
 
 
+def wired_gate(gate: Gate, now: Clock) -> Wired:
+    """A gate with a reader of labels, and a counter."""
+    tags = {signal: Tag(signal.value) for signal in (Signal.PIECES, *OF_A_GATE)}
+    mapping = SignalMapping(tags)
+    wired = Wired(lambda world, kept: SignalledGate(mapping, now, world, kept))
+    wired.controller = GateController(gate, now, wired.tell)
+    return wired
+
+
 async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dict[str, Wired], Invariants]:
     """An order of each product, while links are cut and agents are killed, and then a while in peace."""
     now, listeners, chance = clock(), Listeners(), Random(seed)
@@ -131,6 +159,11 @@ async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dic
             controllers[storage.id] = wired_store(storage, plant, now)
         return controllers[storage.id].live()
 
+    def embody_gate(gate: Gate, _life: int) -> Body:
+        if GATE not in controllers:
+            controllers[GATE] = wired_gate(gate, now)
+        return controllers[GATE].live()
+
     factory = SimFactory(
         plant,
         now,
@@ -140,6 +173,7 @@ async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dic
         traffic=True,
         embody_machine=embody_machine,
         embody_store=embody_store,
+        embody_gate=embody_gate,
     )
     invariants = Invariants(factory)
     listeners.add(invariants)
@@ -152,7 +186,7 @@ async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dic
     running.append(asyncio.create_task(OrderClient(factory.bus, now).place(orders)))
     while now.now_s() < span_s / 2:
         await asyncio.sleep(chance.uniform(20.0, 120.0))
-        name = chance.choice([*controllers])
+        name = chance.choice([*controllers, *[GATE] * len(controllers)])
         if chance.random() < 0.5:
             factory.restart(name)
         else:
@@ -180,7 +214,12 @@ def test_every_piece_is_counted_once_and_every_order_is_delivered(plant: Plant, 
     assert arrived == PIECES * sum(item not in plant.parts for item in plant.products)
     there: dict[str, Body] = {**factory.workcells, **factory.storages}
     for name, wired in controllers.items():
-        assert not isinstance(wired.kept, Kept) or wired.kept.doubt == "", name
+        assert not isinstance(wired.kept, Kept | KeptSignals) or wired.kept.doubt == "", name
         assert wired.body is not None
+        if isinstance(wired.body, SignalledGate):
+            assert wired.body.sense().arrived == factory.gate.sense().arrived
+            assert isinstance(wired.controller, GateController)
+            assert not wired.controller.aside
+            continue
         # What is reckoned is what lies there.
         assert wired.body.sense().stock == there[name].sense().stock, name

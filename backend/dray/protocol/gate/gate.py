@@ -9,6 +9,7 @@ for a process. The agent adds what a strategist relies on:
 - an order is held by one strategist, with an epoch, over all lives of the gate.
 
 If its body is people, it passes on their reports, with a grant for the area of a delivery warehouse.
+If goods wait before its body (`GateState.late`) they count late, as with people.
 
 It coordinates no transport. Pieces of a shut goal stay with their carrier.
 """
