@@ -283,10 +283,10 @@ class Settings(Keeping):
 
     body: Literal["floor", "vda5050", "controller", "opcua", "mqtt", "people"] = "floor"
     """Simulated, on a floor; a real vehicle by VDA 5050 (docs/vehicles.md); a station's or the gate's controller (docs/stations.md);
-    a machine's or a storage's controller by OPC UA, by single values on topics, or people with a tablet (docs/machines.md)."""
+    the controller of a machine, a storage or the gate by OPC UA, by single values on topics, or people with a tablet (docs/machines.md)."""
 
     mapping: Path | None = None
-    """The file that maps a controller's nodes or topics to signals, for a machine or a storage."""
+    """The file that maps a controller's nodes or topics to signals, for a machine, a storage or the gate."""
 
     opcua_password: SecretStr | None = None
     """The password of the mapping's user; best given as a file (see `SECRETS`)."""

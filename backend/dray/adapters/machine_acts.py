@@ -1,4 +1,4 @@
-"""Commissioning of a machine or a storage's dock: the steps in which it works, for all controllers."""
+"""Commissioning of a machine, a storage's dock or the gate: the steps in which it works, for all controllers."""
 
 from __future__ import annotations
 
@@ -10,10 +10,22 @@ from typing import Protocol, TypeVar
 import msgspec
 
 from dray.adapters.commissioning_step import Step, Steps
+from dray.adapters.signals.gate import KeptSignals, SignalledGate
 from dray.adapters.signals.signal import LinkListener, Signal, SignalMapping, is_told
 from dray.adapters.signals.store import KeptStore, SignalledStore
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
-from dray.body import CloseDock, CycleDone, CycleFailed, DockReady, OpenDock, Report, StartCycle
+from dray.body import (
+    Admit,
+    CloseDock,
+    CycleDone,
+    CycleFailed,
+    DockReady,
+    GoodsArrived,
+    OpenDock,
+    Report,
+    StartCycle,
+)
+from dray.messages.keys import GATE
 from dray.plant import Plant
 from dray.plant.model import MachineSpec, Making
 from dray.plant.model import Storage as StorageSpec
@@ -29,11 +41,31 @@ LINK_S = 15.0
 DOCK_S = 120.0
 """Longest wait for its dock."""
 
+WRITTEN_S = 1.0
+"""Time in which the end of a permit reaches the controller, before the link is closed."""
+
 CYCLES = 5.0
 """Longest wait for a piece, in cycle times of the plant file."""
 
 VEHICLE = "check"
 """The vehicle for which the dock is opened."""
+
+CONTAINER = 1_000
+"""Pieces that are admitted of the container with which the gate is tested."""
+
+
+@dataclass(frozen=True, slots=True)
+class GateSpec:
+    """The gate of the delivery warehouses, which no plant file describes.
+
+    Attributes:
+        id: its agent's name.
+    """
+
+    id: str = GATE
+
+
+Spec = MachineSpec | StorageSpec | GateSpec
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +74,7 @@ class Wanted:
 
     Attributes:
         cycle: whether the machine may work: one piece is made.
-        dock: whether its dock is opened once, as for a vehicle; nobody may stand there.
+        dock: whether its dock is opened once, as for a vehicle, or one container let in at the gate; nobody may stand there.
     """
 
     cycle: bool = False
@@ -62,9 +94,9 @@ class Wanted:
 
 
 class At(Protocol):
-    """The commissioned machine or storage."""
+    """The commissioned machine, storage or gate."""
 
-    spec: MachineSpec | StorageSpec
+    spec: Spec
     plant: Plant
     clock: Clock
 
@@ -89,7 +121,7 @@ async def after(
         wanted: the extent.
         mapping: its signals.
         link_by: makes a link to its controller for the needed signals.
-        machine: the machine or storage.
+        machine: the machine, storage or gate.
     """
     if not steps.passed:
         return
@@ -101,10 +133,10 @@ async def after(
 
 @dataclass
 class Acts:
-    """The steps of one machine or storage; a storage has no cycle.
+    """The steps of one machine, storage or gate; only a machine has a cycle.
 
     Args:
-        spec: the machine or storage.
+        spec: the machine, storage or gate.
         plant: its plant.
         mapping: its signals.
         clock: the plant's.
@@ -112,7 +144,7 @@ class Acts:
         link: the link to its controller.
     """
 
-    spec: MachineSpec | StorageSpec
+    spec: Spec
     plant: Plant
     mapping: SignalMapping
     clock: Clock
@@ -125,7 +157,7 @@ class Acts:
         body = self._body()
         body.attach(self._heard.append)
         running = asyncio.create_task(self.link.run(body))
-        what = "machine" if isinstance(body, SignalledWorkcell) else "storage"
+        what = {SignalledWorkcell: "machine", SignalledStore: "storage", SignalledGate: "gate"}[type(body)]
         try:
             ready = await self._until(lambda: not _why_not(body), LINK_S)
             yield Step(what, ready, "nothing keeps it from working" if ready else _why_not(body))
@@ -137,6 +169,13 @@ class Acts:
                     if self.wanted.cycle
                     else Step("cycle", None, "left out: give --cycle, and it makes a piece")
                 )
+            if isinstance(body, SignalledGate):
+                yield (
+                    await self._container(body)
+                    if self.wanted.dock
+                    else Step("container", None, "left out: give --dock, and it lets a container in")
+                )
+                return
             yield (
                 await self._dock(body)
                 if self.wanted.dock
@@ -146,8 +185,10 @@ class Acts:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
 
-    def _body(self) -> SignalledWorkcell | SignalledStore:
+    def _body(self) -> SignalledWorkcell | SignalledStore | SignalledGate:
         world, spec = _World(self.link), self.spec
+        if isinstance(spec, GateSpec):
+            return SignalledGate(self.mapping, self.clock, world)
         if isinstance(spec, StorageSpec):
             return SignalledStore(spec, self.mapping, self.clock, world)
         bills = (line for making in spec.makes for line in self.plant.products[making.product].bill)
@@ -179,6 +220,31 @@ class Acts:
             f"no piece was counted in {longest_s:.0f} s: {body.sense().broken or 'it does not begin'}",
         )
 
+    async def _container(self, body: SignalledGate) -> Step:
+        """Let one container in, whatever its label."""
+        if not await self._until(lambda: bool(body.label), DOCK_S):
+            return Step(
+                "container",
+                False,
+                f"no label was read for {DOCK_S:.0f} s: put a container with one before it",
+            )
+        label, begun_s = body.label, self.clock.now_s()
+        body.instruct(Admit(label, CONTAINER))
+        is_gone = await self._until(lambda: not body.label or bool(body.away), DOCK_S)
+        body.instruct(Admit(label, 0))
+        await asyncio.sleep(WRITTEN_S)
+        if not is_gone:
+            return Step("container", False, f"{label} was still read {DOCK_S:.0f} s after it was admitted")
+        arrived = max(each.arrived for each in self._heard if isinstance(each, GoodsArrived))
+        if body.away:
+            return Step("container", False, body.away)
+        took_s = self.clock.now_s() - begun_s
+        return Step(
+            "container",
+            arrived > 0,
+            f"{label}: {arrived} pieces counted, and its label was gone {took_s:.1f} s after it was read: count them",
+        )
+
     async def _dock(self, body: SignalledWorkcell | SignalledStore) -> Step:
         if Signal.DOCK_READY not in self.mapping.signals:
             return Step(
@@ -186,6 +252,7 @@ class Acts:
             )
         begun_s = self.clock.now_s()
         spec = self.spec
+        assert not isinstance(spec, GateSpec)  # noqa: S101 - it has no dock
         item = spec.stocks[0].material if isinstance(spec, StorageSpec) else spec.makes[0].product
         body.instruct(OpenDock(vehicle=VEHICLE, item=item, quantity=1))
         opened = await self._until(lambda: DockReady(vehicle=VEHICLE) in self._heard, DOCK_S)
@@ -221,10 +288,10 @@ class _World:
     def __init__(self, link: Link) -> None:
         self.write = link.write
 
-    def remember(self, kept: Kept | KeptStore) -> None:
+    def remember(self, kept: Kept | KeptStore | KeptSignals) -> None:
         """Keep nothing: no later life follows."""
 
 
-def _why_not(body: SignalledWorkcell | SignalledStore) -> str:
+def _why_not(body: SignalledWorkcell | SignalledStore | SignalledGate) -> str:
     """The reason why it cannot work; empty for none."""
     return body.sense().broken if isinstance(body, SignalledWorkcell) else body.away

@@ -52,7 +52,7 @@ class GoodsArrived(Part, frozen=True):
     vehicle: str = ""
     """The vehicle that brought the last ones; empty after an `Admit`, and where the gate cannot tell."""
     by_people: bool = False
-    """Whether people count, later than goods arrive."""
+    """Whether people count, later than goods arrive. See also `GateState.late`."""
 
 
 class GateState(Part, frozen=True):
@@ -64,3 +64,5 @@ class GateState(Part, frozen=True):
     """The orders that this strategist holds, with their epochs; empty where there is one strategist."""
     people: bool = False
     """Whether it is operated by people, who report with `dray.body.Word`."""
+    late: bool = False
+    """Whether it counts later than goods arrive, as people do: containers wait there until their label was read."""

@@ -232,7 +232,7 @@ class Confirmed(Message, said_by=COORDINATORS, radio=True, frozen=True):
     brought: tuple[Brought, ...] = ()
     """The same by vehicle, as far as the strategist has heard since its start; the rest may be of any vehicle."""
     by_people: bool = False
-    """Whether people count at the gate, after the goods have come: then carriers do not wait for the count."""
+    """Whether the gate counts after the goods have come, as people do: then carriers do not wait for the count."""
 
 
 class Declined(Message, said_by=BIDDERS, radio=True, frozen=True):

@@ -109,7 +109,7 @@ class GoodsCounted(Message, said_by=GATES, frozen=True, omit_defaults=True):
     brought: tuple[Brought, ...] = ()
     """The pieces by vehicle, as far as the gate knows."""
     by_people: bool = False
-    """Whether people count, after the goods have come."""
+    """Whether people count, or a gate where containers wait, after the goods have come."""
 
 
 class CountAcknowledged(Message, said_by=STRATEGISTS, frozen=True):

@@ -1,8 +1,9 @@
 """Invariant 28: the stock that a station reports lies there, and it has ordered no more than it has room for.
 
 A report may be a moment old, or of a life that has not heard of a change yet. A report that stays wrong for `WRONG_S`
-is an error. A returned load comes without an order. A load that has just been put down is both on order and there
-until its carrier has said so. So only orders beyond these are judged.
+is an error, or for `WRONG_LEVEL_S` where a controller stands between station and storage. A returned load comes
+without an order. A load that has just been put down is both on order and there until its carrier has said so. So only
+orders beyond these are judged.
 """
 
 from __future__ import annotations
@@ -16,12 +17,16 @@ from dray_sim.factory.sim_factory import SimFactory
 WRONG_S = 30.0
 """A station hears of a change at once, and tells it; one that has just been started counts first."""
 
+WRONG_LEVEL_S = 300.0
+"""A level counts once it has rested while no vehicle stood at the dock, and its controller may be away."""
+
 
 class ReportedStock:
     """Checks one factory."""
 
     def __init__(self, factory: SimFactory) -> None:
         self._storages = factory.floor.storages
+        self._wrong_s = WRONG_LEVEL_S if factory.has_levels else WRONG_S
         self._right_s: dict[tuple[str, str], float] = {}
         """Last moment at which a report was right, by station and item."""
         self._last: dict[tuple[str, str], StockLevel] = {}
@@ -41,7 +46,7 @@ class ReportedStock:
             key = sender, told.item
             if told.level == stock[told.item]:
                 self._right_s[key] = at_s
-            elif at_s > self._right_s.setdefault(key, at_s) + WRONG_S:
+            elif at_s > self._right_s.setdefault(key, at_s) + self._wrong_s:
                 seen = f"{sender} tells of {told.level} {told.item}, and {stock[told.item]} lie there"
                 raise InvariantBroken(28, at_s, seen)
             self._judge(key, told, at_s)

@@ -10,9 +10,7 @@ from collections.abc import Callable
 from dray.adapters.signals.signal import Signal, Value
 from dray.body import (
     Broken,
-    CloseDock,
     CycleDone,
-    OpenDock,
     Repaired,
     Report,
     ResetFault,
@@ -20,14 +18,8 @@ from dray.body import (
     StartCycle,
 )
 from dray.ports import Clock
-from dray_sim.bodies.docks import WHATEVER
 from dray_sim.bodies.workcell import SimWorkcell
-
-LOOK_S = 1.0
-"""Interval between two looks at its inputs."""
-
-READY_AFTER_S = 4.0
-"""Time that its dock takes to open."""
+from dray_sim.controllers.dock import LOOK_S, ControlledDock
 
 MODULUS = 2**16
 """Modulus of its counters: those of a PLC are words."""
@@ -82,7 +74,9 @@ class MachineController:
             Signal.ALIVE: 0,
         }
         self._speed_frac = 1.0
-        self._open_for, self._open_at_s = "", 0.0
+        self._dock = ControlledDock(
+            workcell, clock.now_s(), lambda is_ready: self._show(Signal.DOCK_READY, is_ready)
+        )
         workcell.attach(self._heard)
         clock.call_at(clock.now_s(), self._look)
 
@@ -118,9 +112,7 @@ class MachineController:
         now_s = self._clock.now_s()
         self._clock.call_at(now_s + LOOK_S, self._look)
         if self._workcell.off:
-            # The dock of a machine without power has shut.
-            self._open_for, self._open_at_s = "", now_s + READY_AFTER_S
-            self._show(Signal.DOCK_READY, False)
+            self._dock.lose_power(now_s)
             return
         if self.told[Signal.RESET] and self._workcell.broken:
             self._workcell.instruct(ResetFault())
@@ -130,17 +122,5 @@ class MachineController:
             self._workcell.instruct(SetPace(speed_frac=speed_frac))
         if self.told[Signal.RUN] and now_s >= self._rests_until_s and not self._workcell.sense().cycling:
             self._workcell.instruct(StartCycle(product=str(self.told[Signal.PRODUCT])))
-        self._dock(str(self.told[Signal.DOCK_VEHICLE]) if self.told[Signal.DOCK_PERMIT] else "", now_s)
-
-    def _dock(self, vehicle: str, now_s: float) -> None:
-        if self._open_for and vehicle != self._open_for:
-            self._workcell.instruct(CloseDock(vehicle=self._open_for))
-            self._open_for = ""
-            self._show(Signal.DOCK_READY, False)
-        elif not vehicle or self._open_for:
-            self._open_at_s = now_s + READY_AFTER_S
-        elif now_s >= self._open_at_s:
-            item, quantity = WHATEVER
-            self._workcell.instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity))
-            self._open_for = vehicle
-            self._show(Signal.DOCK_READY, True)
+        vehicle = str(self.told[Signal.DOCK_VEHICLE]) if self.told[Signal.DOCK_PERMIT] else ""
+        self._dock.look(vehicle, now_s)

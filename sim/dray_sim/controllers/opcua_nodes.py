@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TypeVar
 
 from asyncua import ua
 from asyncua.common.node import Node
 from asyncua.server.server import Server
 
-from dray.adapters.signals.signal import Signal, Value
+from dray.adapters.signals.signal import LEVEL, Value
 
-Types = Mapping[Signal, tuple[Value, ua.VariantType]]
+S = TypeVar("S", bound=str)
+
+Types = Mapping[S, tuple[Value, ua.VariantType]]
 """The first value and the type of each signal."""
 
 
-async def add_controller(server: Server, space: int, name: str, types: Types) -> dict[Signal, Node]:
-    """Add a controller, with nodes as `ns=2;s=NAME.pieces`; none is writable yet.
+async def add_controller(server: Server, space: int, name: str, types: Types[S]) -> dict[S, Node]:
+    """Add a controller, with nodes as `ns=2;s=NAME.pieces` or `ns=2;s=NAME.level.shaft`; none is writable yet.
 
     Args:
         server: that gets the nodes.
@@ -26,8 +29,8 @@ async def add_controller(server: Server, space: int, name: str, types: Types) ->
     place = await server.nodes.objects.add_object(_id(name, space), ua.QualifiedName(name, space))
     return {
         signal: await place.add_variable(
-            _id(f"{name}.{signal.value}", space),
-            ua.QualifiedName(signal.value, space),
+            _id(f"{name}.{short(signal)}", space),
+            ua.QualifiedName(short(signal), space),
             value,
             kind,
         )
@@ -35,7 +38,12 @@ async def add_controller(server: Server, space: int, name: str, types: Types) ->
     }
 
 
-def shown(signal: Signal, value: Value, types: Types, status: ua.StatusCode | None = None) -> ua.DataValue:
+def short(signal: str) -> str:
+    """The name of a signal's node: that of the signal, or `level.shaft`."""
+    return f"level.{signal.removeprefix(LEVEL)}" if signal.startswith(LEVEL) else str(signal)
+
+
+def shown(signal: S, value: Value, types: Types[S], status: ua.StatusCode | None = None) -> ua.DataValue:
     """The value of a signal for its node, with the controller's status code."""
     return ua.DataValue(ua.Variant(value, types[signal][1]), status or ua.StatusCode())
 

@@ -1,4 +1,4 @@
-"""An OPC UA server that has the controllers of simulated machines.
+"""An OPC UA server that has the controllers of simulated machines, storages and the gate.
 
 It runs in a thread of its own, and so do the links of agents to it: a network uses the wall clock, at any speed of
 the plant's clock. Each machine is an object, and each of its signals a node, as `ns=2;s=M8.pieces`.
@@ -18,9 +18,11 @@ from asyncua import ua
 from asyncua.common.node import Node
 from asyncua.server.server import Server
 
-from dray.adapters.signals.signal import Signal, Value, is_told
+from dray.adapters.signals.signal import AT_A_DOCK, LEVEL, Signal, Value, is_told
 from dray.errors import UnavailableError
-from dray_sim.controllers.opcua_nodes import Types, add_controller, shown
+from dray.messages.keys import GATE
+from dray.plant.model import Storage as StorageSpec
+from dray_sim.controllers.opcua_nodes import Types, add_controller, short, shown
 
 NAMESPACE = "urn:dray:simulated-machines"
 SPACE = 2
@@ -32,7 +34,7 @@ START_S, STOP_S = 60.0, 20.0
 AWAY_S = 2.0
 """Real seconds without any service after all connections were cut."""
 
-NODES: Types = {
+NODES: Types[Signal] = {
     Signal.PIECES: (0, ua.VariantType.UInt16),
     Signal.BAD: (0, ua.VariantType.UInt16),
     Signal.FAULT: (False, ua.VariantType.Boolean),
@@ -46,7 +48,16 @@ NODES: Types = {
     Signal.DOCK_VEHICLE: ("", ua.VariantType.String),
     Signal.ALIVE: (0, ua.VariantType.UInt16),
 }
-"""The first value and the type of each signal."""
+"""The first value and the type of each signal of a machine."""
+
+GATE_NODES: Types[Signal] = {
+    Signal.PIECES: NODES[Signal.PIECES],
+    Signal.GOAL: ("", ua.VariantType.String),
+    Signal.ADMITTED: (0, ua.VariantType.UInt32),
+    Signal.ADMITTED_GOAL: ("", ua.VariantType.String),
+    Signal.ALIVE: NODES[Signal.ALIVE],
+}
+"""The first value and the type of each signal of the gate."""
 
 OnWrite = Callable[[Signal, Value], None]
 
@@ -56,9 +67,17 @@ logging.getLogger("asyncua").setLevel(logging.ERROR)
 _log = logging.getLogger(__name__)
 
 
-def node_id(machine: str, signal: Signal) -> str:
-    """The address of a signal, as a mapping file has it."""
-    return f"ns={SPACE};s={machine}.{signal.value}"
+def node_id(name: str, signal: str) -> str:
+    """The address of a signal of a machine or storage, as a mapping file has it."""
+    return f"ns={SPACE};s={name}.{short(signal)}"
+
+
+def nodes_of(storage: StorageSpec) -> Types[str]:
+    """The first value and the type of each signal of a storage."""
+    return {
+        **{signal: NODES[signal] for signal in AT_A_DOCK},
+        **{LEVEL + line.material: (0, ua.VariantType.UInt32) for line in storage.stocks},
+    }
 
 
 class ControllerServer:
@@ -69,22 +88,29 @@ class ControllerServer:
     Args:
         machines: their ids.
         folder: where the mapping file of each is written, as `M8.yaml`.
+        stores: the storages and source warehouses with controllers.
+        gate: whether the gate has one.
 
     Attributes:
         url: where it is.
         loop: of its thread; for links to it, too.
     """
 
-    def __init__(self, machines: Iterable[str], folder: Path) -> None:
+    def __init__(
+        self, machines: Iterable[str], folder: Path, stores: Iterable[StorageSpec] = (), *, gate: bool = False
+    ) -> None:
         self.url = ""
         self.folder = folder
         self.loop = asyncio.new_event_loop()
-        self._machines = tuple(machines)
+        self._types: dict[str, Types[Any]] = dict.fromkeys(machines, NODES)
+        self._types |= {store.id: nodes_of(store) for store in stores}
+        if gate:
+            self._types[GATE] = GATE_NODES
         self._thread = threading.Thread(target=self._run, name="opc-ua", daemon=True)
         self._server: Server | None = None
-        self._nodes: dict[tuple[str, Signal], Node] = {}
+        self._nodes: dict[tuple[str, str], Node] = {}
         self._writes: dict[str, OnWrite] = {}
-        self._unshown: dict[tuple[str, Signal], Value] = {}
+        self._unshown: dict[tuple[str, str], Value] = {}
         """Values that are not shown yet: the latest one of each node."""
         self._changed = asyncio.Event()
         self._works: set[asyncio.Task[None]] = set()
@@ -110,13 +136,13 @@ class ControllerServer:
 
     # --- from any thread ---
 
-    def connect(self, machine: str, on_write: OnWrite) -> None:
-        """Call `on_write`, in the server's thread, for every later write to a machine."""
-        self._writes[machine] = on_write
+    def connect(self, name: str, on_write: OnWrite) -> None:
+        """Call `on_write`, in the server's thread, for every later write to a machine or storage."""
+        self._writes[name] = on_write
 
-    def show(self, machine: str, signal: Signal, value: Value) -> None:
-        """Let a machine show a value."""
-        self.loop.call_soon_threadsafe(self._show, machine, signal, value)
+    def show(self, name: str, signal: str, value: Value) -> None:
+        """Let a machine or storage show a value."""
+        self.loop.call_soon_threadsafe(self._show, name, signal, value)
 
     def begin(self, work: Coroutine[Any, Any, None]) -> Future[None]:
         """Let something run beside the server; it is cancelled with it at the latest."""
@@ -130,9 +156,9 @@ class ControllerServer:
 
     def datachange_notification(self, node: Node, value: Any, _data: Any) -> None:
         """Something was written."""
-        machine, _, name = str(node.nodeid.Identifier).rpartition(".")
-        if machine in self._writes and isinstance(value, bool | int | float | str):
-            self._writes[machine](Signal(name), value)
+        name, _, signal = str(node.nodeid.Identifier).rpartition(".")
+        if name in self._writes and isinstance(value, bool | int | float | str):
+            self._writes[name](Signal(signal), value)
 
     def _run(self) -> None:
         asyncio.set_event_loop(self.loop)
@@ -149,9 +175,9 @@ class ControllerServer:
         space = await server.register_namespace(NAMESPACE)
         assert space == SPACE, space  # noqa: S101 - of a server that was made here
         written = []
-        for machine in self._machines:
-            for signal, node in (await add_controller(server, space, machine, NODES)).items():
-                self._nodes[machine, signal] = node
+        for name, types in self._types.items():
+            for signal, node in (await add_controller(server, space, name, types)).items():
+                self._nodes[name, signal] = node
                 if not is_told(signal):
                     await node.set_writable()
                     written.append(node)
@@ -191,8 +217,8 @@ class ControllerServer:
         finally:
             self._works.discard(task)
 
-    def _show(self, machine: str, signal: Signal, value: Value) -> None:
-        self._unshown[machine, signal] = value
+    def _show(self, name: str, signal: str, value: Value) -> None:
+        self._unshown[name, signal] = value
         self._changed.set()
 
     async def _show_all(self) -> None:
@@ -200,6 +226,6 @@ class ControllerServer:
             await self._changed.wait()
             self._changed.clear()
             while self._unshown:
-                name = next(iter(self._unshown))
-                value = self._unshown.pop(name)
-                await self._nodes[name].write_value(shown(name[1], value, NODES))
+                name, signal = next(iter(self._unshown))
+                value = self._unshown.pop((name, signal))
+                await self._nodes[name, signal].write_value(shown(signal, value, self._types[name]))

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from dray.plant.model import VehicleSpec
 from dray.ports import Body
 from dray.protocol.runtime.events import Agent
+from dray_sim.bodies.gate import Gate
+from dray_sim.bodies.stores import Storage
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.computer import ComputerClock
@@ -56,9 +58,17 @@ EmbodyMachine = Callable[[SimWorkcell, int], Body]
 """Makes the body of one life of a machine's agent, from the workcell and the number of that life."""
 
 
-def itself(workcell: SimWorkcell, _life: int) -> Body:
-    """An `EmbodyMachine` that puts nothing between a workcell and its agent."""
-    return workcell
+EmbodyStore = Callable[[Storage, int], Body]
+"""Makes the body of one life of a station, from its storage and the number of that life."""
+
+
+EmbodyGate = Callable[[Gate, int], Body]
+"""Makes the body of one life of the gate's agent, from the gate and the number of that life."""
+
+
+def itself(body: Body, _life: int) -> Body:
+    """An `EmbodyMachine`, `EmbodyStore` and `EmbodyGate` that puts nothing between a body and its agent."""
+    return body
 
 
 def always(body: Body | None) -> MakeBody:

@@ -41,7 +41,9 @@ from dray_sim.clock.computer import ComputerClock
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.installation import (
     Embody,
+    EmbodyGate,
     EmbodyMachine,
+    EmbodyStore,
     Installation,
     MakeAgent,
     MakeBody,
@@ -58,14 +60,14 @@ from dray_sim.network.sim_network import SimNetwork
 
 
 def with_gate(
-    plant: Plant, gate: Gate, strategists: tuple[str, ...]
+    plant: Plant, gate: Gate, strategists: tuple[str, ...], embody: EmbodyGate = itself
 ) -> Iterator[tuple[str, Kind, MakeAgent, MakeBody]]:
     """The gate and each strategist: how its agent is made, and its body. Strategists have none."""
     yield (
         GATE,
         Kind.GATE,
         lambda life, software, _probation: DeliveryGate(plant, incarnation=life, software=software),
-        always(gate),
+        partial(embody, gate),
     )
     for strategist in strategists:
         yield strategist, Kind.STRATEGIST, _maker(plant, strategist, strategists), always(None)
@@ -95,6 +97,8 @@ class SimFactory:
         traffic: whether vehicles drive with right of way; else as if each were alone.
         embody: makes an adapter between a vehicle and each life of its agent; none by default.
         embody_machine: makes an adapter between a workcell and each life of its agent; none by default.
+        embody_store: likewise between a storage and its station.
+        embody_gate: likewise between the gate and its agent.
         strategists: how many there are.
 
     Attributes:
@@ -108,6 +112,7 @@ class SimFactory:
         journals: by agent id.
         gate, strategists: the gate of all delivery warehouses, and the ids of the strategists that share it.
         in_hands: pieces that people carry, by item.
+        has_levels: whether stations learn by the levels of controllers what lies in their storages.
     """
 
     def __init__(
@@ -126,9 +131,12 @@ class SimFactory:
         traffic: bool = False,
         embody: Embody = directly,
         embody_machine: EmbodyMachine = itself,
+        embody_store: EmbodyStore = itself,
+        embody_gate: EmbodyGate = itself,
         strategists: int = 1,
     ) -> None:
         self._embody = embody
+        self.has_levels = embody_store is not itself
         self.plant = plant
         self.clock = clock
         self.keys = Keys(plant.id)
@@ -162,11 +170,11 @@ class SimFactory:
                 machine, Kind.MACHINE, self._machine(machine, plant), partial(embody_machine, workcell)
             )
         for storage, place in self.storages.items():
-            self._employ(storage, Kind.STATION, self._station(storage), always(place))
+            self._employ(storage, Kind.STATION, self._station(storage), partial(embody_store, place))
         for spec in plant.fleet.values():
             self._man(spec)
         self.strategists = strategists_of(strategists)
-        for agent, kind, make, body in with_gate(plant, self.gate, self.strategists):
+        for agent, kind, make, body in with_gate(plant, self.gate, self.strategists, embody_gate):
             self._employ(agent, kind, make, body)
 
     @property

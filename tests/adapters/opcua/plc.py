@@ -26,6 +26,9 @@ TYPES = {
     Signal.SPEED: (100.0, ua.VariantType.Float),
     Signal.DOCK_PERMIT: (False, ua.VariantType.Boolean),
     Signal.DOCK_VEHICLE: ("", ua.VariantType.String),
+    Signal.GOAL: ("", ua.VariantType.String),
+    Signal.ADMITTED: (0, ua.VariantType.UInt16),
+    Signal.ADMITTED_GOAL: ("", ua.VariantType.String),
     Signal.ALIVE: (0, ua.VariantType.Int16),
 }
 

@@ -11,7 +11,7 @@ import pytest
 from plc import Plc, mapping
 from signals_rig import PLANT, PRODUCT, SPEC
 
-from dray.adapters.machine_acts import Wanted
+from dray.adapters.machine_acts import CONTAINER, GateSpec, Wanted
 from dray.adapters.mapping_file import parse_mapping
 from dray.adapters.opcua.commissioning import Commissioning
 from dray.adapters.opcua.mapping_file import OpcUaMapping
@@ -159,6 +159,45 @@ def test_a_level_that_is_no_number_fails_the_check_of_a_storage(tmp_path: Path) 
         assert steps[LEVEL + ITEM][0] is False
         assert "that is no number of pieces" in steps[LEVEL + ITEM][1]
         assert "dock" not in steps
+
+    asyncio.run(story())
+
+
+GATE_SIGNALS = (Signal.PIECES, Signal.GOAL, Signal.ADMITTED, Signal.ADMITTED_GOAL)
+
+
+def of_the_gate(url: str, folder: Path, wanted: Wanted) -> Commissioning:
+    said = msgspec.yaml.encode({"url": url, "signals": mapping(GATE_SIGNALS)})
+    clock = SystemClock(asyncio.get_running_loop())
+    parsed = parse_mapping(said, "gate.yaml", OpcUaMapping)
+    parsed.check_gate()
+    return Commissioning(parsed, folder, "", GateSpec(), PLANT, clock, wanted)
+
+
+async def play_gate(plc: Plc) -> None:
+    """A container of four pieces stands there, and comes in when it may."""
+    await plc.put(Signal.GOAL, "O-7-1.1")
+    await plc.until(Signal.ADMITTED_GOAL, "O-7-1.1")
+    await plc.put(Signal.PIECES, 74)
+    await plc.until(Signal.ADMITTED, CONTAINER - 4)
+    await plc.put(Signal.GOAL, "")
+
+
+def test_a_gate_lets_a_container_in_and_counts_it(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc(pieces=70) as plc:
+            only_read = await seen(of_the_gate(plc.url, tmp_path, Wanted()))
+            assert only_read["gate"] == (True, "nothing keeps it from working")
+            assert only_read["container"][0] is None
+            gate = asyncio.create_task(play_gate(plc))
+            done = of_the_gate(plc.url, tmp_path, Wanted(dock=True))
+            steps = await seen(done)
+            await gate
+            assert await plc.read(Signal.ADMITTED) == 0
+        assert [name for name, (passed, _) in steps.items() if not passed] == []
+        assert steps["container"][1].startswith("O-7-1.1: 4 pieces counted")
+        assert '  fault: {node: "ns=2;s=Press.fault"}' in done.report()
+        assert "dock_ready" not in done.report()
 
     asyncio.run(story())
 

@@ -280,6 +280,12 @@ def test_a_mapping_file_that_is_not_there_or_is_another_file(tmp_path: Path) -> 
 def test_the_examples_can_be_read() -> None:
     folder = Path(__file__).parents[3] / "examples" / "machines"
     files = sorted(folder.glob("*.yaml"))
-    assert [file.name for file in files] == ["counter.yaml", "mqtt.yaml", "opc-40001-1.yaml", "store.yaml"]
+    assert [file.name for file in files] == [
+        "counter.yaml",
+        "gate.yaml",
+        "mqtt.yaml",
+        "opc-40001-1.yaml",
+        "store.yaml",
+    ]
     for file in files:
         load_mapping(file, OpcUaMapping if has_address(file) else MqttMapping)

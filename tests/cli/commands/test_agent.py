@@ -117,6 +117,7 @@ def test_a_joining_agent_that_does_not_fit_into_the_plant_of_the_others_is_refus
         (("machine", "M1"), "mqtt", "--mapping: a controller's body needs the file that names its signals"),
         (("atv", "ATV1"), "controller", "controller is no body of a vehicle: give it floor or vda5050"),
         (("station", "S1"), "vda5050", "vda5050 is no body of a station: give it floor or controller"),
+        (("gate",), "opcua", "--mapping: a controller's body needs the file that names its signals"),
         (("gate",), "vda5050", "vda5050 is no body of the gate: give it floor or controller"),
     ],
 )

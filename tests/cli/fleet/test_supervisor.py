@@ -44,23 +44,26 @@ def test_the_database_is_the_options_the_environments_or_the_folders(
     ]
 
 
-def test_a_fleet_with_controllers_begins_with_none_and_its_machines_wait_for_theirs(
+def test_a_fleet_with_controllers_begins_with_none_and_its_agents_wait_for_theirs(
     call: Call, supervised: list[FleetOptions], tmp_path: Path
 ) -> None:
     call("fleet", "up", "--folder", tmp_path, "--opcua")
     assert [each.opcua for each in supervised] == [True]
     plant = default_plant()
-    files = [tmp_path / "controllers" / "M8.yaml", tmp_path / "journals" / "M8.workcell.json"]
+    files = [tmp_path / "controllers" / f"{name}.yaml" for name in ("M8", "S1", "gate")]
+    files += [tmp_path / "journals" / f"{name}.json" for name in ("M8.workcell", "S1.store", "gate.signals")]
     other = tmp_path / "journals" / "M8-elsewhere.workcell.json"
     for file in (*files, other):
         file.parent.mkdir(exist_ok=True)
         file.touch()
     forget_controllers(tmp_path, plant)
-    assert [file.exists() for file in (*files, other)] == [False, False, True]
+    assert [file.exists() for file in (*files, other)] == [*[False] * len(files), True]
     specs = specs_of(plant, ("strategist",), tmp_path, {}, {}, demand=False, metrics=False, opcua=True)
     told = {spec.name: (spec.command, spec.environment.get("DRAY_BODY", "")) for spec in specs}
     assert told["floor"] == (("floor", "--opcua", str(tmp_path / "controllers")), "")
     assert told["M8"] == (("agent", "machine", "M8"), "opcua")
+    assert told["S1"] == (("agent", "station", "S1"), "opcua")
+    assert told["gate"] == (("agent", "gate", "gate"), "opcua")
     assert told["ATV1"] == (("agent", "atv", "ATV1"), "")
 
 

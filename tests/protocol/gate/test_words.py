@@ -33,10 +33,11 @@ HERE = PLANT.areas_near(*PLANT.position_of(WAREHOUSE), 0.0)
 class GateRig(Rig):
     """The gate, which has admitted 12 pieces of a goal."""
 
-    def __init__(self, *, people: bool = True, memory: Memory | None = None) -> None:
+    def __init__(self, *, people: bool = True, memory: Memory | None = None, late: bool = False) -> None:
         """With a memory it is the next life of its agent, and its body has forgotten all."""
         super().__init__(DeliveryGate(PLANT, incarnation=1 if memory is None else 2, trusts=trusts_seals))
-        self.people, self.arrived = people, {GOAL: 0} if memory is None else {}
+        self.people, self.late = people, late
+        self.arrived = {GOAL: 0} if memory is None else {}
         self.memory = memory or {}
         self.start()
         if memory is not None:
@@ -45,7 +46,7 @@ class GateRig(Rig):
         self.report(GoodsArrived(GOAL, 0, 12, by_people=people))
 
     def sense(self) -> GateState:
-        return GateState(dict(self.arrived), people=self.people)
+        return GateState(dict(self.arrived), people=self.people, late=self.late)
 
 
 def test_a_word_is_passed_on_and_counted_and_answered_when_the_body_has_taken_it() -> None:
@@ -94,4 +95,13 @@ def test_a_gate_that_counts_takes_no_words() -> None:
     assert instructed(effects, Word) == []
     [answer] = sent(effects, CommandAnswered)
     assert (answer.reason, answer.detail) == (CommandRefusal.NOT_SUPPORTED, NO_PEOPLE)
+    assert all(beat.people is UNSET for beat in published(rig.run(rig.now_s + 6.0), StationHeartbeat))
+
+
+def test_a_controller_before_which_containers_wait_counts_late_as_people_do_and_takes_no_words() -> None:
+    rig = GateRig(people=False, late=True)
+    [counted] = sent(rig.report(GoodsArrived(GOAL, 4, 12)), GoodsCounted)
+    assert (counted.arrived, counted.by_people) == (4, True)
+    [answer] = sent(rig.on_message("gateway", granted(GATE, ARRIVED)), CommandAnswered)
+    assert answer.reason == CommandRefusal.NOT_SUPPORTED
     assert all(beat.people is UNSET for beat in published(rig.run(rig.now_s + 6.0), StationHeartbeat))

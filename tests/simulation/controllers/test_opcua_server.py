@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from asyncua import Client, ua
 
-from dray.adapters.signals.signal import Signal, Value
+from dray.adapters.signals.signal import LEVEL, Signal, Value
 from dray.errors import UnavailableError
+from dray.plant import default_plant
 from dray_sim.controllers import local_server as module
 from dray_sim.controllers.local_server import local_server
 from dray_sim.controllers.opcua_server import ControllerServer
@@ -49,6 +50,29 @@ def test_a_machine_shows_its_values_and_hears_what_is_written(tmp_path: Path) ->
         assert heard.get(timeout=PATIENCE_S) == ("M9", Signal.RUN, True)
         assert heard.get(timeout=PATIENCE_S) == ("M8", Signal.DOCK_VEHICLE, "ATV1")
         assert heard.empty()
+
+
+def test_a_storage_shows_its_levels_and_has_nothing_but_a_dock(tmp_path: Path) -> None:
+    heard: queue.Queue[tuple[Signal, Value]] = queue.Queue()
+    store = default_plant().stores["S1"]
+    item = store.stocks[0].material
+
+    async def use(server: ControllerServer) -> None:
+        async with Client(server.url) as client:
+            server.show("S1", LEVEL + item, 70_000)
+            await shown(client, f"ns=2;s=S1.level.{item}", 70_000)
+            await client.get_node("ns=2;s=S1.dock_vehicle").write_value("ATV1")
+            with pytest.raises(ua.UaStatusCodeError):
+                await client.get_node(f"ns=2;s=S1.level.{item}").write_value(
+                    ua.Variant(8, ua.VariantType.UInt32)
+                )
+            with pytest.raises(ua.UaStatusCodeError):
+                await client.get_node("ns=2;s=S1.pieces").read_value()
+
+    with local_server([], tmp_path, [store]) as server:
+        server.connect("S1", lambda *said: heard.put(said))
+        asyncio.run(use(server))
+        assert heard.get(timeout=PATIENCE_S) == (Signal.DOCK_VEHICLE, "ATV1")
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:

@@ -7,15 +7,13 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 
 from dray.adapters.commissioning_step import Step, Steps
-from dray.adapters.machine_acts import LINK_S, Wanted, after
+from dray.adapters.machine_acts import LINK_S, Spec, Wanted, after
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.mqtt.values import sample_of
 from dray.adapters.signals.signal import Quality, Signal, Tag, is_told
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink
 from dray.plant import Plant
-from dray.plant.model import MachineSpec
-from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 
 HEAR_S = 60.0
@@ -31,7 +29,7 @@ class MqttCommissioning:
     Args:
         mapping: its topics.
         broker: the address of their broker.
-        spec: the machine or storage.
+        spec: the machine, storage or gate.
         plant: its plant.
         clock: the plant's.
         wanted: the extent.
@@ -43,7 +41,7 @@ class MqttCommissioning:
 
     mapping: MqttMapping
     broker: BrokerAddress
-    spec: MachineSpec | StorageSpec
+    spec: Spec
     plant: Plant
     clock: Clock
     wanted: Wanted

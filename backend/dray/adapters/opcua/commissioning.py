@@ -1,4 +1,4 @@
-"""Commissioning of the controller of a machine or a storage's dock: it tries all that the agent will need, and records each step.
+"""Commissioning of the controller of a machine, a storage's dock or the gate: it tries all that the agent will need, and records each step.
 
 The first steps only read: nothing moves without being asked for. The findings become a mapping.
 """
@@ -16,12 +16,11 @@ from asyncua.client.client import Client
 from asyncua.ua.uaerrors import UaError
 
 from dray.adapters.commissioning_step import Step, Steps
-from dray.adapters.machine_acts import Wanted, after
+from dray.adapters.machine_acts import GateSpec, Spec, Wanted, after
 from dray.adapters.opcua.link import OpcUaLink, connection, find, sample_of, words
 from dray.adapters.opcua.mapping_file import OpcUaMapping
-from dray.adapters.signals.signal import AT_A_DOCK, LEVEL, Quality, Signal, Tag, is_told
+from dray.adapters.signals.signal import AT_A_DOCK, AT_A_GATE, LEVEL, OF_A_GATE, Quality, Signal, Tag, is_told
 from dray.plant import Plant
-from dray.plant.model import MachineSpec
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 
@@ -40,19 +39,22 @@ HINTS = {
     Signal.RUN: ("run", "start", "enable"),
     Signal.DOCK_PERMIT: ("agvhere", "permit", "agvrequest"),
     Signal.SPEED: ("override", "speed"),
+    Signal.ADMITTED_GOAL: ("admittedgoal", "admittedlabel"),
+    Signal.ADMITTED: ("admitted", "admit"),
+    Signal.GOAL: ("label", "barcode", "goal"),
 }
 """Typical parts of node names, the likeliest first."""
 
 
 @dataclass
 class Commissioning:
-    """The commissioning of one machine or storage.
+    """The commissioning of one machine, storage or gate.
 
     Args:
         mapping: its controller's address, and its nodes.
         folder: the mapping file's folder.
         password: its user's password.
-        spec: the machine or storage.
+        spec: the machine, storage or gate.
         plant: its plant.
         clock: the plant's.
         wanted: the extent.
@@ -64,7 +66,7 @@ class Commissioning:
     mapping: OpcUaMapping
     folder: Path
     password: str
-    spec: MachineSpec | StorageSpec
+    spec: Spec
     plant: Plant
     clock: Clock
     wanted: Wanted
@@ -175,7 +177,13 @@ class Commissioning:
                     name = (await child.read_browse_name()).Name or ""
                     found.setdefault(name.lower(), child.nodeid.to_string())
         for signal, hints in HINTS.items():
-            if isinstance(self.spec, StorageSpec) and signal not in AT_A_DOCK:
+            if isinstance(self.spec, StorageSpec):
+                is_of_it = signal in AT_A_DOCK
+            elif isinstance(self.spec, GateSpec):
+                is_of_it = signal in AT_A_GATE
+            else:
+                is_of_it = signal not in OF_A_GATE
+            if not is_of_it:
                 continue
             for hint in hints:
                 names = sorted((name for name in found if hint in name), key=len)

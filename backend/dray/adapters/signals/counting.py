@@ -55,18 +55,32 @@ def count(
     """
     span_s = max(0.0, now.at_s - last.at_s)
     most = ROOM_PIECES + math.ceil(ROOM_FRAC * (span_s if gap else min(span_s, HELD_UP_S)) / fastest_s)
-    grown = now.value - last.value
-    if 0 <= grown <= most:
-        return Reading(grown)
-    shown = f"went from {last.value:,} to {now.value:,}"
-    if grown > 0:
-        return Reading(0, f"{shown}: {most:,} pieces at most can have been made since")
+    return grown(last.value, now.value, most, moduli, gap=gap, verb="made")
+
+
+def grown(last: int, now: int, most: int, moduli: tuple[int, ...], *, gap: bool, verb: str) -> Reading:
+    """Compare two values of a counter.
+
+    Args:
+        last: the last value.
+        now: the present value.
+        most: maximum pieces in between.
+        moduli: the possible numbers at which it rolls over; empty where unknown.
+        gap: whether values may have been missed in between.
+        verb: what is done with pieces, in words.
+    """
+    change = now - last
+    if 0 <= change <= most:
+        return Reading(change)
+    shown = f"went from {last:,} to {now:,}"
+    if change > 0:
+        return Reading(0, f"{shown}: {most:,} pieces at most can have been {verb} since")
     for modulus in moduli:
-        if last.value < modulus and grown + modulus <= most:
-            return Reading(grown + modulus)
-    if 0 <= now.value <= most:
-        missing = f"{shown} while nobody listened: pieces made before that may be missing" if gap else ""
-        return Reading(now.value, missing)
+        if last < modulus and change + modulus <= most:
+            return Reading(change + modulus)
+    if 0 <= now <= most:
+        missing = f"{shown} while nobody listened: pieces {verb} before that may be missing" if gap else ""
+        return Reading(now, missing)
     return Reading(0, f"{shown}: it counts backwards")
 
 

@@ -28,6 +28,8 @@ class Signal(StrEnum):
     """The machine's state, by the words or numbers of OPC 40001-1."""
     DOCK_READY = "dock_ready"
     """A vehicle may load or unload now."""
+    GOAL = "goal"
+    """The label of the container at the gate; empty for none."""
 
     RUN = "run"
     """True while a piece is wanted: the machine makes one after the other."""
@@ -41,6 +43,10 @@ class Signal(StrEnum):
     """True while a vehicle stands at the dock and waits for `DOCK_READY`, or loads or unloads."""
     DOCK_VEHICLE = "dock_vehicle"
     """The vehicle at the dock; empty for none."""
+    ADMITTED = "admitted"
+    """Pieces of the container at the gate that may come in."""
+    ADMITTED_GOAL = "admitted_goal"
+    """The label for which `ADMITTED` is said."""
     ALIVE = "alive"
     """Counts up once a second while the agent lives and hears the controller."""
 
@@ -52,11 +58,18 @@ READ = (
     Signal.FAULT_TEXT,
     Signal.STATE,
     Signal.DOCK_READY,
+    Signal.GOAL,
 )
 """Signals that the controller writes."""
 
 AT_A_DOCK = (Signal.DOCK_READY, Signal.DOCK_PERMIT, Signal.DOCK_VEHICLE, Signal.ALIVE)
 """Signals of a dock alone."""
+
+OF_A_GATE = (Signal.GOAL, Signal.ADMITTED, Signal.ADMITTED_GOAL)
+"""Signals that only the gate has, and that it must have."""
+
+AT_A_GATE = (Signal.PIECES, *OF_A_GATE, Signal.FAULT, Signal.FAULT_TEXT, Signal.ALIVE)
+"""Signals of the gate."""
 
 
 class Edge(StrEnum):
@@ -126,8 +139,17 @@ LEVEL = "level of "
 """The prefix of a material in the name of a storage's level."""
 
 
+class Checked(Struct, frozen=True, forbid_unknown_fields=True):
+    """People's count at a gate whose count was in doubt."""
+
+    doubt: Annotated[int, Meta(ge=0)]
+    """The number of the doubt, as the agent's log has it: an old count settles no new doubt."""
+    arrived: dict[str, Count] = field(default_factory=dict)
+    """Pieces that are in, by goal; those of other goals stay as they were counted."""
+
+
 class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
-    """The signals of a machine, or of a storage's dock, and its initial stock.
+    """The signals of a machine, of a storage's dock or of the gate, and its initial stock.
 
     Raises:
         ValueError: a signal has an impossible property.
@@ -138,6 +160,8 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
     """Pieces at the first start of its agent. Later starts use the memory."""
     levels: dict[str, Tag] = field(default_factory=dict)
     """For a storage: the level of each material at its controller."""
+    checked: Checked | None = None
+    """For the gate: people's count after a doubt."""
 
     def __post_init__(self) -> None:
         for signal, tag in self.signals.items():
@@ -174,6 +198,7 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
         """
         if Signal.PIECES not in self.signals:
             raise ValueError("signals: `pieces` is missing: without it nobody knows that a piece was made")
+        self._check_no_gate("a machine")
         if self.levels:
             raise ValueError(
                 "levels: a machine's stock is reckoned; only a storage's controller tells levels"
@@ -188,10 +213,52 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
         for signal in self.signals:
             if signal not in AT_A_DOCK:
                 raise ValueError(f"signals.{signal}: a storage has {', '.join(AT_A_DOCK)} only")
+        self._check_no_gate("a storage")
         for where in ("stock", "levels"):
             for item in getattr(self, where):
                 if item not in items:
                     raise ValueError(f"{where}.{item}: this is not kept there")
+
+    def check_gate(self) -> None:
+        """Check that it is the gate's.
+
+        Raises:
+            ValueError: it is not.
+        """
+        for signal in self.signals:
+            if signal in AT_A_DOCK and signal not in AT_A_GATE:
+                raise ValueError(
+                    f"signals.{signal}: vehicles ask nobody at the gate; its controller lets containers in by their label (`goal`)"
+                )
+            if signal not in AT_A_GATE:
+                raise ValueError(f"signals.{signal}: the gate has {', '.join(AT_A_GATE)} only")
+        reasons = {
+            Signal.PIECES: "without it nobody knows that pieces came in",
+            Signal.GOAL: "without the label nobody knows whose pieces came in",
+            Signal.ADMITTED: "the controller must hear how many pieces may come in",
+            Signal.ADMITTED_GOAL: "the controller must hear for which label that is said",
+        }
+        for signal, reason in reasons.items():
+            if signal not in self.signals:
+                raise ValueError(f"signals: `{signal}` is missing: {reason}")
+        if self.stock or self.levels:
+            raise ValueError(f"{'stock' if self.stock else 'levels'}: nothing is kept at the gate")
+
+    def _check_no_gate(self, what: str) -> None:
+        if self.checked is not None:
+            raise ValueError(f"checked: only the gate has it, and this is {what}")
+        for signal in OF_A_GATE:
+            if signal in self.signals:
+                raise ValueError(f"signals.{signal}: only the gate has it, and this is {what}")
+
+
+def fault_words(value: Value, *, inverted: bool) -> str:
+    """A fault in words; empty for none."""
+    if isinstance(value, str):
+        return value.strip()
+    if bool(value) is inverted:
+        return ""
+    return "a fault" if isinstance(value, bool) or inverted else f"fault {value:g}"
 
 
 def is_told(name: str) -> bool:

@@ -3,7 +3,7 @@
 The stock is calculated from vehicles' reports of their transfers. Where the controller measures a material's level, the level prevails: a
 difference at rest, with no vehicle at the dock, was moved by somebody else.
 
-A level is at rest when all its values within `RESTS_S` of the plant's clock lie in a band of `BAND_PIECES`. A sensor may jitter there
+A level is at rest when all its values within a time of the plant's clock (`RESTS_S`) lie in a band of `BAND_PIECES`. A sensor may jitter there
 for ever. The stock stays as it is while it lies between the lowest and the highest of these values; otherwise it becomes their middle.
 """
 
@@ -28,6 +28,9 @@ from dray.ports import Clock
 
 RESTS_S = 10.0
 """The time of rest after which a level counts: a sensor is slower than a vehicle's report, and people fill piece by piece."""
+
+REST_WALL_S = 1.0
+"""At least this long in real seconds, where the plant's clock runs faster: a level takes a fifth of one to arrive."""
 
 BAND_PIECES = 2
 """The band of a level at rest, from lowest to highest: a scale may alternate between two numbers, or shake by one piece either way."""
@@ -79,6 +82,7 @@ class SignalledStore:
         clock: the plant's.
         world: the disk and the link.
         kept: the last life's memory; None for the first one.
+        rests_s: the time of rest after which a level counts.
 
     Attributes:
         outputs: the wanted outputs, by signal; a link writes the differences.
@@ -93,7 +97,10 @@ class SignalledStore:
         clock: Clock,
         world: World,
         kept: KeptStore | None = None,
+        *,
+        rests_s: float = RESTS_S,
     ) -> None:
+        self._rests_s = rests_s
         self._tags, self._levels, self._clock, self._world = mapping.signals, mapping.levels, clock, world
         self._kept = kept or KeptStore(mapping.stock)
         self._stock = {line.material: 0 for line in spec.stocks} | self._kept.stock
@@ -213,7 +220,7 @@ class SignalledStore:
         self._turn += 1
         level = self._told[item]
         self._ranges[item] = Range(level, level, self._turn)
-        self._clock.call_at(self._clock.now_s() + RESTS_S, partial(self._compare, item, self._turn))
+        self._clock.call_at(self._clock.now_s() + self._rests_s, partial(self._compare, item, self._turn))
 
     def _watch_all(self) -> None:
         """After a transfer here, observe all levels anew."""
@@ -283,6 +290,11 @@ class SignalledStore:
     def _keep(self) -> None:
         self._kept = replace(self._kept, stock=dict(self._stock), opened=self._dock.waiting)
         self._world.remember(self._kept)
+
+
+def rests_s(speed: float) -> float:
+    """The time of rest after which a level counts, at this speed of the plant's clock."""
+    return max(RESTS_S, REST_WALL_S * speed)
 
 
 def _level(value: Value, scale: float) -> int | None:

@@ -18,7 +18,7 @@ from msgspec.structs import replace
 
 from dray.adapters.signals.counting import CounterState, Reading, count, count_pulse
 from dray.adapters.signals.dock import DockHandshake, DockState
-from dray.adapters.signals.signal import Quality, Sample, Signal, SignalMapping, Tag, Value
+from dray.adapters.signals.signal import Quality, Sample, Signal, SignalMapping, Tag, Value, fault_words
 from dray.adapters.vehicles_words import name_of, with_word
 from dray.body import (
     Book,
@@ -271,7 +271,7 @@ class SignalledWorkcell:
                     return f"{value!r} is neither true nor false"
                 self._dock.ready(is_ready=bool(value) is not tag.invert)
             case Signal.FAULT:
-                self._fault = _fault(value, inverted=tag.invert)
+                self._fault = fault_words(value, inverted=tag.invert)
                 self._resets = self._resets and bool(self._fault)
                 self._put(Signal.RESET, self._resets)
             case Signal.FAULT_TEXT:
@@ -474,15 +474,6 @@ class SignalledWorkcell:
     def _keep(self) -> None:
         self._kept = replace(self._kept, stock=dict(self._stock), opened=self._dock.waiting)
         self._world.remember(self._kept)
-
-
-def _fault(value: Value, *, inverted: bool) -> str:
-    """A fault in words; empty for none."""
-    if isinstance(value, str):
-        return value.strip()
-    if bool(value) is inverted:
-        return ""
-    return "a fault" if isinstance(value, bool) or inverted else f"fault {value:g}"
 
 
 def _nobody_hears(report: Report) -> None:

@@ -22,11 +22,11 @@ app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process 
 
 Body = Literal["floor", "vda5050"]
 
-DockBody = Annotated[
-    Literal["floor", "controller", "people"] | None,
+GateBody = Annotated[
+    Literal["floor", "controller", "opcua", "mqtt", "people"] | None,
     typer.Option(
         "--body",
-        help="floor: simulated, on `dray floor`; controller: that of its docks, behind a broker; "
+        help="floor: simulated, on `dray floor`; controller: that of its docks, behind a broker; opcua, mqtt: a counter and a reader of labels, by OPC UA or on topics; "
         "people: who work there say at the tablet what has arrived; else DRAY_BODY.",
     ),
 ]
@@ -264,8 +264,9 @@ def station(
 @app.command()
 def gate(
     name: Annotated[str, typer.Argument(help="Its id; every plant has one gate, of this name.")] = "gate",
-    body: DockBody = None,
+    body: GateBody = None,
     broker: Broker = None,
+    mapping: Mapping = None,
     settings: SettingsFile = None,
 ) -> None:
     """Run the gate of the delivery warehouses, which counts arrivals. SIGTERM lets it shut down gracefully.
@@ -280,12 +281,13 @@ def gate(
     from dray.cli.runtime.bodies.controller import by_controller
     from dray.cli.runtime.bodies.on_floor import on_floor
     from dray.cli.runtime.bodies.people import gate_by_people
+    from dray.cli.runtime.bodies.signals import gate_by_signals
     from dray.cli.runtime.output import one_of
     from dray.messages.keys import GATE
     from dray.protocol.gate.gate import DeliveryGate
 
-    said = _surroundings(settings, body=body, broker=broker)
-    where = _with_body(said, "the gate", "controller", "people")
+    said = _surroundings(settings, body=body, broker=broker, mapping=mapping)
+    where = _with_body(said, "the gate", "controller", "opcua", "mqtt", "people")
     one_of({GATE: None}, name, "NAME")
     trusts = _trusted(where)
 
@@ -295,6 +297,8 @@ def gate(
     match where.settings.body:
         case "controller":
             embody = by_controller(where, name, GateState)
+        case "opcua" | "mqtt":
+            embody = gate_by_signals(where, name)
         case "people":
             embody = gate_by_people(where, name)
         case _:

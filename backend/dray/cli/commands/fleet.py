@@ -49,7 +49,7 @@ def up(
         bool,
         typer.Option(
             "--opcua",
-            help="Machines are behind an OPC UA server of the floor; their mapping files are in the folder, in controllers.",
+            help="Machines, storages and the gate are behind an OPC UA server of the floor; their mapping files are in the folder, in controllers.",
         ),
     ] = False,
     vda5050: Annotated[

@@ -20,7 +20,8 @@ def machine() -> None:
 @app.command()
 def check(
     name: Annotated[
-        str, typer.Argument(help="Its id in the plant, as M8; or a storage's or a warehouse's, as S3.")
+        str,
+        typer.Argument(help="Its id in the plant, as M8; or a storage's or a warehouse's, as S3; or gate."),
     ],
     mapping: Annotated[
         Path | None,
@@ -38,12 +39,16 @@ def check(
     ] = None,
     cycle: Annotated[bool, typer.Option("--cycle", help="Let it WORK: it makes one piece.")] = False,
     dock: Annotated[
-        bool, typer.Option("--dock", help="Let it open its dock, as for a vehicle; nobody may stand there.")
+        bool,
+        typer.Option(
+            "--dock",
+            help="Let it open its dock, as for a vehicle, or let a container in at the gate; nobody may stand there.",
+        ),
     ] = False,
     out: Annotated[Path | None, typer.Option(help="Write the report there, too (Markdown).")] = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Commission the controller of a machine, or of a storage's dock: connection, each signal and its type; and, if you let it work, one piece and its dock.
+    """Commission the controller of a machine, of a storage's dock or of the gate: connection, each signal and its type; and, if you let it work, one piece and its dock.
 
     Without --cycle and --dock it only reads. Exit code 1: a step has failed.
     """

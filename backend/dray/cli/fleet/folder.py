@@ -15,6 +15,7 @@ from dray.cli.fleet.processes import PROC
 from dray.cli.runtime.options import load_settings
 from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.errors import UnavailableError
+from dray.messages.keys import GATE
 from dray.messages.kinds import Kind
 from dray.messages.speakers import names_of
 from dray.plant import Plant
@@ -23,7 +24,7 @@ from dray.settings import PREFIX, Settings
 REGISTRY, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
 METRICS = "metrics.json"
 CONTROLLERS = "controllers"
-"""The folder of mapping files, for machines with controllers."""
+"""The folder of mapping files, for machines, storages and a gate with controllers."""
 
 FLEET_LOCK, UPDATE_LOCK = "fleet.lock", "update.lock"
 
@@ -158,10 +159,11 @@ def forget_controllers(folder: Path, plant: Plant) -> None:
         UnavailableError: deleting failed.
     """
     with _kept_in(folder):
-        for machine in plant.machines:
+        names = ((plant.machines, "workcell"), (plant.stores, "store"), ((GATE,), "signals"))
+        for name, body in ((name, body) for kind, body in names for name in kind):
             for file in (
-                folder / CONTROLLERS / f"{machine}.yaml",
-                folder / JOURNALS / f"{machine}.workcell.json",
+                folder / CONTROLLERS / f"{name}.yaml",
+                folder / JOURNALS / f"{name}.{body}.json",
             ):
                 file.unlink(missing_ok=True)
 

@@ -87,11 +87,12 @@ def specs_of(
         secret: more settings, for the gateway alone.
         demand: whether the gateway places orders, too.
         metrics: whether every process serves its metrics.
-        opcua: whether machines are behind the floor's OPC UA server.
+        opcua: whether machines, storages and the gate are behind the floor's OPC UA server.
         vda5050: the broker of vehicles that speak VDA 5050; empty for none.
         people_at_gate: whether people operate the gate.
     """
     controllers = folder / CONTROLLERS
+    controlled = {*plant.machines, *plant.stores, *(() if people_at_gate else (GATE,))}
     commands: dict[str, tuple[str, ...]] = {
         FLOOR: (
             FLOOR,
@@ -120,7 +121,7 @@ def specs_of(
         }
         command = commands[name]
         body = {}
-        if opcua and name in plant.machines:
+        if opcua and name in controlled:
             body = {"BODY": "opcua", "MAPPING": str(controllers / f"{name}.yaml")}
         elif vda5050 and name in plant.fleet:
             body = {"BODY": "vda5050", "BROKER": vda5050} | _simulated_vehicle(name)

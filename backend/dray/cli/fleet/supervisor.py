@@ -60,7 +60,7 @@ class FleetOptions:
         plain: whether links have no certificates.
         demand: whether orders are placed automatically.
         metrics: whether every process serves Prometheus metrics.
-        opcua: whether machines are behind an OPC UA server of the floor.
+        opcua: whether machines, storages and the gate are behind an OPC UA server of the floor.
         vda5050: the broker of vehicles that speak VDA 5050; empty for none.
         people_at_gate: whether people operate the gate.
     """

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dray.adapters.machine_acts import GateSpec, Spec
 from dray.adapters.machine_acts import Wanted as Acting
 from dray.adapters.mqtt.commissioning import MqttCommissioning
 from dray.adapters.mqtt.mapping_file import MqttMapping
@@ -24,8 +25,8 @@ from dray.cli.runtime.bodies.vda5050 import RealVehicle, linked
 from dray.cli.runtime.output import one_of
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError
-from dray.plant.model import MachineSpec, VehicleType
-from dray.plant.model import Storage as StorageSpec
+from dray.messages.keys import GATE
+from dray.plant.model import VehicleType
 
 if TYPE_CHECKING:
     from dray.adapters.opcua.commissioning import Commissioning as MachineCommissioning
@@ -89,11 +90,11 @@ async def commission(
 async def commission_machine(
     where: Surroundings, name: str, *, cycle: bool, dock: bool, say: Callable[[str], None]
 ) -> MachineCommissioning | MqttCommissioning:
-    """Run the commissioning of the controller of a machine, or of a storage's dock.
+    """Run the commissioning of the controller of a machine, of a storage's dock or of the gate.
 
     Args:
         where: the surroundings; the settings name the mapping.
-        name: the id of a machine, a storage or a source warehouse.
+        name: the id of a machine, a storage or a source warehouse; or the gate.
         cycle: whether it may make a piece.
         dock: whether it may open its dock.
         say: tells people.
@@ -107,9 +108,13 @@ async def commission_machine(
             raise SettingsError("--cycle", f"{name} is a storage: it makes nothing")
         items = {line.material for line in store.stocks}
         controller = RealController.of(where.settings, lambda mapping: mapping.check_store(items))
+    elif name == GATE:
+        if cycle:
+            raise SettingsError("--cycle", "the gate makes nothing")
+        controller = RealController.of(where.settings, SignalMapping.check_gate)
     else:
         controller = RealController.of(where.settings, SignalMapping.check_machine)
-    choices: dict[str, MachineSpec | StorageSpec] = {**plant.machines, **plant.stores}
+    choices: dict[str, Spec] = {**plant.machines, **plant.stores, GATE: GateSpec()}
     spec = one_of(choices, name, "NAME")
     wanted, clock, mapping = Acting(cycle, dock), where.clock(), controller.mapping
     done: MachineCommissioning | MqttCommissioning

@@ -41,7 +41,7 @@ async def serve_floor(
     Args:
         surroundings: the process's surroundings.
         seed: determines the initial filling of buffers.
-        controllers: the OPC UA server of machines' controllers; None for machines with bodies on the bus.
+        controllers: the OPC UA server of the controllers of machines, storages and, without people there, the gate; None for ones with bodies on the bus.
         vda5050: the broker of vehicles that speak VDA 5050; None for vehicles with bodies on the bus.
         open_gate: whether the gate lets everything in, because people operate it.
 
@@ -67,9 +67,9 @@ async def serve_floor(
         monitor = _monitor(surroundings, floor, clock)
         floor.gate.is_open = open_gate
         controlled = (
-            *(() if controllers is None else floor.workcells),
+            *(() if controllers is None else (*floor.workcells, *floor.storages)),
             *(() if vda5050 is None else floor.vehicles),
-            *((GATE,) if open_gate else ()),
+            *((GATE,) if open_gate or controllers is not None else ()),
         )
         if monitor is None:
             server = FloorServer(bus.inner, plant.id, floor, foreign=foreign, controlled=controlled)
@@ -100,14 +100,18 @@ async def serve_floor(
 def _control(
     server: ControllerServer | None, floor: Floor, clock: SystemClock, speed: float
 ) -> Callable[[], None]:
-    """Give each machine a controller, if there is a server for them; returns a function that ends them all."""
+    """Give each machine and storage, and a gate without people, a controller, if there is a server for them; returns a function that ends them all."""
     if server is None:
         return lambda: None
     from dray_sim.controllers.opcua_controllers import OpcUaControllers
 
     controllers = OpcUaControllers(clock, server, speed)
     for workcell in floor.workcells.values():
-        controllers.build(workcell)
+        controllers.build_machine(workcell)
+    for storage in floor.storages.values():
+        controllers.build_store(storage)
+    if not floor.gate.is_open:
+        controllers.build_gate(floor.gate)
     return controllers.end
 
 

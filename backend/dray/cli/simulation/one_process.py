@@ -59,7 +59,7 @@ from dray_sim.vda5050.broker_fleet import BrokerFleet
 
 if TYPE_CHECKING:
     # They need an extra.
-    from dray_sim.controllers.opcua_machines import OpcUaMachines
+    from dray_sim.controllers.opcua_bodies import OpcUaBodies
     from dray_sim.controllers.opcua_server import ControllerServer
 
 BUILDING_S = 60.0
@@ -102,7 +102,7 @@ async def run_service(
         broker: the broker of vehicles that speak VDA 5050; None for none.
         live: the scenario to play, whose plant is the service's; None for a factory without a script.
         wall: the clock of factory and gateway; the computer's when None.
-        controllers: the OPC UA server of machines' controllers; None for machines without controllers.
+        controllers: the OPC UA server of the controllers of machines, storages and gate; None for ones without controllers.
 
     Raises:
         UnavailableError: the port or the database is unavailable.
@@ -168,7 +168,7 @@ def _life(
 
         documents = FetchedDocuments()
         fleet = None if broker is None else BrokerFleet(service.plant, now, broker, to_wall_s)
-        machines = None if controllers is None else _machines(service, controllers, now, documents)
+        bodies = None if controllers is None else _bodies(service, controllers, now, documents)
         make = partial(
             SimFactory,
             incarnation=incarnation,
@@ -185,7 +185,9 @@ def _life(
                 strategists=service.settings.strategists,
                 traffic=service.settings.traffic,
                 embody=directly if fleet is None else fleet.embody,
-                embody_machine=itself if machines is None else machines.embody,
+                embody_machine=itself if bodies is None else bodies.embody_machine,
+                embody_store=itself if bodies is None else bodies.embody_store,
+                embody_gate=itself if bodies is None else bodies.embody_gate,
             )
             faults = Faults(factory)
         else:
@@ -204,27 +206,27 @@ def _life(
         try:
             if fleet is not None:
                 await fleet.ready()
-            if machines is not None:
-                await machines.ready()
+            if bodies is not None:
+                await bodies.ready()
             ready(Inside(factory, faults, scale, play))
             await (factory.run() if play is None else play.run())
         finally:
             documents.close()
-            if machines is not None:
-                machines.end()
+            if bodies is not None:
+                bodies.end()
             if fleet is not None:
                 await fleet.end()
 
     return live
 
 
-def _machines(
+def _bodies(
     service: Service, controllers: ControllerServer, now: VirtualClock, documents: FetchedDocuments
-) -> OpcUaMachines:
-    """The controllers of the factory's machines, created on its loop."""
-    from dray_sim.controllers.opcua_machines import OpcUaMachines
+) -> OpcUaBodies:
+    """The controllers of the factory's machines, storages and gate, created on its loop."""
+    from dray_sim.controllers.opcua_bodies import OpcUaBodies
 
-    return OpcUaMachines(service.plant, now, controllers, service.speed, documents)
+    return OpcUaBodies(service.plant, now, controllers, service.speed, documents)
 
 
 def _app(

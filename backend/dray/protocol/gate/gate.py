@@ -9,6 +9,7 @@ for a process. The agent adds what a strategist relies on:
 - an order is held by one strategist, with an epoch, over all lives of the gate.
 
 If its body is people, it passes on their reports, with a grant for the area of a delivery warehouse.
+If goods wait before its body (`GateState.late`) they count late, as with people.
 
 It coordinates no transport. Pieces of a shut goal stay with their carrier.
 """
@@ -95,7 +96,7 @@ class DeliveryGate(AgentBase):
         self._counts = Retransmitter(COUNT, self._life)
         self._holders = Retransmitter(HOLDER, self._life)
         self._places_m = tuple(plant.position_of(each) for each in plant.delivery_warehouses)
-        self._people = False
+        self._people = self._late = False
         granted = GrantedCommands[MachineCommand](
             CommandAuthorisation(agent, plant, trusts), _refuse, _detail, self._life
         )
@@ -120,7 +121,7 @@ class DeliveryGate(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, GateState):
             raise ProtocolViolation(f"{self.id}: the delivery gate needs a gate, not {body!r}")
-        self._people = body.people
+        self._people, self._late = body.people, body.people or body.late
         note = memory.get(WHOLE)
         if isinstance(note, GateMemory):
             self._since = note.since
@@ -213,7 +214,7 @@ class DeliveryGate(AgentBase):
             incarnation=goal.incarnation if obeyed else 0,
             number=goal.number if obeyed else 0,
             brought=goal.brought,
-            by_people=self._people,
+            by_people=self._late,
         )
         if goal.arrived > goal.heard:
             self._counts.say(goal.goal, Send(goal.asker, counted), now_s)

@@ -23,7 +23,7 @@ def floor(
     opcua: Annotated[
         Path | None,
         typer.Option(
-            help="Machines are behind an OPC UA server on this computer; the mapping file of each is written into this folder.",
+            help="Machines, storages and the gate are behind an OPC UA server on this computer; the mapping file of each is written into this folder.",
         ),
     ] = None,
     vda5050: Annotated[
@@ -52,5 +52,7 @@ def floor(
 
     from dray_sim.controllers.local_server import local_server
 
-    with local_server(where.plant.machines, opcua) as controllers:
+    with local_server(
+        where.plant.machines, opcua, where.plant.stores.values(), gate=not open_gate
+    ) as controllers:
         asyncio.run(serve_floor(where, seed, controllers, vda5050=broker, open_gate=open_gate))

@@ -66,8 +66,7 @@ def up(
         bool,
         typer.Option(
             "--real-bodies",
-            help="Machines are behind an OPC UA server, and vehicles speak VDA 5050 as with --vda5050. Storages, warehouses and the gate "
-            "are simulated as before.",
+            help="Machines, storages, source warehouses and the gate are behind an OPC UA server, and vehicles speak VDA 5050 as with --vda5050.",
         ),
     ] = False,
     broker: Annotated[
@@ -174,7 +173,7 @@ def brokered(*, vda5050: bool, url: str | None) -> Iterator[BrokerAddress | None
 
 @contextmanager
 def controlled(plant: Plant, *, real_bodies: bool) -> Iterator[ControllerServer | None]:
-    """The OPC UA server of machines with controllers, as long as the context lasts; None without them.
+    """The OPC UA server of machines, storages and the gate with controllers, as long as the context lasts; None without them.
 
     Raises:
         UnavailableError: no server can be started here.
@@ -189,12 +188,11 @@ def controlled(plant: Plant, *, real_bodies: bool) -> Iterator[ControllerServer 
 
     with (
         TemporaryDirectory(prefix="dray-mappings-") as folder,
-        local_server(plant.machines, Path(folder)) as server,
+        local_server(plant.machines, Path(folder), plant.stores.values(), gate=True) as server,
     ):
         typer.echo(
             f"OPC UA server      {server.url}, nodes as ns=2;s=MACHINE.pieces\n"
-            f"Mapping files      {folder}, one a machine\n"
-            "As before          storages, warehouses and the gate have no controllers; they are simulated",
+            f"Mapping files      {folder}, one for each machine, storage and source warehouse, and the gate",
             err=True,
         )
         yield server

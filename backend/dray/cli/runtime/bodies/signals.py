@@ -1,4 +1,4 @@
-"""Machines and storages with single-value signals of controllers, by OPC UA or MQTT."""
+"""Machines, storages and the gate with single-value signals of controllers, by OPC UA or MQTT."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from dray.adapters.memory_file import MemoryFile
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.opcua.mapping_file import OpcUaMapping
+from dray.adapters.signals.gate import DAMAGED_SIGNALS, KeptSignals, SignalledGate, settle_s
 from dray.adapters.signals.signal import LinkListener, SignalMapping
-from dray.adapters.signals.store import DAMAGED_STORE, KeptStore, SignalledStore
+from dray.adapters.signals.store import DAMAGED_STORE, KeptStore, SignalledStore, rests_s
 from dray.adapters.signals.workcell import DAMAGED as DAMAGED_WORKCELL
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.adapters.zenoh.bus import ZenohBus
@@ -28,6 +29,7 @@ from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError
 from dray.plant.model import MachineSpec
 from dray.plant.model import Storage as StorageSpec
+from dray.ports import Body, Clock
 from dray.settings import Settings
 from dray.supervision import Failures
 
@@ -36,8 +38,11 @@ FIRST_S = 10.0
 
 
 SILENT_S = 10.0
-"""Silence after which a storage's controller is lost: its agent ends, so that nobody relies on it, and restarts."""
+"""Silence after which the controller of a storage or the gate is lost: its agent ends, so that nobody relies on it, and restarts."""
 
+
+LOOK_S = 0.1
+"""Seconds between looks whether such a controller is there."""
 
 _log = logging.getLogger(__name__)
 
@@ -72,7 +77,7 @@ class SignalsLink(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class RealController:
-    """The controller of a machine, or of a storage's dock.
+    """The controller of a machine, of a storage's dock or of the gate.
 
     Attributes:
         mapping: its signals.
@@ -196,29 +201,78 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
             _log.error("%s: %s", name, file.lost)
         now = clock()
         link = real.link(f"dray-{name}")
-        body = SignalledStore(spec, real.mapping, now, _World(link.write, file.write), kept)
-        running = asyncio.create_task(link.run(body))
-
-        async def lost() -> None:
-            while body.away_since_s is None or now.now_s() - body.away_since_s < SILENT_S:
-                await asyncio.wait((running,), timeout=1.0)
-                if running.done():
-                    running.result()
-
-        try:
-            while body.away_since_s is not None:
-                there = asyncio.ensure_future(link.linked.wait())
-                await asyncio.wait(
-                    (running, there), timeout=REMIND_EVERY_S, return_when=asyncio.FIRST_COMPLETED
-                )
-                there.cancel()
-                if running.done():
-                    running.result()
-                if body.away:
-                    _log.warning("%s waits for its controller: %s", name, body.away)
-            yield Embodied(body, lost, (link.failures,))
-        finally:
-            running.cancel()
-            await asyncio.gather(running, return_exceptions=True)
+        world, rest_s = _World(link.write, file.write), rests_s(settings.plant_speed)
+        body = SignalledStore(spec, real.mapping, now, world, kept, rests_s=rest_s)
+        async with _waited_for(name, body, link, now) as embodied:
+            yield embodied
 
     return embody
+
+
+def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
+    """The gate of the delivery warehouses, with a counter and a reader of labels.
+
+    Its agent waits while its controller is away, has a fault or no values, or its count is in doubt, and ends when that has lasted for `SILENT_S`.
+
+    Args:
+        surroundings: the process's surroundings.
+        name: the agent's id.
+
+    Raises:
+        SettingsError: the mapping is missing or unusable.
+    """
+    settings, clock = surroundings.settings, surroundings.clock
+    real = RealController.of(settings, SignalMapping.check_gate)
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        file = MemoryFile(settings.journal_folder / f"{name}.signals.json", KeptSignals, DAMAGED_SIGNALS)
+        kept = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        now = clock()
+        link = real.link(f"dray-{name}")
+        world, rest_s = _World(link.write, file.write), settle_s(settings.plant_speed)
+        body = SignalledGate(real.mapping, now, world, kept, settle_s=rest_s)
+        async with _waited_for(name, body, link, now) as embodied:
+            yield embodied
+
+    return embody
+
+
+class _Awaited(LinkListener, Body, Protocol):
+    """A body that is of no use without its controller."""
+
+    @property
+    def away(self) -> str: ...
+
+    @property
+    def away_since_s(self) -> float | None: ...
+
+
+@asynccontextmanager
+async def _waited_for(name: str, body: _Awaited, link: SignalsLink, now: Clock) -> AsyncIterator[Embodied]:
+    """Begin once the controller works, and end when it has not for `SILENT_S`."""
+    running = asyncio.create_task(link.run(body))
+
+    async def lost() -> None:
+        while body.away_since_s is None or now.now_s() - body.away_since_s < SILENT_S:
+            await asyncio.wait((running,), timeout=1.0)
+            if running.done():
+                running.result()
+        _log.error("%s: %s", name, body.away)
+
+    wall, said = asyncio.get_running_loop(), ""
+    again_s = wall.time() + REMIND_EVERY_S
+    try:
+        while body.away_since_s is not None:
+            await asyncio.wait((running,), timeout=LOOK_S)
+            if running.done():
+                running.result()
+            if body.away and (wall.time() >= again_s or (link.linked.is_set() and body.away != said)):
+                said, again_s = body.away, wall.time() + REMIND_EVERY_S
+                _log.warning("%s waits for its controller: %s", name, said)
+        yield Embodied(body, lost, (link.failures,))
+    finally:
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)

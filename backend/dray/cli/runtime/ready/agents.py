@@ -60,7 +60,13 @@ def agents(plant: Plant, strategists: Iterable[str], answers: Answers) -> Iterat
         heard,
         "dray agent station NAME --body opcua --mapping NAME.yaml, or --body mqtt, or --body controller",
     )
-    yield _kind("gate", (GATE,), picture, heard, "dray agent gate --body controller")
+    yield _kind(
+        "gate",
+        (GATE,),
+        picture,
+        heard,
+        "dray agent gate --body opcua --mapping gate.yaml, or --body mqtt, or --body controller, or --body people",
+    )
     yield _kind(
         "vehicles",
         plant.fleet,

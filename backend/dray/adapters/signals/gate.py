@@ -1,0 +1,355 @@
+"""The body of the delivery warehouses' gate with single-value signals of a controller: a counter, and the label that is read there.
+
+    who        does                                      signal
+    controller reads the label of a container            goal
+    agent      says how many of its pieces may come in   admitted_goal, admitted
+    controller lets at most that many in, and counts     pieces
+    controller has the container behind it               goal empty
+    agent      takes the permit back                     admitted 0
+
+Only then does the controller show the next label. So whatever is counted belongs to the goal of the last permit, also after a restart of the
+agent or a broken connection: only the agent gives permits. A new permit waits until a label has been shown for `SETTLE_S`, because a count
+may arrive after the label that followed it.
+
+A count that no permit explains is in doubt. The gate stays shut until people have counted (`Checked`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Protocol
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from dray.adapters.signals.counting import CounterState, Reading, count_pulse, grown
+from dray.adapters.signals.signal import Quality, Sample, Signal, SignalMapping, Value, fault_words
+from dray.body import Admit, GateState, GoodsArrived, Instruction, Report
+from dray.messages.base import COUNT_MAX
+from dray.ports import Clock
+
+KEPT_GOALS = 4096
+"""Maximum goals remembered, as by any gate: a finished one is remembered for hours."""
+
+SETTLE_S = 1.0
+"""Real seconds for which a label must have been shown before its pieces may come in."""
+
+NEEDED = (Signal.PIECES, Signal.GOAL, Signal.FAULT)
+"""Signals without whose value the gate is shut."""
+
+
+class SignalledGoal(Struct, frozen=True, omit_defaults=True):
+    """One goal at the gate."""
+
+    admitted: int
+    arrived: int = 0
+
+
+class KeptSignals(Struct, frozen=True):
+    """The gate's memory for the agent's next life."""
+
+    goals: dict[str, SignalledGoal] = {}
+    """Goals, the longest unchanged first."""
+    pieces: CounterState | None = None
+    permit: str = ""
+    """The goal of the last permit."""
+    left: int = 0
+    """Pieces that the last permit may still bring in."""
+    doubts: int = 0
+    """Number of doubts so far."""
+    doubt: str = ""
+    """Why counts may be wrong, until people have counted; empty for none."""
+
+
+DAMAGED_SIGNALS = KeptSignals(doubt="what was remembered of it is damaged")
+"""The memory after unreadable data."""
+
+
+class World(Protocol):
+    """The surroundings of the body, beside its clock."""
+
+    def remember(self, kept: KeptSignals) -> None:
+        """Store the memory: on the disk at the return."""
+
+    def write(self) -> None:
+        """The body's `outputs` have changed: send them to the controller."""
+
+
+def settle_s(speed: float) -> float:
+    """The time for which a label must have been shown, at this speed of the plant's clock."""
+    return SETTLE_S * max(1.0, speed)
+
+
+class SignalledGate:
+    """Implements `dray.ports.Body` and the listener of a link.
+
+    Args:
+        mapping: its controller's signals.
+        clock: the plant's.
+        world: the disk and the link.
+        kept: the last life's memory; None for the first one.
+        settle_s: the time for which a label must have been shown.
+        kept_goals: maximum goals remembered.
+
+    Attributes:
+        outputs: the wanted outputs, by signal; a link writes the differences.
+        away: why the gate is shut: its controller is away, has a fault or no values, or its count is in doubt; empty while it works.
+        away_since_s: since when; None while it works.
+        label: the label that is read there; empty for none.
+    """
+
+    def __init__(
+        self,
+        mapping: SignalMapping,
+        clock: Clock,
+        world: World,
+        kept: KeptSignals | None = None,
+        *,
+        settle_s: float = SETTLE_S,
+        kept_goals: int = KEPT_GOALS,
+    ) -> None:
+        self._tags, self._clock, self._world = mapping.signals, clock, world
+        self._settle_s, self._most = settle_s, kept_goals
+        self._kept = kept or KeptSignals()
+        self._report: Callable[[Report], None] = _nobody_hears
+        self._moduli: tuple[int, ...] = ()
+        if (end := self._tags[Signal.PIECES].rolls_over_at) is not None:
+            self._moduli = (end,)
+        self._link = "nothing was heard of its controller yet"
+        self._gap = True
+        """Whether values may have been missed since the last count."""
+        self._silent: dict[Signal, str] = {}
+        self._refused: dict[Signal, str] = {}
+        self._fault = self._fault_text = ""
+        self.label = ""
+        self._settled, self._turn = False, 0
+        """Whether the label has been shown long enough; the number of the last label, so that an outdated call of the clock is recognised."""
+        self.away = self._link
+        self.away_since_s: float | None = clock.now_s()
+        self.outputs: dict[str, Value] = {Signal.ADMITTED: 0, Signal.ADMITTED_GOAL: self._kept.permit}
+        checked = mapping.checked
+        if self._kept.doubt and checked is not None and checked.doubt == self._kept.doubts:
+            for goal, arrived in checked.arrived.items():
+                known = self._kept.goals.get(goal, SignalledGoal(0))
+                self._put(goal, replace(known, arrived=max(known.arrived, arrived)))
+            self._kept = replace(self._kept, doubt="")
+            world.remember(self._kept)
+        self._judge()
+
+    # --- Body ---
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`. Other instructions are ignored: no report would fit them."""
+        if not isinstance(instruction, Admit):
+            return
+        before = self._kept.goals.get(instruction.goal)
+        goal = replace(before or SignalledGoal(0), admitted=instruction.quantity)
+        if goal != before:
+            self._put(instruction.goal, goal)
+            self._world.remember(self._kept)
+        self._permit()
+        self._report(GoodsArrived(instruction.goal, goal.arrived, goal.admitted))
+
+    def sense(self) -> GateState:
+        """See `dray.ports.Body`."""
+        return GateState(arrived={name: goal.arrived for name, goal in self._kept.goals.items()}, late=True)
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+
+    # --- the listener of a link ---
+
+    def on_link(self) -> None:
+        """The controller is connected, and its values come."""
+        self._link = ""
+        self._judge()
+
+    def on_link_lost(self, reason: str) -> None:
+        """The controller is away: nothing may come in, and its label is outdated."""
+        self._link, self._gap = f"its controller is not heard: {reason}", True
+        self._silent.clear()
+        self._see("")
+        self._judge()
+
+    def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
+        """The controller has sent where its counter may roll over; the mapping takes precedence."""
+        if self._tags[Signal(signal)].rolls_over_at is None:
+            self._moduli = moduli
+
+    def on_sample(self, name: str, sample: Sample) -> None:
+        """The controller has sent a value."""
+        signal = Signal(name)
+        value = sample.value if sample.quality is Quality.GOOD else None
+        if value is None:
+            reason: str | None = sample.reason or f"it is {sample.quality.value}"
+        else:
+            reason = self._take(signal, value)
+        if reason is None:
+            self._silent.pop(signal, None)
+        else:
+            self._silent[signal] = reason
+            if signal is Signal.GOAL:
+                self._see("")
+        self._judge()
+
+    def on_refused(self, name: str, reason: str) -> None:
+        """The controller refuses a value; without a reason it accepts it again."""
+        if reason:
+            self._refused[Signal(name)] = reason
+        else:
+            self._refused.pop(Signal(name), None)
+        self._judge()
+
+    # --- values ---
+
+    def _take(self, signal: Signal, value: Value) -> str | None:
+        """Process a value; returns why that is impossible, None otherwise."""
+        tag = self._tags[signal]
+        match signal:
+            case Signal.PIECES:
+                return self._take_count(value)
+            case Signal.GOAL:
+                if not isinstance(value, str):
+                    return f"{value!r} is no label"
+                self._see(value.strip())
+            case Signal.FAULT:
+                self._fault = fault_words(value, inverted=tag.invert)
+            case Signal.FAULT_TEXT:
+                self._fault_text = str(value).strip()
+            case _:
+                return "the controller is told this, and does not tell it"
+        return None
+
+    def _take_count(self, value: Value) -> str | None:
+        number = self._number(value)
+        if isinstance(number, str):
+            return number
+        edge = self._tags[Signal.PIECES].edge
+        last, gap, self._gap = self._kept.pieces, self._gap, False
+        now, left = CounterState(number, self._clock.now_s()), self._kept.left
+        if last is None:
+            reading = Reading()
+        elif edge is not None:
+            # With a shut gate nothing can have come in unheard.
+            reading = count_pulse(bool(last.value), bool(number), edge, gap=gap and left > 0)
+            if reading.pieces > left:
+                reading = Reading(0, "showed a piece that was not admitted")
+        else:
+            # A counter that is reset at a shut gate has lost nothing.
+            reading = grown(last.value, number, left, self._moduli, gap=gap and left > 0, verb="let in")
+        if last is not None and last.value == number and not reading.doubt:
+            return None
+        self._kept = replace(self._kept, pieces=now)
+        if reading.doubt and not self._kept.doubt:
+            doubt = f"{Signal.PIECES} {reading.doubt}"
+            if self._kept.permit:
+                doubt += f"; the last permit was for {self._kept.permit}"
+            self._kept = replace(self._kept, doubt=doubt, doubts=self._kept.doubts + 1)
+        self._arrive(reading.pieces)
+        return None
+
+    def _number(self, value: Value) -> int | str:
+        """What the counter shows, or 1 or 0 for a pulse; else why it is neither."""
+        tag = self._tags[Signal.PIECES]
+        if tag.edge is not None:
+            return int(value) if isinstance(value, bool) else f"{value!r} is no pulse"
+        if isinstance(value, bool | str) or not math.isfinite(value):
+            return f"{value!r} is no count"
+        number = round(value / tag.scale)
+        if number < 0 and self._moduli:
+            number %= max(self._moduli)  # A signed counter continues below 0.
+        return number if number >= 0 else f"{value!r} is no count"
+
+    def _arrive(self, pieces: int) -> None:
+        """Count pieces of the last permit."""
+        name = self._kept.permit
+        if not pieces:
+            self._world.remember(self._kept)
+            return
+        goal = self._kept.goals.get(name, SignalledGoal(0))
+        goal = replace(goal, arrived=min(goal.arrived + pieces, COUNT_MAX))
+        self._put(name, goal)
+        self._kept = replace(self._kept, left=self._kept.left - pieces)
+        self._world.remember(self._kept)
+        self._report(GoodsArrived(name, goal.arrived, goal.admitted))
+        self._permit()
+
+    # --- permits ---
+
+    def _see(self, label: str) -> None:
+        """A label is shown; empty for none."""
+        if label == self.label:
+            return
+        self.label, self._settled = label, False
+        self._turn += 1
+        if label:
+            self._clock.call_at(self._clock.now_s() + self._settle_s, partial(self._settle, self._turn))
+        self._permit()
+
+    def _settle(self, turn: int) -> None:
+        if turn != self._turn:
+            return
+        if self._gap:
+            # The count of what came in meanwhile is still to come.
+            self._clock.call_at(self._clock.now_s() + self._settle_s, partial(self._settle, turn))
+            return
+        self._settled = True
+        # What the last permit has not brought by now does not come any more.
+        self._kept = replace(self._kept, left=0)
+        self._permit()
+
+    def _permit(self) -> None:
+        """Tell the controller how many pieces of the shown label may come in."""
+        goal = self._kept.goals.get(self.label)
+        room = 0
+        if goal is not None and self._settled and not self.away:
+            room = max(0, goal.admitted - goal.arrived)
+        if room and (self._kept.permit != self.label or room > self._kept.left):
+            # On the disk first: what comes in belongs to this goal.
+            self._kept = replace(self._kept, permit=self.label, left=room)
+            self._world.remember(self._kept)
+        outputs: dict[str, Value] = {Signal.ADMITTED: room, Signal.ADMITTED_GOAL: self._kept.permit}
+        if outputs != self.outputs:
+            self.outputs = outputs
+            self._world.write()
+
+    def _judge(self) -> None:
+        """Shut the gate while anything is wrong."""
+        away = self._problem()
+        if away and not self.away:
+            self.away_since_s = self._clock.now_s()
+        self.away = away
+        if not away:
+            self.away_since_s = None
+        self._permit()
+
+    def _problem(self) -> str:
+        if self._link:
+            return self._link
+        if self._fault:
+            return f"its controller has a fault: {self._fault_text or self._fault}"
+        for signal in NEEDED:
+            if signal in self._silent:
+                return f"its controller has no value for {signal}: {self._silent[signal]}"
+        if self._gap:
+            return f"its controller has no value for {Signal.PIECES}: nothing was said yet"
+        for refused, reason in self._refused.items():
+            return f"its controller does not take {refused}: {reason}"
+        if self._kept.doubt:
+            return f"its count is in doubt ({self._kept.doubts}): {self._kept.doubt}"
+        return ""
+
+    def _put(self, name: str, goal: SignalledGoal) -> None:
+        """Remember a changed goal as the last; above the limit a finished one is forgotten first."""
+        goals = {each: known for each, known in self._kept.goals.items() if each != name} | {name: goal}
+        if len(goals) > self._most:
+            finished = (each for each, known in goals.items() if known.arrived >= known.admitted)
+            del goals[next(finished, next(iter(goals)))]
+        self._kept = replace(self._kept, goals=goals)
+
+
+def _nobody_hears(report: Report) -> None:
+    """Ignore a body's reports before its agent listens; its state contains them."""

@@ -1,0 +1,58 @@
+"""The controller of a simulated gate: one label after the other, and a counter."""
+
+from __future__ import annotations
+
+import pytest
+from yard import Yard
+
+from dray.adapters.signals.signal import Signal, Value
+from dray_sim.bodies.gate import Gate
+from dray_sim.controllers.gate import ASIDE_S, GateController
+
+
+class Stand:
+    """A gate with a controller, and what that has told."""
+
+    def __init__(self) -> None:
+        self.yard = Yard()
+        self.gate = Gate(self.yard.clock)
+        self.told: list[tuple[Signal, Value]] = []
+        self.controller = GateController(self.gate, self.yard.clock, lambda *said: self.told.append(said))
+
+    def tell(self, goal: str, admitted: int) -> None:
+        self.controller.on_write(Signal.ADMITTED_GOAL, goal)
+        self.controller.on_write(Signal.ADMITTED, admitted)
+
+    def wait(self, for_s: float = 5.0) -> list[tuple[Signal, Value]]:
+        """What is told meanwhile."""
+        self.told.clear()
+        self.yard.run(self.yard.clock.now_s() + for_s)
+        return [*self.told]
+
+
+@pytest.fixture
+def stand() -> Stand:
+    return Stand()
+
+
+def test_containers_come_in_one_by_one_each_with_a_permit_of_its_own(stand: Stand) -> None:
+    assert stand.gate.enter("a", 3, "ATV1") == ""
+    assert stand.gate.enter("b", 2, "ATV2") == ""
+    assert stand.wait() == [(Signal.GOAL, "a")]
+    stand.tell("b", 9)
+    assert stand.wait() == [], "the permit is for another one"
+    stand.tell("a", 2)
+    assert stand.wait() == [], "a container comes in as a whole"
+    stand.tell("a", 3)
+    assert stand.wait() == [(Signal.PIECES, 3), (Signal.GOAL, "")]
+    stand.tell("a", 0)
+    assert stand.wait() == [(Signal.GOAL, "b")]
+    stand.tell("b", 2)
+    assert stand.wait() == [(Signal.PIECES, 5), (Signal.GOAL, "")]
+
+
+def test_a_container_that_nobody_admits_goes_aside(stand: Stand) -> None:
+    stand.gate.enter("a", 3)
+    stand.gate.enter("b", 1)
+    assert stand.wait(2 * ASIDE_S)[:3] == [(Signal.GOAL, "a"), (Signal.GOAL, ""), (Signal.GOAL, "b")]
+    assert stand.controller.aside == {"a": 3}
