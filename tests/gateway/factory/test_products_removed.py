@@ -87,40 +87,38 @@ async def test_it_stays_away_when_the_gateway_starts_again(house: House, url: st
         assert "bracket" not in await listed(next_one)
 
 
-async def test_another_gateway_forgets_it_too_and_so_does_one_that_was_away(url: str) -> None:
-    async with (
-        gateway(url) as first,
-        gateway(url, bus=first.bus, wall=first.wall, gateway_name="g2") as other,
-    ):
-        await defined(first)
-        await look(other)
-        assert "bracket" in await listed(other)
-        await remove(first)
-        await look(other)
-        assert "bracket" not in await listed(other)
-        # While it is away, it is defined once more and removed, and another one is defined.
-        await defined(first)
-        await remove(first)
-        await defined(first, "plate")
-        await look(other)
-        assert {"bracket", "plate"} & await listed(other) == {"plate"}
+async def test_another_gateway_forgets_it_too_and_so_does_one_that_was_away(
+    two_houses: tuple[House, House],
+) -> None:
+    first, other = two_houses
+    await defined(first)
+    await look(other)
+    assert "bracket" in await listed(other)
+    await remove(first)
+    await look(other)
+    assert "bracket" not in await listed(other)
+    # While it is away, it is defined once more and removed, and another one is defined.
+    await defined(first)
+    await remove(first)
+    await defined(first, "plate")
+    await look(other)
+    assert {"bracket", "plate"} & await listed(other) == {"plate"}
 
 
-async def test_one_defined_anew_has_the_next_revision_also_where_the_removal_was_not_heard(url: str) -> None:
-    async with (
-        gateway(url) as first,
-        gateway(url, bus=first.bus, wall=first.wall, gateway_name="g2") as other,
-    ):
-        await defined(first)
-        await look(other)
-        await remove(first)
-        again = await define(first, NEW, name="Bracket of steel")
-        assert (again.status_code, again.json()["revision"], again.headers["ETag"]) == (201, 3, '"3"')
-        await look(other)
-        assert (await other.get(PATH))["name"] == "Bracket of steel"
-        # Whoever has read the first one does not change the new one by mistake.
-        problem(await define(first, {"If-Match": '"1"'}), 412, "changed-since")
-        assert (await define(first, {"If-Match": '"3"'})).json()["revision"] == 4
+async def test_one_defined_anew_has_the_next_revision_also_where_the_removal_was_not_heard(
+    two_houses: tuple[House, House],
+) -> None:
+    first, other = two_houses
+    await defined(first)
+    await look(other)
+    await remove(first)
+    again = await define(first, NEW, name="Bracket of steel")
+    assert (again.status_code, again.json()["revision"], again.headers["ETag"]) == (201, 3, '"3"')
+    await look(other)
+    assert (await other.get(PATH))["name"] == "Bracket of steel"
+    # Whoever has read the first one does not change the new one by mistake.
+    problem(await define(first, {"If-Match": '"1"'}), 412, "changed-since")
+    assert (await define(first, {"If-Match": '"3"'})).json()["revision"] == 4
 
 
 async def test_a_file_defines_removed_ones_anew_and_says_with_which_revision(house: House) -> None:
