@@ -17,6 +17,7 @@ import type { ProductAnswer } from "./draft";
 import { begin } from "./form";
 import { authorsOf, type Definition, forget, tick, ticked } from "./remove";
 import { RemoveBar } from "./RemoveBar";
+import { WaysToOrders } from "./WaysToOrders";
 
 const EVERY_MS = 10_000;
 
@@ -76,7 +77,10 @@ export function Products() {
       }
       below={
         <>
-          <RemoveBar definitions={[...definitions.values()]} onRemoved={again} />
+          <div class="removal">
+            <RemoveBar definitions={[...definitions.values()]} onRemoved={again} />
+            <WaysToOrders />
+          </div>
           <DefineForm onDefined={again} />
           <FileSheet onTaken={again} />
         </>
