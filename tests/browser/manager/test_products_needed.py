@@ -65,3 +65,33 @@ def test_orders_that_keep_a_product_are_named_as_people_call_them_with_the_way_t
         forms.ask(f"/api/orders/{order['id']}/cancel", {})
     complaints.clear()
     assert page.request.delete(f"{forms.url}/api/products/{product}").ok
+
+
+def test_a_removed_product_vanishes_from_open_panels(
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+) -> None:
+    page = open_page(f"{forms.url}/#plant")
+    choices = page.locator(".publish select").first
+    expect(choices.locator("option", has_text="Gear unit G1")).to_have_count(1)
+    # Somebody else defines it, and nobody reloads anything.
+    define(page, forms.url, "short-lived", "Short-lived part")
+    forms.advance(2.0)
+    choice = choices.locator("option", has_text="Short-lived part")
+    expect(choice).to_have_count(1)
+    choices.select_option("short-lived")
+    lists = open_page(f"{forms.url}/#products")
+    expect(lists.get_by_role("row", name="Short-lived part")).to_be_visible()
+
+    assert page.request.delete(f"{forms.url}/api/products/short-lived").ok
+    forms.advance(2.0)
+    expect(lists.get_by_role("row", name="Short-lived part")).to_have_count(0, timeout=8000)
+    expect(choice).to_have_count(0)
+    # What was chosen is gone, and nothing else takes its place by itself.
+    expect(choices).to_have_value("")
+    page.locator(".publish").get_by_role("button", name="Publish").click()
+    expect(page.locator("#publish-product-wrong, .publish .complaint").first).to_contain_text(
+        "Choose a product"
+    )
+    screenshot(page, "publish-product-removed")
+    choices.select_option(label="Gear unit G1")
+    expect(choices.locator("option[value='']")).to_have_count(0)

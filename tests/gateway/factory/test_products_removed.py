@@ -80,6 +80,23 @@ async def test_a_removed_product_is_not_there_any_more_and_it_is_written_down(ho
     problem(await remove(house, "nothing"), 404, "unknown-product")
 
 
+async def test_panels_are_told_of_another_plant_when_a_product_is_defined_or_removed(house: House) -> None:
+    async def told_s() -> float:
+        house.wall.now_s += 1.0
+        changed_s: float = (await house.get("/api/kpis"))["plant_at_s"]
+        return changed_s
+
+    before_s = await told_s()
+    assert await told_s() == before_s
+    await defined(house)
+    defined_s = await told_s()
+    assert defined_s > before_s
+    await remove(house)
+    removed_s = await told_s()
+    assert removed_s > defined_s
+    assert await told_s() == removed_s
+
+
 async def test_it_stays_away_when_the_gateway_starts_again(house: House, url: str) -> None:
     await defined(house)
     await remove(house)

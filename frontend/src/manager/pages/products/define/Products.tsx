@@ -8,7 +8,7 @@ import { format, n, t, tables } from "../../../../text/views/products";
 import { factoryTime } from "../../../../text/plant-time";
 import { speakAlso } from "../../../../text/speech";
 import { Choice } from "../../../parts/filters/Choice";
-import { names } from "../../../state";
+import { names, plant } from "../../../state";
 import { useRefreshed } from "../../../refreshed";
 import "./products.css";
 import { DefineForm, FORM } from "./DefineForm";
@@ -30,6 +30,8 @@ export async function load(): Promise<typeof Products> {
 }
 
 async function fetchAll(): Promise<{ products: ProductAnswer[]; definitions: Definition[] }> {
+  // Asked anew as soon as another plant is known.
+  plant.value?.plant.toString();
   const [products, definitions] = await Promise.all([fetchProducts(), fetchDefinitions()]);
   return { products, definitions };
 }
