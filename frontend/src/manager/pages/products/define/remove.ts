@@ -125,12 +125,12 @@ const MORE = "…";
 export function asCalled(reason: Reason, called: Readonly<Record<string, Names>>): Reason {
   const name = called[reason.code ?? ""];
   if (name === undefined) return reason;
-  const ids = (reason.values?.["names"] ?? "").split(BETWEEN);
+  const ids = (reason.values?.names ?? "").split(BETWEEN);
   return { ...reason, values: { ...reason.values, names: ids.map((id) => (id === MORE ? id : name(id))).join(BETWEEN) } };
 }
 
 /** The orders that keep a product, as far as they are named. */
 export function ordersOf({ reasons }: Pick<Removed, "reasons">, called: Names): readonly Ordered[] {
-  const told = reasons.filter(({ code }) => code === "needed_by_order").flatMap(({ values }) => (values?.["names"] ?? "").split(BETWEEN));
+  const told = reasons.filter(({ code }) => code === "needed_by_order").flatMap(({ values }) => (values?.names ?? "").split(BETWEEN));
   return told.filter((id) => id !== MORE && id !== "").map((id) => ({ id, text: called(id) }));
 }
