@@ -55,6 +55,16 @@ async def house(url: str) -> AsyncIterator[House]:
         yield house
 
 
+@pytest.fixture
+async def two_houses(url: str) -> AsyncIterator[tuple[House, House]]:
+    """Two gateways of one plant on one database."""
+    async with (
+        gateway(url) as first,
+        gateway(url, bus=first.bus, wall=first.wall, gateway_name="g2") as other,
+    ):
+        yield first, other
+
+
 @pytest.fixture(scope="module")
 async def quiet_house(files: Files, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[House]:
     """One gateway for all tests of a module that leave nothing behind in it, with a fault injector."""

@@ -10,7 +10,7 @@ import "../styles/alerts.css";
 import { render } from "preact";
 import { bring } from "../api/bring";
 import { onLoggedOut, toLogin } from "../api/session";
-import { followJoining, loadPlant } from "../plant/load";
+import { followChanges, followJoining, loadPlant } from "../plant/load";
 import { start, world } from "../stream/stream";
 import { tables } from "../text/manager";
 import { beginToSpeak } from "../text/speech";
@@ -35,6 +35,7 @@ bring(() => import("./alerts/telling/telling"), ({ beginToTell, followTitle }) =
 const askForPlant = () => void loadPlant(plant, plantFailed, problemText);
 askForPlant();
 followJoining(plant, world, askForPlant);
+followChanges(world, askForPlant);
 
 const root = document.getElementById("app");
 if (root) render(<App />, root);

@@ -9,7 +9,7 @@ import { placeOf } from "./cards/machine/place";
 import { namesOf } from "../plant/names";
 import { canBeTakenBack, inOrder, isLate, progressOf, stateOf } from "./orders/progress";
 import { problemText } from "./problem-text";
-import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf, unableOf } from "./cards/publish/draft";
+import { checkDraft, chosenOf, type Draft, fieldOf, makersOf, needsOf, orderOf, unableOf } from "./cards/publish/draft";
 import { isAskable } from "./cards/publish/preview";
 import { taskName } from "./state";
 import { addressOf, namedIn, storyOf, viewFrom } from "./views";
@@ -41,6 +41,12 @@ describe("a draft", () => {
     }
     expect(checkDraft({ ...draft, customer: "  " }, 0)).toEqual({ customer: "needCustomer" });
     expect(checkDraft({ ...draft, due: "2001-01-01T10:00" }, 2e9)).toEqual({ due: "needFuture" });
+  });
+
+  test("is for the first product until another is chosen, and for none once that one cannot be ordered any more", () => {
+    const products = [{ id: "g1" }, { id: "g2" }];
+    expect([chosenOf("", products), chosenOf("g2", products), chosenOf("gone", products), chosenOf("", [])]).toEqual(["g1", "g2", "", ""]);
+    expect(checkDraft({ ...draft, product: "" }, 0)).toEqual({ product: "needProduct" });
   });
 
   test("can be looked ahead for before it is known who it is for", () => {

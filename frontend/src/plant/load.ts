@@ -42,3 +42,18 @@ export function followJoining(
     if (strangers.length > 0) ask();
   });
 }
+
+/** Calls `ask` for the plant anew when it has changed at the gateway, and when another gateway tells of it. */
+export function followChanges(
+  world: ReadonlySignal<{ readonly factory: { readonly plant_at_s?: number | null } } | null>,
+  ask: () => void,
+): () => void {
+  let before: number | null = null;
+  return effect(() => {
+    const changedAtS = world.value?.factory.plant_at_s ?? null;
+    if (changedAtS === null || changedAtS === before) return;
+    const isFirst = before === null;
+    before = changedAtS;
+    if (!isFirst) ask();
+  });
+}

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from looks import CUT
+from looks import CUT, LOCALES
 from manager_kit import GoingWall, as_manager
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
@@ -73,3 +73,45 @@ def test_an_alarm_covers_nothing_of_what_lies_in_the_way(
     button.scroll_into_view_if_needed()
     assert button.evaluate(SHOWN)
     screenshot(page, "alarms-and-obstacles-low")
+
+
+PLACES = """() => [...document.querySelectorAll(".publish :is(button, input, select), .inbox :is(button, a):not(.inbox-closed)")].map(each => {
+    const { left, top } = each.getBoundingClientRect();
+    return [each.textContent, left, top];
+})"""
+"""Where everything that a hand may be on its way to is."""
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_on_a_low_screen_the_alarms_say_that_something_is_closed_and_lead_to_it(
+    house: OpenHouse, open_page: OpenPage, screenshot: Screenshot, language: str
+) -> None:
+    page = as_manager(house, open_page, viewport={"width": 1280, "height": 800}, locale=LOCALES[language])
+    inbox = page.locator(".inbox")
+    expect(inbox.get_by_role("listitem")).to_have_count(3)
+    expect(page.locator(".closures")).to_have_count(1)
+    # What the gateway foresees of the order, which makes the form higher.
+    expect(page.locator(".publish .feasible .tone-warn")).to_be_visible()
+    before = page.evaluate(PLACES)
+
+    async def close(inside: House) -> None:
+        lane = {"kind": "slow", "lane": {"start": "c3", "end": "m5-lane"}, "speed_mps": 0.5}
+        answer = await inside.client.post("/api/closures", json=lane | {"reason": "oil on the floor"})
+        assert answer.status_code == 201, answer.text
+
+    house.do(close)
+    way = inbox.locator(".inbox-closed")
+    expect(way).to_contain_text("1")
+    expect(page.locator(".closures")).to_have_count(2)
+    assert page.evaluate(PLACES) == before
+    assert way.evaluate(SHOWN)
+    assert page.locator(".inbox .card-head").evaluate("head => head.scrollWidth <= head.clientWidth")
+    screenshot(page, f"alarms-and-closures-{language}")
+    way.click()
+    first = page.locator(".closures button").first
+    expect(first).to_be_focused()
+    assert first.evaluate(SHOWN)
+    assert page.evaluate(PLACES) == before
+    screenshot(page, f"alarms-and-closures-shown-{language}")
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    expect(way).to_be_hidden()

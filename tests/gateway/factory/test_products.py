@@ -127,15 +127,12 @@ async def test_the_next_gateway_knows_what_was_defined(house: House, url: str) -
         assert (seen["name"], seen["revision"]) == ("Bracket 2", 2)
 
 
-async def test_another_gateway_finds_what_was_defined(url: str) -> None:
-    async with (
-        gateway(url) as first,
-        gateway(url, bus=first.bus, wall=first.wall, gateway_name="g2") as other,
-    ):
-        await define(first, NEW)
-        async with other.store.read() as work:
-            await provided(other.app, Catalogue).look(work)
-        assert (await other.get("/api/products/bracket"))["revision"] == 1
+async def test_another_gateway_finds_what_was_defined(two_houses: tuple[House, House]) -> None:
+    first, other = two_houses
+    await define(first, NEW)
+    async with other.store.read() as work:
+        await provided(other.app, Catalogue).look(work)
+    assert (await other.get("/api/products/bracket"))["revision"] == 1
 
 
 async def test_only_who_may_change_the_plant_defines_products_and_it_is_written_down(

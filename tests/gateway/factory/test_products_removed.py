@@ -80,6 +80,23 @@ async def test_a_removed_product_is_not_there_any_more_and_it_is_written_down(ho
     problem(await remove(house, "nothing"), 404, "unknown-product")
 
 
+async def test_panels_are_told_of_another_plant_when_a_product_is_defined_or_removed(house: House) -> None:
+    async def told_s() -> float:
+        house.wall.now_s += 1.0
+        changed_s: float = (await house.get("/api/kpis"))["plant_at_s"]
+        return changed_s
+
+    before_s = await told_s()
+    assert await told_s() == before_s
+    await defined(house)
+    defined_s = await told_s()
+    assert defined_s > before_s
+    await remove(house)
+    removed_s = await told_s()
+    assert removed_s > defined_s
+    assert await told_s() == removed_s
+
+
 async def test_it_stays_away_when_the_gateway_starts_again(house: House, url: str) -> None:
     await defined(house)
     await remove(house)
@@ -87,40 +104,38 @@ async def test_it_stays_away_when_the_gateway_starts_again(house: House, url: st
         assert "bracket" not in await listed(next_one)
 
 
-async def test_another_gateway_forgets_it_too_and_so_does_one_that_was_away(url: str) -> None:
-    async with (
-        gateway(url) as first,
-        gateway(url, bus=first.bus, wall=first.wall, gateway_name="g2") as other,
-    ):
-        await defined(first)
-        await look(other)
-        assert "bracket" in await listed(other)
-        await remove(first)
-        await look(other)
-        assert "bracket" not in await listed(other)
-        # While it is away, it is defined once more and removed, and another one is defined.
-        await defined(first)
-        await remove(first)
-        await defined(first, "plate")
-        await look(other)
-        assert {"bracket", "plate"} & await listed(other) == {"plate"}
+async def test_another_gateway_forgets_it_too_and_so_does_one_that_was_away(
+    two_houses: tuple[House, House],
+) -> None:
+    first, other = two_houses
+    await defined(first)
+    await look(other)
+    assert "bracket" in await listed(other)
+    await remove(first)
+    await look(other)
+    assert "bracket" not in await listed(other)
+    # While it is away, it is defined once more and removed, and another one is defined.
+    await defined(first)
+    await remove(first)
+    await defined(first, "plate")
+    await look(other)
+    assert {"bracket", "plate"} & await listed(other) == {"plate"}
 
 
-async def test_one_defined_anew_has_the_next_revision_also_where_the_removal_was_not_heard(url: str) -> None:
-    async with (
-        gateway(url) as first,
-        gateway(url, bus=first.bus, wall=first.wall, gateway_name="g2") as other,
-    ):
-        await defined(first)
-        await look(other)
-        await remove(first)
-        again = await define(first, NEW, name="Bracket of steel")
-        assert (again.status_code, again.json()["revision"], again.headers["ETag"]) == (201, 3, '"3"')
-        await look(other)
-        assert (await other.get(PATH))["name"] == "Bracket of steel"
-        # Whoever has read the first one does not change the new one by mistake.
-        problem(await define(first, {"If-Match": '"1"'}), 412, "changed-since")
-        assert (await define(first, {"If-Match": '"3"'})).json()["revision"] == 4
+async def test_one_defined_anew_has_the_next_revision_also_where_the_removal_was_not_heard(
+    two_houses: tuple[House, House],
+) -> None:
+    first, other = two_houses
+    await defined(first)
+    await look(other)
+    await remove(first)
+    again = await define(first, NEW, name="Bracket of steel")
+    assert (again.status_code, again.json()["revision"], again.headers["ETag"]) == (201, 3, '"3"')
+    await look(other)
+    assert (await other.get(PATH))["name"] == "Bracket of steel"
+    # Whoever has read the first one does not change the new one by mistake.
+    problem(await define(first, {"If-Match": '"1"'}), 412, "changed-since")
+    assert (await define(first, {"If-Match": '"3"'})).json()["revision"] == 4
 
 
 async def test_a_file_defines_removed_ones_anew_and_says_with_which_revision(house: House) -> None:

@@ -8,12 +8,14 @@ import gzip
 import json
 from collections.abc import AsyncIterator, Iterator
 from contextvars import copy_context
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 from databases import Files
 from fake_injector import FakeInjector
 from gateway_kit import BEARER, PRODUCT, House, gateway
+from heartbeats import atv_heartbeat
 from largest_inputs import LARGEST, hostile, large_draft, orders_file
 from loop_monitor import Asked, ask, be, loop_monitor
 from msgspec.structs import replace
@@ -55,7 +57,14 @@ NEVER_HZ = 1e-6
 
 MANAGER = Principal(kind="admin", id="admin", name="Manager", scopes=frozenset(Scope))
 
-NAMES = {"atv": "ATV1", "machine": "M1", "product": PRODUCT, "person": "nobody", "area": "north"}
+NAMES = {
+    "agent": "ATV1",
+    "atv": "ATV1",
+    "machine": "M1",
+    "product": PRODUCT,
+    "person": "nobody",
+    "area": "north",
+}
 """What path templates stand for; anything else is made or unknown."""
 
 FILES = [
@@ -326,6 +335,23 @@ async def test_no_step_is_long_that_shows_the_present_before_anything_is_recorde
     assert (len(shown["orders"]), len(shown["tasks"])) == (MAX_OPEN_ORDERS, MAX_OPEN)
     print(f"\nGET {path} without a recording | {least_ms}")  # noqa: T201 - for who runs pytest with -s
     assert least_ms <= STEP_MS
+
+
+@pytest.mark.slow
+async def test_no_step_is_long_that_asks_what_an_agent_knew(fullest: House) -> None:
+    """One that has nothing to do with any task, so that all are looked through: before anything is recorded, and when all is."""
+    path = "/api/agents/{agent}/knowledge"
+    fullest.projection.fold(atv_heartbeat(NAMES["agent"]))
+    took_ms = {"now": await longest_ms(fullest, "GET", path, b"")}
+    assert fullest.recorder.now() is None
+    while fullest.recorder.now() is None:
+        fullest.recorder.note(Delta(number=0, at_s=NOW_S))
+    moment = datetime.fromtimestamp(NOW_S, UTC).strftime("at=%Y-%m-%dT%H:%M:%SZ")
+    for query in ("", moment):
+        took_ms[f"recorded {query}"] = await longest_ms(fullest, "GET", path, b"", query)
+    print(f"\nGET {path} | {took_ms}")  # noqa: T201 - for who runs pytest with -s
+    assert {status for _, status in took_ms.values()} == {200}
+    assert max(longest for longest, _ in took_ms.values()) <= STEP_MS
 
 
 async def test_the_monitor_sees_a_long_step_and_whose_it_was(full_house: House) -> None:

@@ -18,7 +18,15 @@ class Kind(Protocol):
         ...
 
 
-class Vehicles(Kind, Protocol):
+class Agents(Kind, Protocol):
+    """Agents of one kind."""
+
+    def view(self, agent: str, /) -> Any:
+        """One of them, if it is there; else None."""
+        ...
+
+
+class Vehicles(Agents, Protocol):
     """The vehicles."""
 
     def __contains__(self, atv: object) -> bool:
@@ -34,7 +42,7 @@ class Many(Kind, Protocol):
     """Entities of a kind that may have thousands."""
 
     def ids(self) -> Collection[str]:
-        """The ids of all of them."""
+        """The ids of all of them, in the order of `views`."""
         ...
 
 
@@ -89,9 +97,9 @@ class PlantPicture(Protocol):
     @property
     def commands(self) -> Given: ...
     @property
-    def machines(self) -> Kind: ...
+    def machines(self) -> Agents: ...
     @property
-    def stations(self) -> Kind: ...
+    def stations(self) -> Agents: ...
     @property
     def news(self) -> Kind: ...
     @property

@@ -19,6 +19,7 @@ export function AlertsCard() {
     <section class="card inbox" aria-labelledby="inbox">
       <header class="card-head">
         <h2 id="inbox">{t("alerts.open")}</h2>
+        <WayToClosures />
         <a class="quiet-link card-aside" href="#alerts">
           {t("alerts.all", { count: format.count(alerts.value.length) })}
         </a>
@@ -36,6 +37,22 @@ export function AlertsCard() {
       {open.length > MOST && <a class="quiet-link" href="#alerts">{n("alerts.more", open.length - MOST)}</a>}
     </section>
   );
+}
+
+/** On a low screen this card stands over what is closed: how much that is, and the way to it. */
+function WayToClosures() {
+  const closed = world.value?.closures.size ?? 0;
+  if (closed === 0) return null;
+  return (
+    <button type="button" class="inbox-closed link" title={t("closures.show")} onClick={showClosures}>
+      {t("closures.count", { n: format.count(closed) })}
+    </button>
+  );
+}
+
+/** Whoever comes to what is closed can open it at once. */
+function showClosures(): void {
+  document.getElementById("closures")?.closest("section")?.querySelector("button")?.focus();
 }
 
 function Line({ alert }: { alert: AlertView }) {

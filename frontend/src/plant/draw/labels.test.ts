@@ -22,6 +22,13 @@ describe("a vehicle's name", () => {
     expect(placed([name(true)], { ...free, words: [all] })).toEqual([null]);
   });
 
+  test("of the chosen one covers a machine before it covers another vehicle, and as few of them as can be", () => {
+    expect(placed([name(true)], { things: [all, above], vehicles: [above], words: [] })[0]?.left).toBeGreaterThan(100);
+    const left: Rect = { left: -1000, right: 95, top: -1000, bottom: 1000 };
+    expect(placed([name(true)], { things: [all, left, above], vehicles: [all, left, above], words: [] })[0]?.left).toBeGreaterThan(100);
+    expect(placed([name(true)], { things: [all], vehicles: [all], words: [] })[0]?.bottom).toBe(90);
+  });
+
   test("keeps clear of those that matter more", () => {
     const [first, second] = placed([name(false), name(false)], free);
     expect(first && second && overlaps(first, second)).toBe(false);

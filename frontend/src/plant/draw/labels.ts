@@ -25,6 +25,8 @@ export interface Wish {
 export interface Taken {
   /** Vehicles, machines and storages: covered by what must be told, and by nothing else. */
   readonly things: readonly Rect[];
+  /** The vehicles among these: what must be told covers a machine before it covers one of them. */
+  readonly vehicles?: readonly Rect[];
   /** Words that stand where they stand: covered by nothing. */
   readonly words: readonly Rect[];
 }
@@ -32,11 +34,11 @@ export interface Taken {
 /**
  * One place for each wish, in their order: the earlier, the more it matters. Null where there is none.
  */
-export function placed(wishes: readonly Wish[], { things, words }: Taken): (Rect | null)[] {
+export function placed(wishes: readonly Wish[], { things, vehicles = [], words }: Taken): (Rect | null)[] {
   const written = [...words];
   return wishes.map((wish) => {
     const legible = wish.places.map((place) => around(place, wish)).filter((rect) => !covers(rect, written));
-    const rect = legible.find((each) => !covers(each, things)) ?? (wish.must ? legible[0] : undefined) ?? (wish.always ? first(wish) : null);
+    const rect = legible.find((each) => !covers(each, things)) ?? (wish.must ? overFewest(legible, vehicles) : undefined) ?? (wish.always ? first(wish) : null);
     if (rect) written.push(rect);
     return rect;
   });
@@ -75,6 +77,12 @@ export function placesAlong(a: Point, b: Point): Point[] {
 export function within({ x, y }: Point, { height, width }: { width: number; height: number }, room: { width: number; height: number }): Point {
   const clamp = (at: number, half: number, most: number): number => (most < 2 * half ? most / 2 : Math.min(Math.max(at, half), most - half));
   return { x: clamp(x, width / 2, room.width), y: clamp(y, height / 2, room.height) };
+}
+
+/** The first of those that cover the fewest. */
+function overFewest(rects: readonly Rect[], vehicles: readonly Rect[]): Rect | undefined {
+  const covered = rects.map((rect) => vehicles.filter((vehicle) => overlaps(rect, vehicle)).length);
+  return rects[covered.indexOf(Math.min(...covered))];
 }
 
 function first(wish: Wish): Rect | null {

@@ -314,6 +314,7 @@ export class PlantRenderer {
     const discs = brush.detail.everybody ? vehicles.map((vehicle) => discOf(brush, vehicle)) : [];
     writeWords(brush, [...names.chosen, ...ages, ...names.others], {
       things: [...walls, ...discs],
+      vehicles: discs,
       words: [...doors, ...signs.map(({ rect }) => rect), ...beneath.words],
     });
     this.#traffic?.nameJams(brush, signs);

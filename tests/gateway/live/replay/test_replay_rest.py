@@ -180,13 +180,16 @@ async def test_what_an_agent_knew_stands_beside_what_had_happened(house: House) 
     await house.say([atv_heartbeat(atv="ATV3", at_s=11.0), *told])
     house.hub.tick()
     house.wall.now_s += 1
-    answer = await house.client.get("/api/agents/ATV3/knowledge", params={"at": at(NOW_S + 30.5)})
-    (item,) = [each for each in answer.json()["items"] if each["about"] == "task"]
-    assert (item["knew"]["kind"], item["happened"]["kind"], item["differs"]) == (
-        "ContractEnded",
-        "CarrierChanged",
-        False,
-    )
+    # Of a moment that was recorded, and of the present.
+    for moment in ({"at": at(NOW_S + 30.5)}, {}):
+        answer = await house.client.get("/api/agents/ATV3/knowledge", params=moment)
+        (item,) = [each for each in answer.json()["items"] if each["about"] == "task"]
+        assert (item["knew"]["kind"], item["happened"]["kind"], item["differs"]) == (
+            "ContractEnded",
+            "CarrierChanged",
+            False,
+        )
+    problem(await house.client.get("/api/agents/ATV99/knowledge"), 404, "unknown-agent")
     problem(
         await house.client.get("/api/agents/ATV99/knowledge", params={"at": at(NOW_S + 30.5)}),
         404,

@@ -46,6 +46,7 @@ from dray.messages import (
 )
 from dray.messages.floor.obstacle import ObstacleCleared, ObstacleSeen
 from dray.overload import Overload
+from dray.plant import Plant
 from dray.plant.model import PlantFile
 from dray.protocol.liveness.suspicion import AnyHeartbeat
 from dray.store.factory.exclusions import Exclusion
@@ -92,6 +93,9 @@ class Projection:
             top_mps,
         )
         self.site = Site(plant)
+        self._told_plant: Plant | None = None
+        """The plant at the last look at the figures; the site replaces it as a whole."""
+        self._plant_at_s = 0.0
         self.materials = _materials(plant)
         self.machines = Machines(
             self.site, time.to_wall_s, self.outsiders, self.clocks, self._silence, self.materials
@@ -304,7 +308,15 @@ class Projection:
             machines_by_status=dict(+self.machines.by_status),
             speed=self._time.speed,
             behind_s=(self._time.to_plant_s(wall_s) - heard_s) / self._time.speed,
+            plant_at_s=self._plant_since_s(wall_s),
         )
+
+    def _plant_since_s(self, wall_s: float) -> float:
+        """When the plant was first seen as it is now."""
+        if self._told_plant is not self.site.plant:
+            # Later than before, also where the clock stands or was set back.
+            self._told_plant, self._plant_at_s = self.site.plant, max(wall_s, self._plant_at_s + 1e-3)
+        return self._plant_at_s
 
     def totals(self, wall_s: float) -> KpiSample:
         """All totals since the plant's zero, with every agent's time counted up to now."""

@@ -7,7 +7,7 @@ frame up to the moment. Later frames go through the same updates as live ones.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, KeysView, Sequence
 from typing import Any
 
 import msgspec
@@ -70,8 +70,8 @@ class _Shelf:
     def __contains__(self, entity: object) -> bool:
         return entity in self._told
 
-    def ids(self) -> set[str]:
-        return set(self._told)
+    def ids(self) -> KeysView[str]:
+        return self._told.keys()
 
     def drop(self, entity: str) -> None:
         self._told.pop(entity, None)

@@ -7,12 +7,13 @@ Its next event on the same transport shows when it learnt of that.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Literal
 
 import msgspec
 
-from dray.gateway.live.replay.film import Picture
+from dray.gateway.live.frames import PORTION
+from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.views import TaskView
 from dray.gateway.live.views.base import View
 from dray.messages.fact import (
@@ -45,6 +46,9 @@ UPSETTING = (TookOver, CarrierChanged, PrimarySuspected, WatchLost, TaskClosed)
 
 TASKS_MOST = 12
 """Maximum tasks per agent and moment: a vehicle carries one and watches some; a machine has some open."""
+
+LOST_KEPT_S = 60.0
+"""Wall seconds after a task's end for which an agent that lost it is still asked about it."""
 
 _READ = msgspec.json.Decoder(AnyFact)
 
@@ -95,69 +99,90 @@ class KnowledgeView(View, kw_only=True):
     items: tuple[KnownView, ...] = ()
 
 
-def tasks_of(picture: Picture, agent: str) -> dict[str, str]:
-    """The tasks of an agent and its role in each, by its own word first, then by the coordinators'."""
-    roles: dict[str, str] = {}
+class Involvement(msgspec.Struct, kw_only=True):
+    """What a picture tells of an agent and its tasks: all that is kept of the picture."""
+
+    agent: str
+    at_s: float
+    """The moment."""
+    is_known: bool
+    """Whether there was such an agent."""
+    roles: dict[str, str]
+    """Its tasks and its role in each; empty for a role that it has lost."""
+    tasks: dict[str, TaskView]
+    """Those of its tasks that the picture has."""
+    heard_at_s: float | None = None
+    is_overdue: bool = False
+    """Whether it had been silent for too long."""
+    closures: tuple[str, ...] = ()
+    """Closures that it did not know of."""
+
+
+def involvement(picture: PlantPicture, agent: str, at_s: float) -> Iterator[Involvement]:
+    """The tasks of an agent and its role in each, by its own word first, then by the coordinators'.
+
+    Yields the same `Involvement` again after every `PORTION` tasks, so that other work can run; it is complete
+    at the end.
+    """
     atv = picture.atvs.view(agent)
+    view = atv or picture.machines.view(agent) or picture.stations.view(agent)
+    of = Involvement(agent=agent, at_s=at_s, is_known=view is not None, roles={}, tasks={})
+    if view is not None:
+        of.heard_at_s = view.seen_at_s
+        of.is_overdue = (at_s - view.seen_at_s) * picture.speed > view.silence.overdue_after_s
+        of.closures = tuple(each.id for each in picture.closures.views() if agent in each.not_known_by)
     if atv is not None:
         if atv.task is not None:
-            roles[atv.task.task] = "primary"
-        roles |= {brief.task: "secondary" for brief in atv.watches}
-    views: Sequence[TaskView] = picture.tasks.views()
-    for task in reversed(views):
-        if len(roles) >= TASKS_MOST:
-            break
-        if task.id in roles:
-            continue
-        if task.closed_at_s is None and task.coordinator == agent:
-            roles[task.id] = "coordinator"
-        elif task.closed_at_s is None and agent in (task.primary, task.secondary):
-            roles[task.id] = "primary" if agent == task.primary else "secondary"
-        elif any(agent in (carrier.carrier, carrier.replaced) for carrier in task.carriers) and (
-            task.closed_at_s is None or picture.at_s - task.closed_at_s < 60.0
-        ):
-            roles[task.id] = ""
-    return roles
+            of.roles[atv.task.task] = "primary"
+        of.roles |= {brief.task: "secondary" for brief in atv.watches}
+        for name in of.roles:
+            if (task := picture.tasks.view(name)) is not None:
+                of.tasks[name] = task
+    yield of
+    if view is None:
+        return
+    for number, name in enumerate(reversed(tuple(picture.tasks.ids())), 1):
+        if len(of.roles) >= TASKS_MOST:
+            return
+        if name not in of.roles and (task := picture.tasks.view(name)) is not None:
+            role = _role(task, agent, at_s)
+            if role is not None:
+                of.roles[name], of.tasks[name] = role, task
+        if number % PORTION == 0:
+            yield of
 
 
-def knowledge(
-    picture: Picture, agent: str, at_s: float, roles: Mapping[str, str], rows: Iterable[EventRow]
-) -> KnowledgeView:
+def _role(task: TaskView, agent: str, at_s: float) -> str | None:
+    """The role of an agent in a task, by its coordinator's word; None if it has nothing to do with it."""
+    if task.closed_at_s is None and task.coordinator == agent:
+        return "coordinator"
+    if task.closed_at_s is None and agent in (task.primary, task.secondary):
+        return "primary" if agent == task.primary else "secondary"
+    had = any(agent in (carrier.carrier, carrier.replaced) for carrier in task.carriers)
+    return "" if had and (task.closed_at_s is None or at_s - task.closed_at_s < LOST_KEPT_S) else None
+
+
+def knowledge(of: Involvement, rows: Iterable[EventRow]) -> KnowledgeView:
     """What an agent knew.
 
     Args:
-        picture: the plant at the moment.
-        agent: the agent whose knowledge is asked for.
-        at_s: the moment.
-        roles: the result of `tasks_of`.
+        of: the agent, the moment and its tasks.
         rows: all events of these tasks with facts in `TELLING`, in order of time.
     """
-    by_task: dict[str, list[EventRow]] = {task: [] for task in roles}
+    by_task: dict[str, list[EventRow]] = {task: [] for task in of.roles}
     for row in rows:
         by_task.setdefault(row.task or "", []).append(row)
-    items = [
-        _of_task(picture, agent, at_s, task, role, by_task[task])
-        for task, role in roles.items()
-        if by_task[task]
-    ]
-    view = picture.atvs.view(agent) or picture.machines.view(agent) or picture.stations.view(agent)
-    if view is not None:
-        silent_s = (at_s - view.seen_at_s) * picture.speed
-        items.append(
-            KnownView(
-                about="heard", differs=silent_s > view.silence.overdue_after_s, heard_at_s=view.seen_at_s
-            )
-        )
-    unknown = tuple(each.id for each in picture.closures.views() if agent in each.not_known_by)
-    if unknown:
-        items.append(KnownView(about="closures", differs=True, closures=unknown))
+    items = [_of_task(of, task, role, by_task[task]) for task, role in of.roles.items() if by_task[task]]
+    if of.heard_at_s is not None:
+        items.append(KnownView(about="heard", differs=of.is_overdue, heard_at_s=of.heard_at_s))
+    if of.closures:
+        items.append(KnownView(about="closures", differs=True, closures=of.closures))
     items.sort(key=lambda item: not item.differs)
-    return KnowledgeView(agent=agent, at_s=at_s, items=tuple(items))
+    return KnowledgeView(agent=of.agent, at_s=of.at_s, items=tuple(items))
 
 
-def _of_task(
-    picture: Picture, agent: str, at_s: float, task: str, role: str, rows: Sequence[EventRow]
-) -> KnownView:
+def _of_task(of: Involvement, task: str, role: str, rows: Sequence[EventRow]) -> KnownView:
+    agent, at_s = of.agent, of.at_s
     own = [row for row in rows if row.agent == agent]
     knew = next((row for row in reversed(own) if row.at_s <= at_s), None)
     upsetting = {kind.__name__ for kind in UPSETTING}
@@ -171,7 +196,7 @@ def _of_task(
         after = (row.at_s for row in own if row.at_s >= happened.at_s)
         learnt_s = next(after, None)
         differs = learnt_s is None or learnt_s > at_s
-    view = picture.tasks.view(task)
+    view = of.tasks.get(task)
     return KnownView(
         about="task",
         differs=differs,

@@ -6,8 +6,9 @@ A read takes only what lies between two snapshots, however much is stored, and d
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, cast
+from typing import cast
 
 import msgspec
 from msgspec.structs import replace
@@ -16,9 +17,9 @@ from dray.gateway.access.principal import Principal
 from dray.gateway.live.frames import COLLECTIONS, PORTION, Delta, Snapshot
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.replay.film import Film, Picture
+from dray.gateway.live.replay.knowledge import Involvement, involvement
 from dray.gateway.live.replay.recorder import Mark, Recorder
 from dray.gateway.live.stream import audience_of, scope_of
-from dray.gateway.live.stream_scopes import WholeScope
 from dray.gateway.live.updates import Updates, array, joined
 from dray.gateway.live.views.base import View
 from dray.store import Store
@@ -85,16 +86,6 @@ class ReplayReader:
         self._store, self._recorder, self._live = store, recorder, live
         self._site = live.site
 
-    async def picture_now(self, now_s: float) -> Picture:
-        """The present plant: collections in `NOW` are live, the others as panels were last sent them.
-
-        Converting everything at once would hold up the loop.
-        """
-        if (recorded := self._recorded()) is not None:
-            return await asyncio.to_thread(recorded)
-        line = await self._live_line(now_s)
-        return await asyncio.to_thread(Picture, line, self._site)
-
     def _recorded(self) -> Callable[[], Picture] | None:
         """Makes the present picture, in any thread; None where nothing is recorded."""
         told = None if self._recorder is None else self._recorder.now()
@@ -102,18 +93,6 @@ class ReplayReader:
             return None
         fresh = {name: msgspec.to_builtins(getattr(self._live, name).views()) for name in NOW}
         return lambda: Picture(told.plain() | fresh, self._site)
-
-    async def _live_line(self, now_s: float) -> dict[str, Any]:
-        """A snapshot of the present, where nothing is recorded; made in portions to let other work run."""
-        scope = WholeScope(self._live)
-        line: dict[str, Any] = msgspec.to_builtins(scope.snapshot(0, now_s, PORTION))
-        for collection, names in scope.rest(PORTION).items():
-            told = list(line[collection])
-            for at in range(0, len(names), PORTION):
-                await asyncio.sleep(0)
-                told += msgspec.to_builtins(scope.views(collection, names[at : at + PORTION]))
-            line[collection] = told
-        return line
 
     async def snapshot_now(self, who: Principal, now_s: float) -> bytes:
         """The present snapshot as JSON, as this caller may see it.
@@ -143,10 +122,25 @@ class ReplayReader:
             lambda: _whole(snapshot, who, {name: joined(each) for name, each in views.items()})
         )
 
-    async def picture(self, at_s: float) -> Picture | None:
-        """The plant as panels showed it at a moment; None where nothing is stored up to then."""
+    async def involvement_now(self, agent: str, now_s: float) -> Involvement:
+        """What the present plant tells of an agent and its tasks: looked up in portions, without a picture."""
+        for latest in involvement(self._live, agent, now_s):
+            found = latest
+            await asyncio.sleep(0)
+        return found
+
+    async def involvement(self, agent: str, at_s: float) -> Involvement | None:
+        """What a moment's picture tells of an agent and its tasks; None where nothing is stored up to then.
+
+        The picture stays in its thread: converting one, and freeing it, would hold up the loop.
+        """
         pieces = await self._pieces(at_s, at_s)
-        return await asyncio.to_thread(lambda: Film(pieces, self._site).play_until(at_s))
+
+        def look() -> Involvement | None:
+            picture = Film(pieces, self._site).play_until(at_s)
+            return None if picture is None else deque(involvement(picture, agent, at_s), maxlen=1).pop()
+
+        return await asyncio.to_thread(look)
 
     async def film(self, who: Principal, since_s: float, until_s: float, every_s: float) -> FilmView | None:
         """A moment and the changes after it, as a caller may see them; None where nothing is stored.

@@ -126,3 +126,5 @@ class FactoryView(View, kw_only=True):
     """Factory seconds per real second."""
     behind_s: float = 0.0
     """Age of the plant's newest message, in real seconds; an agent heard before that is silent."""
+    plant_at_s: float | None = None
+    """When `GET /api/plant` changed last at this gateway: at its start, or when people defined or removed a product, or a machine joined."""

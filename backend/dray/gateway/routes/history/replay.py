@@ -21,7 +21,6 @@ from dray.gateway.live.replay.knowledge import (
     KnownView,
     RecordedFactView,
     knowledge,
-    tasks_of,
 )
 from dray.gateway.live.replay.reader import FilmView, OverviewView, ReplayReader, StretchView
 from dray.gateway.live.replay.recorder import Mark
@@ -214,17 +213,18 @@ async def get_knowledge(
 
     Without `orders:read`, goals have aliases, as in `GET /api/events`.
     """
-    at_s = now_s if at is None else at.timestamp()
-    picture = await replay.picture_now(now_s) if at is None else await replay.picture(at_s)
-    if picture is None:
+    if at is None:
+        of = await replay.involvement_now(agent, now_s)
+    elif (found := await replay.involvement(agent, at.timestamp())) is not None:
+        of = found
+    else:
         raise _not_kept()
-    if not any(agent in each for each in (picture.atvs, picture.machines, picture.stations)):
+    if not of.is_known:
         raise not_found("agent", agent, "GET /api/replay")
-    roles = tasks_of(picture, agent)
     async with store.read() as work:
         kinds = tuple(kind.__name__ for kind in TELLING)
-        rows = await work.events.of_tasks(tuple(roles), kinds, EVENTS_MOST)
-    known = knowledge(picture, agent, at_s, roles, rows)
+        rows = await work.events.of_tasks(tuple(of.roles), kinds, EVENTS_MOST)
+    known = knowledge(of, rows)
     if not caller.may(Scope.ORDERS_READ):
         items = tuple(msgspec.structs.replace(each, task=goal_alias(each.task)) for each in known.items)
         known = msgspec.structs.replace(known, items=items)

@@ -340,6 +340,7 @@ _STRUCTS = (
         deliveries_per_hour=(12.0, 24.0, 36.0),
         atvs_by_status={"idle": 3, "working": 4, "charging": 1},
         machines_by_status={"idle": 9, "producing": 3},
+        plant_at_s=1_900_000_000.0,
     ),
 )
 

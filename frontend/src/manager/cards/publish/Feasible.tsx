@@ -31,6 +31,7 @@ export function Feasible() {
   }
   if (preview.value) return <Foreseen found={preview.value} />;
   const { product } = draft.value;
+  if (product === "") return null;
   const makers = makersOf(file, product);
   const cycle = factoryTime(Math.min(...makers.map(({ cycleS }) => cycleS)));
   return (

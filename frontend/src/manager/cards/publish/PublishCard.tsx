@@ -24,6 +24,7 @@ export function PublishCard() {
         <Field field="product" label={t("publish.product")}>
           {(attributes) => (
             <select {...attributes} value={product} onChange={(event) => { edit("product", event.currentTarget.value); }}>
+              {product === "" && products.length > 0 && <option value="">{t("publish.choose")}</option>}
               {products.map(({ id, name }) => (
                 <option key={id} value={id}>
                   {name}

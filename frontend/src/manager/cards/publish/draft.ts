@@ -13,13 +13,20 @@ export interface Draft {
 }
 
 export type Field = keyof Draft;
-export type Complaint = "needQuantity" | "needCustomer" | "needFuture";
+export type Complaint = "needProduct" | "needQuantity" | "needCustomer" | "needFuture";
 
 /** The gateway's own limit. */
 export const MOST_PIECES = 100_000;
 
+/** The first product until a person chooses another; none once that one cannot be ordered any more. */
+export function chosenOf(chosen: string, products: readonly { readonly id: string }[]): string {
+  if (chosen === "") return products[0]?.id ?? "";
+  return products.some(({ id }) => id === chosen) ? chosen : "";
+}
+
 export function checkDraft(draft: Draft, nowS: number): Partial<Record<Field, Complaint>> {
   const complaints: Partial<Record<Field, Complaint>> = {};
+  if (draft.product === "") complaints.product = "needProduct";
   if (quantityOf(draft) === null) complaints.quantity = "needQuantity";
   if (draft.customer.trim() === "") complaints.customer = "needCustomer";
   if (draft.due !== "" && !(Date.parse(draft.due) / 1000 > nowS)) complaints.due = "needFuture";

@@ -7,14 +7,13 @@ import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
 import { problemText } from "../../problem-text";
 import { plant } from "../../state";
-import { checkDraft, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf } from "./draft";
+import { checkDraft, chosenOf, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf } from "./draft";
 
 const written = signal<Draft>({ product: "", quantity: "40", customer: "", reference: "", due: "", priority: "normal" });
 
-/** The first product is chosen until a person chooses another. */
 export const draft = computed<Draft>(() => ({
   ...written.value,
-  product: written.value.product || (plant.value?.products[0]?.id ?? ""),
+  product: chosenOf(written.value.product, plant.value?.products ?? []),
 }));
 export const complaints = signal<Partial<Record<Field, string>>>({});
 export const sending = signal(false);
@@ -78,6 +77,7 @@ function complain(error: unknown): void {
 
 function inWords(found: Partial<Record<Field, Complaint>>): Partial<Record<Field, string>> {
   const words: Record<Complaint, string> = {
+    needProduct: t("publish.needProduct"),
     needQuantity: t("publish.needQuantity", { most: format.count(MOST_PIECES) }),
     needCustomer: t("publish.needCustomer"),
     needFuture: t("publish.needFuture"),

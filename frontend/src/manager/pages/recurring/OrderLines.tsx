@@ -18,7 +18,7 @@ export function OrderLines() {
         const attributes = { "aria-invalid": complaints.value[`line.${i}`] !== undefined, "aria-describedby": `recurring-line.${i}-wrong` };
         return (
           <div key={i} class="recurring-line">
-            <select {...attributes} aria-label={t("recurring.productOf", { row: i + 1 })} value={line.product} onChange={(event) => { change(i, { product: event.currentTarget.value }); }}>
+            <select {...attributes} aria-label={t("recurring.productOf", { row: i + 1 })} value={products.some(({ id }) => id === line.product) ? line.product : ""} onChange={(event) => { change(i, { product: event.currentTarget.value }); }}>
               <option value="">{t("recurring.choose")}</option>
               {products.map(({ id, name }) => (
                 <option key={id} value={id}>

@@ -82,6 +82,8 @@ export const orders: Catalogue<typeof english> = {
   "publish.published": "Gestartet als {id}",
   "publish.defined": "Hinterlegt als {id}; starten Sie, wann Sie möchten",
   "publish.needQuantity": "Eine ganze Zahl von 1 bis {most}",
+  "publish.choose": "Wählen…",
+  "publish.needProduct": "Welches Produkt?",
   "publish.needCustomer": "Für wen ist es?",
   "publish.needFuture": "Diese Zeit ist vorbei",
   "publish.failed": "Nicht gesendet: {reason}",

@@ -116,6 +116,8 @@ export const panel: Catalogue<typeof english> = {
   "closures.cutOff": "Kein Fahrzeug kommt zu {places}.",
   "closures.shutIn": "{vehicles} kann nicht hinaus.",
   "closures.unaware": "Noch nicht bekannt: {vehicles}.",
+  "closures.count": "Gesperrt: {n}",
+  "closures.show": "Zeigen, was gesperrt ist",
   "closures.end": "Freigeben",
   "closures.endOf": "{where} freigeben",
 

@@ -79,6 +79,8 @@ export const orders = {
   "publish.published": "Published as {id}",
   "publish.defined": "Defined as {id}; publish it when you like",
   "publish.needQuantity": "A whole number from 1 to {most}",
+  "publish.choose": "Choose…",
+  "publish.needProduct": "Choose a product",
   "publish.needCustomer": "Who is it for?",
   "publish.needFuture": "This time has passed",
   "publish.failed": "Not sent: {reason}",

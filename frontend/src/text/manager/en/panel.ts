@@ -113,6 +113,8 @@ export const panel = {
   "closures.cutOff": "No vehicle gets to {places}.",
   "closures.shutIn": "{vehicles} cannot leave.",
   "closures.unaware": "Not heard yet by {vehicles}.",
+  "closures.count": "Closed: {n}",
+  "closures.show": "Show what is closed",
   "closures.end": "Open",
   "closures.endOf": "Open {where}",
 

@@ -82,6 +82,8 @@ export const orders: Catalogue<typeof english> = {
   "publish.published": "Lanzado como {id}",
   "publish.defined": "Definido como {id}; láncelo cuando quiera",
   "publish.needQuantity": "Un número entero de 1 a {most}",
+  "publish.choose": "Elegir…",
+  "publish.needProduct": "¿Qué producto?",
   "publish.needCustomer": "¿Para quién es?",
   "publish.needFuture": "Esa hora ya ha pasado",
   "publish.failed": "No enviado: {reason}",

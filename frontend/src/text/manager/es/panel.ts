@@ -116,6 +116,8 @@ export const panel: Catalogue<typeof english> = {
   "closures.cutOff": "Ningún vehículo llega a {places}.",
   "closures.shutIn": "{vehicles} no puede salir.",
   "closures.unaware": "Aún no lo sabe: {vehicles}.",
+  "closures.count": "Cerrado: {n}",
+  "closures.show": "Mostrar lo que está cerrado",
   "closures.end": "Abrir",
   "closures.endOf": "Abrir {where}",
 

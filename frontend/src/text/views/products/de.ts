@@ -80,6 +80,9 @@ export const products: Catalogue<typeof en> = {
   "products.stays": "{name} bleibt: {reason}",
   "products.moreStay.one": "Und {n} weiteres bleibt.",
   "products.moreStay.other": "Und {n} weitere bleiben.",
+  "products.waysLabel": "Die Aufträge, die sie brauchen",
+  "products.ways": "Aufträge öffnen, die sie brauchen: {orders}",
+  "products.newTab": "{order} (öffnet sich in einem neuen Tab)",
   "products.inPlantFile": "Es steht in der Werksdatei. Dort entfernen und mit dieser Datei starten.",
   "products.cutOff": "Keine Verbindung zum Werk: Jetzt kann nichts entfernt werden.",
 };

@@ -77,6 +77,9 @@ export const products = {
   "products.stays": "{name} stays: {reason}",
   "products.moreStay.one": "And {n} more stays.",
   "products.moreStay.other": "And {n} more stay.",
+  "products.waysLabel": "The orders that need them",
+  "products.ways": "Open the orders that need them: {orders}",
+  "products.newTab": "{order} (opens in a new tab)",
   "products.inPlantFile": "it stands in the plant file. Remove it there, and start with that file.",
   "products.cutOff": "No connection to the plant: nothing can be removed now.",
 } as const;

@@ -80,6 +80,9 @@ export const products: Catalogue<typeof en> = {
   "products.stays": "{name} se queda: {reason}",
   "products.moreStay.one": "Y {n} más se queda.",
   "products.moreStay.other": "Y {n} más se quedan.",
+  "products.waysLabel": "Los pedidos que los necesitan",
+  "products.ways": "Abrir los pedidos que los necesitan: {orders}",
+  "products.newTab": "{order} (se abre en una pestaña nueva)",
   "products.inPlantFile": "está en el archivo de la planta. Elimínelo allí y arranque con ese archivo.",
   "products.cutOff": "Sin conexión con la planta: ahora no se puede eliminar nada.",
 };

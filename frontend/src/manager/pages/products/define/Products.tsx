@@ -8,7 +8,7 @@ import { format, n, t, tables } from "../../../../text/views/products";
 import { factoryTime } from "../../../../text/plant-time";
 import { speakAlso } from "../../../../text/speech";
 import { Choice } from "../../../parts/filters/Choice";
-import { names } from "../../../state";
+import { names, plant } from "../../../state";
 import { useRefreshed } from "../../../refreshed";
 import "./products.css";
 import { DefineForm, FORM } from "./DefineForm";
@@ -17,6 +17,7 @@ import type { ProductAnswer } from "./draft";
 import { begin } from "./form";
 import { authorsOf, type Definition, forget, tick, ticked } from "./remove";
 import { RemoveBar } from "./RemoveBar";
+import { WaysToOrders } from "./WaysToOrders";
 
 const EVERY_MS = 10_000;
 
@@ -29,6 +30,8 @@ export async function load(): Promise<typeof Products> {
 }
 
 async function fetchAll(): Promise<{ products: ProductAnswer[]; definitions: Definition[] }> {
+  // Asked anew as soon as another plant is known.
+  plant.value?.plant.toString();
   const [products, definitions] = await Promise.all([fetchProducts(), fetchDefinitions()]);
   return { products, definitions };
 }
@@ -76,7 +79,10 @@ export function Products() {
       }
       below={
         <>
-          <RemoveBar definitions={[...definitions.values()]} onRemoved={again} />
+          <div class="removal">
+            <RemoveBar definitions={[...definitions.values()]} onRemoved={again} />
+            <WaysToOrders />
+          </div>
           <DefineForm onDefined={again} />
           <FileSheet onTaken={again} />
         </>

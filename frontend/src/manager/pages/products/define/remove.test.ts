@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { authorsOf, type Definition, inTurns } from "./remove";
+import { asCalled, authorsOf, type Definition, inTurns, ordersOf } from "./remove";
 
 const of = (id: string, by: string): Definition => ({ id, by, name: id, revision: 1, at_s: 0, state: "made" });
 
@@ -31,4 +31,18 @@ test("what was looked at together is not asked again", async () => {
     return await Promise.resolve(ids.map((id) => ({ id, result: id === "a" ? ("removed" as const) : ("needed" as const), reasons: [] })));
   });
   expect(asked).toBe(1);
+});
+
+const needed = (code: string, names: string) => ({ field: "product", reason: "", code, values: { count: "7", names } });
+const called = (id: string): string => (id === "O-1" ? "PO 17 · Acme" : id);
+
+test("what keeps a product is named as people call it, where the gateway names it by id", () => {
+  const found = ["needed_by_order", "needed_by_machine"].map((code) => asCalled(needed(code, "O-1, O-2, …"), { needed_by_order: called }));
+  expect(found.map(({ values }) => values)).toEqual([{ count: "7", names: "PO 17 · Acme, O-2, …" }, { count: "7", names: "O-1, O-2, …" }]);
+});
+
+test("there are ways to the orders that are named, and to nothing else", () => {
+  const reasons = [needed("needed_by_order", "O-1, O-2, …"), needed("needed_by_machine", "M1")];
+  expect(ordersOf({ reasons }, called)).toEqual([{ id: "O-1", text: "PO 17 · Acme" }, { id: "O-2", text: "O-2" }]);
+  expect(ordersOf({ reasons: [needed("needed_by_order", "…")] }, called)).toEqual([]);
 });

@@ -3,13 +3,28 @@ import { signal } from "@preact/signals";
 import { removeProducts } from "../../../../api/products";
 import type { components } from "../../../../api/types";
 import { loadPlant } from "../../../../plant/load";
+import type { Names } from "../../../../plant/names";
+import { world } from "../../../../stream/stream";
 import { t } from "../../../../text/views/products";
 import { faultText } from "../../../../text/views/rows/fault-text";
 import { problemText } from "../../../problem-text";
-import { plant, plantFailed } from "../../../state";
+import { names as namesNow, plant, plantFailed } from "../../../state";
 
 export type Definition = components["schemas"]["DefinitionAnswer"];
 type Removed = components["schemas"]["RemovedProduct"];
+type Reason = Removed["reasons"][number];
+
+interface Stays {
+  readonly name: string;
+  readonly reason: string;
+  /** Of those that need it and have not ended, the first ones. */
+  readonly orders: readonly Ordered[];
+}
+
+interface Ordered {
+  readonly id: string;
+  readonly text: string;
+}
 
 /** As many as one request takes. */
 const AT_ONCE = 500;
@@ -17,7 +32,7 @@ const AT_ONCE = 500;
 /** Ids of those whose box is ticked. */
 export const ticked = signal<ReadonlySet<string>>(new Set());
 /** Those that stay, and why. */
-export const kept = signal<readonly { readonly name: string; readonly reason: string }[]>([]);
+export const kept = signal<readonly Stays[]>([]);
 /** How many were removed last; null before. */
 export const removed = signal<number | null>(null);
 export const removing = signal(false);
@@ -80,9 +95,9 @@ export async function removeAll(chosen: readonly Definition[]): Promise<void> {
     tick(gone, false);
     removed.value = gone.length;
     const stay = told.filter(({ id }) => !gone.includes(id));
-    kept.value = await Promise.all(stay.map(async (each) => ({ name: names.get(each.id) ?? each.id, reason: await reasonOf(each) })));
+    kept.value = await Promise.all(stay.map(async (each) => ({ name: names.get(each.id) ?? each.id, reason: await reasonOf(each), orders: ordersOf(each, orderText) })));
   } catch (error) {
-    kept.value = [{ name: t("products.removeAny"), reason: problemText(error) }];
+    kept.value = [{ name: t("products.removeAny"), reason: problemText(error), orders: [] }];
   } finally {
     removing.value = false;
     // Whatever names products by the plant knows it at once.
@@ -92,5 +107,30 @@ export async function removeAll(chosen: readonly Definition[]): Promise<void> {
 
 async function reasonOf({ reasons, result }: Removed): Promise<string> {
   if (result === "in_plant_file") return t("products.inPlantFile");
-  return (await Promise.all(reasons.map(async (each) => await faultText(each)))).join(" ");
+  const called = { needed_by_order: orderText, needed_by_product: namesNow.value };
+  return (await Promise.all(reasons.map(async (each) => await faultText(asCalled(each, called))))).join(" ");
+}
+
+/** What panels call an order: its reference, or else its id, and its customer. */
+function orderText(id: string): string {
+  const order = world.value?.orders.get(id);
+  return [order?.reference ?? id, order?.customer].filter(Boolean).join(" · ");
+}
+
+const BETWEEN = ", ";
+/** Stands for those that are not named. */
+const MORE = "…";
+
+/** A reason that names what needs a product as people call it, where the gateway names it by id. */
+export function asCalled(reason: Reason, called: Readonly<Record<string, Names>>): Reason {
+  const name = called[reason.code ?? ""];
+  if (name === undefined) return reason;
+  const ids = (reason.values?.names ?? "").split(BETWEEN);
+  return { ...reason, values: { ...reason.values, names: ids.map((id) => (id === MORE ? id : name(id))).join(BETWEEN) } };
+}
+
+/** The orders that keep a product, as far as they are named. */
+export function ordersOf({ reasons }: Pick<Removed, "reasons">, called: Names): readonly Ordered[] {
+  const told = reasons.filter(({ code }) => code === "needed_by_order").flatMap(({ values }) => (values?.names ?? "").split(BETWEEN));
+  return told.filter((id) => id !== MORE && id !== "").map((id) => ({ id, text: called(id) }));
 }
