@@ -110,6 +110,21 @@ class Row:
                 self._somebody_left.clear()
                 await self._somebody_left.wait()
 
+    async def met(self, sessions: Iterable[ZenohSession]) -> None:
+        """Wait until every computer can write letters to all of these: with certificates it has met their tokens, in whatever order.
+
+        A computer on which an agent was itself meets no token of that one.
+        """
+        waited_for = tuple(sessions)
+        own = {(session._bus, session.agent) for session in waited_for}
+        async with asyncio.timeout(PATIENCE_S):
+            while not all(
+                (bus, session.agent) in own or _has_met(bus, session)
+                for bus in self.buses
+                for session in waited_for
+            ):
+                await self._say_round()
+
     def _on_replaced(self, _agent: str) -> None:
         self._somebody_left.set()
 
@@ -143,6 +158,11 @@ class Row:
             self._marks.add((place, sender))
             if len(self._marks) == len(self.buses) ** 2:
                 self._complete.set()
+
+
+def _has_met(bus: ZenohBus, session: ZenohSession) -> bool:
+    """Whether letters from this computer reach the agent."""
+    return bus.seals is None or session._left or bus.seals.register.known(session.agent) is not None
 
 
 def _listening(

@@ -210,6 +210,7 @@ class OnZenoh(World):
         for session in self._sessions:
             latest[session.agent] = max(session.life, latest.get(session.agent, 0))
         await self._row.left(each for each in self._sessions if each.life < latest[each.agent])
+        await self._row.met(self._sessions)
 
 
 class Certified(OnZenoh):
