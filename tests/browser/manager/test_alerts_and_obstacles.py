@@ -91,7 +91,7 @@ def test_on_a_low_screen_the_alarms_say_that_something_is_closed_and_lead_to_it(
     expect(inbox.get_by_role("listitem")).to_have_count(3)
     expect(page.locator(".closures")).to_have_count(1)
     # What the gateway foresees of the order, which makes the form higher.
-    expect(page.locator(".publish .feasible .tone-warn")).to_be_visible()
+    expect(page.locator(".publish .feasible p .tone-warn")).to_be_visible()
     before = page.evaluate(PLACES)
 
     async def close(inside: House) -> None:
