@@ -357,7 +357,7 @@ async def test_no_step_is_long_that_asks_what_an_agent_knew(fullest: House) -> N
 async def test_the_monitor_sees_a_long_step_and_whose_it_was(full_house: House) -> None:
     async def app(_scope: object, _receive: object, send: object) -> None:
         await asyncio.sleep(0)
-        sum(range(3_000_000))
+        sum(range(12_000_000))
         await send({"type": "http.response.start", "status": 200})  # type: ignore[operator]
 
     with loop_monitor() as monitor:

@@ -18,9 +18,8 @@ export type Complaint = "needProduct" | "needQuantity" | "needCustomer" | "needF
 /** The gateway's own limit. */
 export const MOST_PIECES = 100_000;
 
-/** The first product until a person chooses another; none once that one cannot be ordered any more. */
+/** The chosen product; none once it cannot be ordered any more. */
 export function chosenOf(chosen: string, products: readonly { readonly id: string }[]): string {
-  if (chosen === "") return products[0]?.id ?? "";
   return products.some(({ id }) => id === chosen) ? chosen : "";
 }
 

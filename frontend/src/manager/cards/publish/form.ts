@@ -1,5 +1,5 @@
 /** The form's state, and the sending of it. */
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import { newKey, placeOrder } from "../../../api/client";
 import type { FieldError } from "../../../api/types";
 import { Problem } from "../../../api/problem";
@@ -10,6 +10,12 @@ import { plant } from "../../state";
 import { checkDraft, chosenOf, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf } from "./draft";
 
 const written = signal<Draft>({ product: "", quantity: "40", customer: "", reference: "", due: "", priority: "normal" });
+
+/** The first product stands in the form until a person chooses another. It stays there when others are defined, which come first in the plant. */
+effect(() => {
+  const first = plant.value?.products[0]?.id ?? "";
+  if (first !== "" && written.peek().product === "") written.value = { ...written.peek(), product: first };
+});
 
 export const draft = computed<Draft>(() => ({
   ...written.value,
