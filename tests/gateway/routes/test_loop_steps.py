@@ -360,6 +360,8 @@ async def test_the_monitor_sees_a_long_step_and_whose_it_was(full_house: House) 
         sum(range(12_000_000))
         await send({"type": "http.response.start", "status": 200})  # type: ignore[operator]
 
+    # A gateway makes ready at the first request.
+    await ask(full_house.app, Asked("GET", "/healthz"), "first")
     with loop_monitor() as monitor:
         await ask(app, Asked("GET", "/"), "long")  # type: ignore[arg-type]
         await ask(full_house.app, Asked("GET", "/healthz"), "short")
