@@ -130,7 +130,7 @@ def of_a_store(url: str, folder: Path, wanted: Wanted, level: Signal) -> Commiss
 def test_a_storage_shows_its_levels_and_opens_its_dock(tmp_path: Path) -> None:
     async def open_dock(plc: Plc) -> None:
         await plc.until(Signal.DOCK_PERMIT, True)
-        assert await plc.read(Signal.DOCK_VEHICLE) == "check"
+        await plc.until(Signal.DOCK_VEHICLE, "check")
         await plc.put(Signal.DOCK_READY, True)
         await plc.until(Signal.DOCK_PERMIT, False)
         await plc.put(Signal.DOCK_READY, False)
