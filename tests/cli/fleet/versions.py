@@ -36,7 +36,16 @@ def make_version(folder: Path, version: str, patches: Mapping[str, tuple[str, st
     (packages / "others.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
     for module, (old, new) in {"__init__.py": (__version__, version), **(patches or {})}.items():
         file = packages / "dray" / module
-        text = file.read_text(encoding="utf-8")
-        assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in {file}"
-        file.write_text(text.replace(old, new), encoding="utf-8")
+        file.write_text(patched(file, old, new), encoding="utf-8")
     return folder / "bin/python"
+
+
+def patched(file: Path, old: str, new: str) -> str:
+    """The text of a file with one change.
+
+    Raises:
+        AssertionError: `old` does not stand in it once.
+    """
+    text = file.read_text(encoding="utf-8")
+    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in {file}"
+    return text.replace(old, new)

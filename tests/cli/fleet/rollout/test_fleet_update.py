@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 from fleets import AGENTS, PLANT, START_S, Fleet, Witness
-from versions import make_version
+from versions import make_version, patched
 
+import dray
 from dray import __version__
 from dray.cli.fleet.rollout.report import Report, Verdict
 from dray.messages import Event, Message, OrderItem
@@ -31,8 +32,8 @@ DIES_WHEN_HIRED = {
 }
 DOES_NOT_START = {
     "protocol/runtime/agent.py": (
-        "from dray.protocol.runtime.timers import Timers",
-        "from dray.protocol.runtime.timers import Nothing",
+        "from __future__ import annotations",
+        "from __future__ import annotations\n\nraise ImportError",
     )
 }
 
@@ -103,6 +104,12 @@ async def roll_out(fleet: Fleet, python: Path) -> tuple[int, Report]:
         if report.done or "silent" not in report.end:
             break
     return code, report
+
+
+@pytest.mark.parametrize("patches", [DIES_WHEN_HIRED, DOES_NOT_START])
+def test_what_a_bad_version_changes_stands_in_the_code(patches: dict[str, tuple[str, str]]) -> None:
+    for module, patch in patches.items():
+        assert patched(Path(dray.__file__).parent / module, *patch)
 
 
 @pytest.mark.campaign
