@@ -7,8 +7,10 @@ so an answer that is still under way when its sender is asked anew does not coun
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
+import pytest
 from credulous import Credulous
 from effects import facts
 from hypothesis import given
@@ -17,11 +19,12 @@ from spoken import accepted, bid, declined, transport
 
 from dray.messages import Award, Release, Role
 from dray.messages.fact import AwardGiven
-from dray.protocol.contract_net.auction import Auction, Stage
+from dray.protocol.contract_net.auction import STAGES, Auction, Stage
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.runtime.events import NEVER_S, Send
 from dray.protocol.runtime.life import Life
+from dray.states import States
 
 BIDDERS = ("ATV1", "ATV2", "ATV3", "ATV4")
 WILLING = "ATV9"
@@ -229,3 +232,90 @@ def test_bidders_are_asked_by_price_then_finish_then_name_however_their_bids_arr
         hall.auction.on_declined(asked, declined(number=hall.awards[asked]), hall.now_s)
     order = [fact.bidder for fact in facts(hall.out, AwardGiven)]
     assert order == sorted(costs_s, key=lambda each: (*costs_s[each], each))
+
+
+# --- the table of its stages ----------------------------------------------------------------------
+
+
+class Walk:
+    """An auction at one point of its way, and the changes of its stage so far."""
+
+    def __init__(self, candidates: int, monkey: pytest.MonkeyPatch) -> None:
+        self.seen: set[tuple[Stage, Stage]] = set()
+        enter = States.enter
+
+        def note(states: States[Stage], stage: Stage) -> None:
+            before = states.now
+            enter(states, stage)
+            self.seen.add((before, stage))
+
+        monkey.setattr(States, "enter", note)
+        offers = tuple((bidder, bid(10.0)) for bidder in BIDDERS[:candidates])
+        terms = Terms(task="T1", epoch=1, role=Role.PRIMARY, work=transport(), deadline_s=300.0)
+        place, self.now_s = Place(x_m=30.0, y_m=20.0, reach_m=20.0), 0.0
+        self.auction = Auction(
+            "M8", terms, place, lambda _radius_m: ("k",), AuctionRules(), Life(), Credulous(), offers
+        )
+
+    def opens(self) -> None:
+        if self.auction.stage is Stage.PREPARED:
+            self.auction.open(self.now_s)
+
+    def opens_later(self) -> None:
+        if self.auction.stage is Stage.PREPARED:
+            self.auction.open_later(self.now_s + 10.0)
+
+    def stands_behind(self) -> None:
+        if self.auction.stage is Stage.PREPARED or self.auction.is_due(self.auction.wake_at_s):
+            self.auction.stand_behind(self.now_s)
+
+    def somebody_bids(self) -> None:
+        if self.auction.stage is not Stage.PREPARED:
+            self.auction.on_bid(WILLING, bid(20.0, round=self.auction.round), self.now_s)
+
+    def time_passes(self) -> None:
+        if self.auction.wake_at_s < NEVER_S:
+            self.now_s = max(self.now_s, self.auction.wake_at_s)
+            self.auction.wake(self.now_s)
+
+    def bidder_accepts(self) -> None:
+        self.auction.on_accepted(self.auction.asked or WILLING, accepted(number=self.auction.number))
+
+    def bidder_declines(self) -> None:
+        asked = self.auction.asked or WILLING
+        self.auction.on_declined(asked, declined(number=self.auction.number), self.now_s)
+
+    def is_cancelled(self) -> None:
+        self.auction.cancel()
+
+
+HAPPENINGS: tuple[Callable[[Walk], None], ...] = (
+    Walk.opens,
+    Walk.opens_later,
+    Walk.stands_behind,
+    Walk.somebody_bids,
+    Walk.time_passes,
+    Walk.bidder_accepts,
+    Walk.bidder_declines,
+    Walk.is_cancelled,
+)
+
+
+def test_no_walk_leaves_the_table_of_stages_and_none_of_it_is_out_of_reach() -> None:
+    seen: set[tuple[Stage, Stage]] = set()
+    for candidates in (0, 2):
+        paths: list[tuple[Callable[[Walk], None], ...]] = [()]
+        known = set()
+        for path in paths:
+            with pytest.MonkeyPatch.context() as patch:
+                walk = Walk(candidates, patch)
+                for happening in path:
+                    happening(walk)
+            seen |= walk.seen
+            auction = walk.auction
+            key = (auction.stage, auction.asked, auction.winner, min(auction.round, 2), auction.waits)
+            if key not in known:
+                known.add(key)
+                paths += [(*path, happening) for happening in HAPPENINGS]
+    table = {(stage, after) for stage, row in STAGES.items() for after in row}
+    assert seen == table, f"never seen: {sorted(table - seen)}"

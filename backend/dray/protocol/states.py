@@ -6,13 +6,14 @@ import sys
 from typing import Any
 
 from dray.protocol.calls import call_state
-from dray.protocol.contract_net import task_state
+from dray.protocol.contract_net import auction, task_state
 from dray.protocol.machine import documents
 from dray.protocol.vehicle.job import job_state
 from dray.states import Transitions, diagram
 
 TABLES: dict[str, tuple[str, str, Transitions[Any]]] = {
     "A task": ("contract_net/task_state.py", "as its coordinator knows it", task_state.TRANSITIONS),
+    "An auction": ("contract_net/auction.py", "for the contractor of a task", auction.STAGES),
     "A transport job": (
         "vehicle/job/job_state.py",
         "as the vehicle that carries it lives it",

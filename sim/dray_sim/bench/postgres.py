@@ -15,8 +15,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from dray.cli.fleet.addresses import free_addresses
-from dray.cli.fleet.processes import PROC, Process
+from dray.adapters.addresses import free_addresses
+from dray.adapters.processes import PROC, Process
 from dray.errors import UnavailableError
 
 MISSING = "no PostgreSQL; on Debian: apt-get install postgresql"

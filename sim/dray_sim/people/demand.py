@@ -14,6 +14,13 @@ from dray.messages import OrderItem
 from dray.plant import Plant
 from dray.priorities import Priority, order_wanted_s
 
+LOAD = 0.6
+"""The fraction of the machines' time that customers of a running plant order: lively, with room for a person's own orders."""
+
+HEAD_START_S = 2000.0
+"""Their demand begins as if it had run for this long: some six orders at once, so that a plant in real time is busy from its first
+minute."""
+
 FIRST_ORDER_S = 10.0
 """Agents have joined and heard of one another by then."""
 

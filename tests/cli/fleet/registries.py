@@ -6,9 +6,9 @@ from pathlib import Path
 
 import msgspec
 
+from dray.adapters.processes import Process
 from dray.cli.fleet.folder import REGISTRY
 from dray.cli.fleet.process_registry import Member, ProcessRegistry
-from dray.cli.fleet.processes import Process
 from dray.cli.fleet.software import Software
 
 NOBODY = Process(1, "")

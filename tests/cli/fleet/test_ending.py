@@ -12,9 +12,9 @@ import pytest
 from actor import make_actor
 from registries import NOBODY, write_registry
 
+from dray.adapters.processes import Process
 from dray.cli.fleet.ending import end_fleet
 from dray.cli.fleet.folder import FLEET_LOCK, REGISTRY, alone
-from dray.cli.fleet.processes import Process
 from dray.cli.fleet.software import Software
 from dray.cli.fleet.supervisor import FleetOptions, run_fleet
 from dray.errors import UnavailableError

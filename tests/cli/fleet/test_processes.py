@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from dray.cli.fleet.processes import Process, birth_of
+from dray.adapters.processes import Process, birth_of
 
 
 @pytest.fixture

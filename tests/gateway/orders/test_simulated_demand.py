@@ -44,7 +44,7 @@ async def ordered(house: House, monkeypatch: pytest.MonkeyPatch, until: int) -> 
 
 def drawn(random: Random, first: int, count: int) -> list[tuple[str, tuple[tuple[str, int], ...]]]:
     """The demand itself: references, and what is ordered."""
-    every = demand.orders(Plant(PLANT), random, load=customers.LOAD, until_s=1e9, first=first)
+    every = demand.orders(Plant(PLANT), random, load=demand.LOAD, until_s=1e9, first=first)
     some = [next(every) for _ in range(count)]
     return [(order.id, tuple((item.product, item.quantity) for item in order.items)) for order in some]
 

@@ -225,7 +225,7 @@ def test_one_that_bids_and_declines_keeps_no_deadline_that_nobody_else_can_meet(
 
 
 def test_what_has_stood_behind_is_announced_with_a_deadline_that_can_still_be_kept() -> None:
-    hall = Hall(deadline_s=100.0)
+    hall = Hall(deadline_s=100.0, opened=False)
     hall.auction.stand_behind(hall.now_s)
     hall.wait()
     assert hall.now_s > 100.0
@@ -233,7 +233,7 @@ def test_what_has_stood_behind_is_announced_with_a_deadline_that_can_still_be_ke
 
 
 def test_what_stands_behind_waits_and_was_not_sought_in_vain_itself() -> None:
-    hall = Hall()
+    hall = Hall(opened=False)
     hall.auction.stand_behind(hall.now_s)
     assert (hall.auction.waits, hall.auction.was_in_vain) == (True, False)
     hall.wait()

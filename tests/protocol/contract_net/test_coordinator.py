@@ -8,8 +8,9 @@ from effects import deeds, listening, published, sent
 from spoken import accepted, bid, declined, transport
 from transports_rig import TransportsRig, contracted, watched
 
-from dray.messages import Award, Role, TaskAnnounced, Withdrawn
+from dray.messages import Award, Role, TaskAnnounced, Withdrawn, Work
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.changes import ContractChanged
 from dray.protocol.contract_net.coordinator import CLOSED_KEPT, Coordinator
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.runtime.events import NEVER_S
@@ -140,18 +141,17 @@ def test_what_is_heard_of_a_closed_task_opens_nothing() -> None:
 # --- a coordinator that watches nobody -----------------------------------------------------------
 
 
+class OfGoals(Coordinator):
+    """Asks the machines that make a product."""
+
+    def _audience(self, _work: Work, _radius_m: float) -> tuple[str, ...]:
+        return ("plant/goals/P1",)
+
+
 def test_where_contractors_are_not_watched_no_secondary_is_sought_and_nobody_is_suspected() -> None:
     life = Life()
-    contracted: list[str] = []
-    coordinator = Coordinator(
-        "strategist",
-        Place(x_m=0.0, y_m=0.0, reach_m=0.0),
-        lambda _work, _radius_m: ("plant/goals/P1",),
-        AuctionRules(),
-        life,
-        lambda task, _now_s: contracted.append(task.id),
-        Credulous(),
-    )
+    nowhere = Place(x_m=0.0, y_m=0.0, reach_m=0.0)
+    coordinator = OfGoals("strategist", nowhere, AuctionRules(), life, Credulous())
     coordinator.open("T1", transport(), 300.0, 0.0)
     coordinator.on_bid("ATV2", bid(54.8), 0.5)
     coordinator.on_bid("ATV1", bid(55.9), 0.5)
@@ -160,7 +160,7 @@ def test_where_contractors_are_not_watched_no_secondary_is_sought_and_nobody_is_
     coordinator.on_accepted("ATV2", accepted(), 2.0)
     coordinator.on_accepted("ATV1", accepted(role=Role.SECONDARY), 2.0)
     coordinator.on_declined("ATV1", declined(role=Role.SECONDARY), 2.0)
-    assert contracted == ["T1"]
+    assert [change.task.id for change in life.changes if isinstance(change, ContractChanged)] == ["T1"]
     assert [award.role for award in sent(life.effects, Award)] == [Role.PRIMARY]
     assert listening(life.effects) == set()
     assert life.timers.next_s == NEVER_S

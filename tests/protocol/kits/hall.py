@@ -31,6 +31,7 @@ class Hall:
         rules: AuctionRules = RULES,
         reach_m: float = REACH_M,
         candidates: tuple[tuple[str, Bid], ...] = (),
+        opened: bool = True,
     ) -> None:
         self.life = Life()
         self.out = self.life.effects
@@ -46,7 +47,8 @@ class Hall:
         )
         place = Place(x_m=30.0, y_m=15.0, reach_m=reach_m)
         self.auction = Auction("M8", terms, place, self._audience, rules, self.life, Credulous(), candidates)
-        self.auction.open(0.0)
+        if opened:
+            self.auction.open(0.0)
 
     def _audience(self, radius_m: float) -> tuple[str, ...]:
         self.radii_m.append(radius_m)

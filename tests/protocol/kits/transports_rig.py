@@ -6,7 +6,7 @@ from typing import cast
 
 import msgspec
 from credulous import Credulous
-from defaults import KEYS
+from defaults import KEYS, PLANT
 from effects import award_number, sent
 from spoken import accepted, bid, declined, rhb, transport
 
@@ -19,13 +19,25 @@ from dray.messages import (
     Release,
     Resigned,
     Role,
+    Work,
 )
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.bookings import Bookings
+from dray.protocol.contract_net.changes import ContractChanged
+from dray.protocol.contract_net.departures import Departures
+from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.contract_net.terms import Place
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import BEAT, Life
+from dray.protocol.transports.reservations import Reservations
 from dray.protocol.transports.transports import Transports
+
+
+class OneCell(Transports):
+    """Its vehicles are all in one cell."""
+
+    def _audience(self, _work: Work, _radius_m: float) -> tuple[str, ...]:
+        return ("plant/task/0_0",)
 
 
 class TransportsRig:
@@ -35,27 +47,28 @@ class TransportsRig:
         self.life = Life()
         self.out = self.life.effects
         self.now_s = 0.0
-        self.contracted: list[str] = []
-        self.transports = Transports(
+        self.subscriptions = HeartbeatSubscriptions(KEYS.atv_heartbeat, self.life)
+        departures = Departures("m8", self.subscriptions, Bookings(self.life), self.life)
+        self.transports = OneCell(
             "M8",
-            Place(x_m=30.0, y_m=15.0, reach_m=80.0),
-            lambda _work, _radius_m: ("plant/task/0_0",),
+            PLANT,
+            KEYS,
+            Reservations({}),
             AuctionRules(),
             self.life,
-            HeartbeatSubscriptions(KEYS.atv_heartbeat, self.life),
+            self.subscriptions,
+            Door(self.life, 60.0, departures),
             Credulous(),
-            contracted=lambda task, _now_s: self.contracted.append(task.id),
-            lost=lambda _task, _now_s: None,
-            is_missing=lambda _task: False,
-            source_answers=lambda _task, _now_s: True,
-            left=lambda _atv: None,
-            unloaded=lambda _task, _now_s: None,
-            ended=lambda _task, _outcome: None,
         )
         self.seq = 0
 
     def open(self, task: str = "T1") -> OpenTask:
         return self.transports.open(task, transport(), self.now_s + 300.0, self.now_s)
+
+    @property
+    def contracted(self) -> list[str]:
+        """The tasks whose contracts have changed, in order."""
+        return [change.task.id for change in self.life.changes if isinstance(change, ContractChanged)]
 
     @property
     def task(self) -> OpenTask:
@@ -77,8 +90,9 @@ class TransportsRig:
         while self.life.timers.next_s <= until_s or self.now_s + 1.0 <= until_s:
             if self.life.timers.next_s <= self.now_s + 1.0:
                 self.now_s = max(self.now_s, self.life.timers.next_s)
-                for kind, task in self.life.timers.due(self.now_s):  # type: ignore[misc]
-                    self.transports.alarms[kind](task, self.now_s)
+                for name in self.life.timers.due(self.now_s):
+                    if isinstance(name, tuple):  # The heartbeat is the agent's.
+                        self.transports.alarms[name[0]](name[1], self.now_s)
             else:
                 self.now_s += 1.0
             self.seq += 1
@@ -97,6 +111,7 @@ class TransportsRig:
             task, role=role, epoch=epoch, number=award_number(self.life.effects, atv, task, role)
         )
         self.transports.on_accepted(atv, answer, self.now_s)
+        self.life.cancel(BEAT)  # The agent sends it at once.
 
     def declines(self, atv: str, role: Role = Role.PRIMARY) -> None:
         answer = declined(

@@ -17,9 +17,9 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "cli/fleet"))
 from losses_kit import SMALL, Ailing, Deaf
 from registries import NOBODY, write_registry
 
+from dray.adapters.processes import Process
 from dray.adapters.zenoh.tokens import Tokens
 from dray.cli.fleet.folder import LOGS, REGISTRY, write_settings
-from dray.cli.fleet.processes import Process
 from dray.errors import UnavailableError
 from dray.messages.keys import Keys
 from dray_sim.bench.losses import campaign

@@ -8,7 +8,7 @@ from pathlib import Path
 import asyncpg
 import pytest
 
-from dray.cli.fleet.processes import PROC
+from dray.adapters.processes import PROC
 from dray_sim.bench.postgres import PostgresServer
 
 

@@ -32,6 +32,7 @@ from dray.messages import (
 )
 from dray.messages.floor.traffic import PlaceRequested, PlaceReservation
 from dray.protocol.contract_net.auction import Auction
+from dray.protocol.contract_net.changes import TaskDelivered
 from dray.protocol.contract_net.coordinator import Coordinator
 from dray.protocol.contract_net.task import CarrierContract, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
@@ -92,7 +93,7 @@ def without_the_fence(patch: pytest.MonkeyPatch) -> None:
         task = self._tasks.get(message.task)
         if task is not None:
             self._tasks.close(task, "delivered")
-            self._settled(task, "", cast(Transport, task.work).quantity, now_s)
+            self._life.note(TaskDelivered(task, "", cast(Transport, task.work).quantity))
 
     patch.setattr(Dock, "on_docked", open_to_all)
     patch.setattr(Handovers, "on_handover", take_from_all)

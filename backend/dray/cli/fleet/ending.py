@@ -6,10 +6,10 @@ import asyncio
 import signal
 from pathlib import Path
 
+from dray.adapters.processes import Process
 from dray.cli.fleet.folder import REGISTRY
 from dray.cli.fleet.process_registry import read_registry
 from dray.cli.fleet.process_supervisor import STOP_S
-from dray.cli.fleet.processes import Process
 
 
 async def end_fleet(folder: Path) -> int:

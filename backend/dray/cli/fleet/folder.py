@@ -10,8 +10,8 @@ from pathlib import Path
 import msgspec
 
 from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.processes import PROC
 from dray.adapters.security.certificates import Authority
-from dray.cli.fleet.processes import PROC
 from dray.cli.runtime.options import load_settings
 from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.errors import UnavailableError

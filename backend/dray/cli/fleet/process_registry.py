@@ -11,12 +11,12 @@ from pathlib import Path
 
 import msgspec
 
+from dray.adapters.processes import Process
 from dray.adapters.security.identity import Identity
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.cli.fleet.folder import CERTIFICATES, OBSERVER, REGISTRY
 from dray.cli.fleet.process_specs import ProcessSpec
-from dray.cli.fleet.processes import Process
 from dray.cli.fleet.software import Software
 from dray.cli.runtime.roster import FLOOR
 from dray.errors import UnavailableError

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dray.cli.fleet.addresses import free_addresses
+from dray.adapters.addresses import free_addresses
 from dray.cli.fleet.folder import CONTROLLERS, GATEWAY, HISTORIAN, LOGS
 from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.messages.keys import GATE, STRATEGIST

@@ -16,13 +16,6 @@ from dray.gateway.orders.placement import OrderPlacement
 from dray.plant import Plant
 from dray_sim.people import demand
 
-LOAD = 0.6
-"""The demand's fraction of the machines' time: lively, with room for a person's own orders."""
-
-HEAD_START_S = 2000.0
-"""The demand begins as if it had run for this long: some six orders at once, so that a plant in real time is busy from its first
-minute."""
-
 FIRST_S = 2.0
 """Wall seconds before the first orders: by then the agents know one another."""
 
@@ -68,8 +61,8 @@ async def place_demand(placement: OrderPlacement, plant: Plant, *, speed: float,
     # Orders placed at one moment have no newest one, so as many are read as one moment may have.
     first = _number_after(await placement.newest_references(CUSTOMER, MAX_OPEN))
     random = Random(f"{seed} demand" if first == 1 else f"{seed} demand from {first}")
-    for order in demand.orders(plant, random, load=LOAD, until_s=FOREVER_S, first=first):
-        at_s = max(0.0, order.at_s - HEAD_START_S)
+    for order in demand.orders(plant, random, load=demand.LOAD, until_s=FOREVER_S, first=first):
+        at_s = max(0.0, order.at_s - demand.HEAD_START_S)
         await wait_until(began_s + at_s / speed, lambda: placement.now_s)
         if placement.open >= MAX_OPEN:
             continue

@@ -14,17 +14,13 @@ The rules
    grow from round to round for the same reason.
 
 An auction for a SECONDARY first asks the bidders that were not asked when the primary was found. It announces
-nothing before that.
-
-    COLLECTING --window closes--> ASKING --accepted--> DECIDED
-        ^                           |
-        +---- rest over -- RESTING <+ no bidder left
+nothing before that. [docs/states.md](docs/states.md) draws the stages (`STAGES`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from enum import Enum
+from enum import StrEnum
 from itertools import count
 
 import msgspec
@@ -50,6 +46,7 @@ from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
+from dray.states import States, Transitions
 
 BIDS_KEPT = 1024
 """Maximum bids per round, more than any fleet has vehicles. More bids come under invented names."""
@@ -111,13 +108,44 @@ class Bids:
         return rank(bid.cost.total_s + surcharge_s, bid.finish_s, bidder)
 
 
-class Stage(Enum):
-    """The stages of an auction; the module docstring has the diagram."""
+class Stage(StrEnum):
+    """The stages of an auction."""
 
-    COLLECTING = "collecting"
-    ASKING = "asking"
+    PREPARED = "prepared"
+    """It is not open yet."""
     RESTING = "resting"
+    """Its next round is to come."""
+    COLLECTING = "collecting"
+    """It was announced, and bids are collected."""
+    ASKING = "asking"
+    """A bidder has the award, and its answer is awaited."""
     DECIDED = "decided"
+    """A bidder has accepted, or the auction was cancelled."""
+
+
+STAGES: Transitions[Stage] = {
+    Stage.PREPARED: {
+        Stage.COLLECTING: "announced",
+        Stage.ASKING: "its candidates are asked first",
+        Stage.RESTING: "it is to begin later, or stands behind a more urgent task",
+        Stage.DECIDED: "cancelled: its task has a carrier, or is held",
+    },
+    Stage.RESTING: {
+        Stage.COLLECTING: "its next round begins",
+        Stage.ASKING: "a bid comes late",
+        Stage.RESTING: "it stands behind a more urgent task",
+        Stage.DECIDED: "cancelled",
+    },
+    Stage.COLLECTING: {
+        Stage.ASKING: "its window closes",
+        Stage.DECIDED: "cancelled",
+    },
+    Stage.ASKING: {
+        Stage.DECIDED: "accepted, or cancelled",
+        Stage.RESTING: "no bidder is left",
+    },
+    Stage.DECIDED: {},
+}
 
 
 class Auction:
@@ -151,7 +179,7 @@ class Auction:
         self.coordinator = coordinator
         self.terms = terms
         self.round = 0
-        self.stage = Stage.RESTING
+        self._stages = States("an auction", STAGES, Stage.PREPARED)
         self.wake_at_s = NEVER_S
         self.winner = ""
         """The bidder that accepted; empty until the stage is DECIDED."""
@@ -182,6 +210,10 @@ class Auction:
         """A round at full radius has failed. Later rounds do not clear this."""
 
     @property
+    def stage(self) -> Stage:
+        return self._stages.now
+
+    @property
     def has_asked(self) -> bool:
         """Whether an announcement was sent, or a candidate was asked."""
         return self.round > 0 or self.number > 0
@@ -205,7 +237,7 @@ class Auction:
         """Ask the candidates if there are any, else announce."""
         self._begin(now_s)
         if self._bids.is_queued:
-            self.stage = Stage.ASKING
+            self._stages.enter(Stage.ASKING)
             self._ask_next(now_s)
         else:
             self._announce(now_s)
@@ -213,7 +245,8 @@ class Auction:
     def open_later(self, at_s: float, *, tell: bool = False) -> None:
         """Begin at `at_s`, unless it is cancelled before; `tell` records the opening of the task."""
         self._begin(at_s)
-        self.stage, self.wake_at_s = Stage.RESTING, at_s
+        self._stages.enter(Stage.RESTING)
+        self.wake_at_s = at_s
         if tell:
             self._tell_opened(at_s)
 
@@ -243,7 +276,8 @@ class Auction:
             self.round = 1
             self._tell_opened(now_s)
         self._behind = True
-        self.stage, self.wake_at_s = Stage.RESTING, now_s + self._rules.rest_aged_max_s
+        self._stages.enter(Stage.RESTING)
+        self.wake_at_s = now_s + self._rules.rest_aged_max_s
 
     def offer(self, bidder: str, now_s: float) -> None:
         """Announce a waiting task to a vehicle that asks for work; it may bid again in this round."""
@@ -294,7 +328,7 @@ class Auction:
             return
         self._note_answer("accepted")
         self.winner, self.asked = bidder, ""
-        self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
+        self._decide()
         self.left_over = self._bids.left_over()
 
     def on_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
@@ -307,11 +341,12 @@ class Auction:
         self._ask_next(now_s)
 
     def cancel(self) -> None:
-        """End the auction without a winner; an asked bidder is released."""
+        """End the auction; an asked bidder is released. Repeating this is harmless, also after a decision."""
         if self.asked:
             self._release(self.asked, self.number, Reason.WITHDRAWN)
             self.asked = ""
-        self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
+        if self.stage is not Stage.DECIDED:
+            self._decide()
 
     def wake(self, now_s: float) -> None:
         """Handle the alarm: close the window, give up an unanswered award, or begin the next round."""
@@ -333,12 +368,16 @@ class Auction:
             return "a bid after the award"
         return self._bids.objection(bidder, bid, self.round)
 
+    def _decide(self) -> None:
+        self._stages.enter(Stage.DECIDED)
+        self.wake_at_s = NEVER_S
+
     def _announce(self, now_s: float) -> None:
         self.round += 1
         if self.round > 1:
             self._move_deadline(now_s)
         self._behind = False
-        self.stage = Stage.COLLECTING
+        self._stages.enter(Stage.COLLECTING)
         self.wake_at_s = now_s + self._rules.window_in_s(self.round)
         self._tell_opened(self.wake_at_s)
         announcement = self._announcement(self.wake_at_s, now_s)
@@ -393,7 +432,7 @@ class Auction:
     def _close_window(self, now_s: float) -> None:
         self._bids.close_window()
         self._rank = 0
-        self.stage = Stage.ASKING
+        self._stages.enter(Stage.ASKING)
         self._ask_next(now_s)
 
     def _ask_next(self, now_s: float) -> None:
@@ -429,7 +468,7 @@ class Auction:
         reaches_all = self.radius_m >= self._place.reach_m
         # A wider radius was not announced yet, so there is no need to rest.
         rest_s = self._rules.rest_in_s(self.round, now_s - self._opened_s) if reaches_all else 0.0
-        self.stage = Stage.RESTING
+        self._stages.enter(Stage.RESTING)
         self.wake_at_s = now_s + rest_s
         self.winning_bid = None
         # Counts rounds with bids too: a bidder that always declines must not keep an impossible deadline.

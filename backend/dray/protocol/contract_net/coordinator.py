@@ -29,6 +29,7 @@ from dray.messages.fact import Outcome, TaskClosed
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.auctions import Auctions
+from dray.protocol.contract_net.changes import ContractChanged
 from dray.protocol.contract_net.task import CarrierContract, ClosedTask, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.terms import Place, Terms
@@ -50,10 +51,8 @@ class Coordinator:
     Args:
         agent: the coordinator's id.
         place: where it stands.
-        audience: for a task's work and a radius (m), the bus keys of the agents to ask.
         rules: the auctions' time-outs and radius.
         life: the agent's life; alarms are named ``(PRIMARY_AUCTION, task)``.
-        contracted: called when a task has a contractor.
         assessor: checks bids and adds surcharges.
         arrivals: arrival statistics of heartbeats; None if the agent follows nobody.
         incarnation: how often the agent was started.
@@ -66,10 +65,8 @@ class Coordinator:
         self,
         agent: str,
         place: Place,
-        audience: Callable[[Work, float], tuple[str, ...]],
         rules: AuctionRules,
         life: Life,
-        contracted: Callable[[OpenTask, float], None],
         assessor: Assessor,
         arrivals: ArrivalStatistics | None = None,
         *,
@@ -77,11 +74,10 @@ class Coordinator:
     ) -> None:
         self._rules = rules
         self._life = life
-        self._contracted = contracted
         self._open: dict[str, OpenTask] = {}
         self._closed: BoundedMap[str, ClosedTask] = BoundedMap(CLOSED_KEPT)
         self._assessor = assessor
-        self._auctions = Auctions(agent, place, audience, life, arrivals, incarnation, assessor)
+        self._auctions = Auctions(agent, place, self._audience, life, arrivals, incarnation, assessor)
         self.alarms: dict[str, Callable[[str, float], None]] = {PRIMARY_AUCTION: self._wake_auction}
 
     def __iter__(self) -> Iterator[OpenTask]:
@@ -171,7 +167,15 @@ class Coordinator:
             task.auction.on_declined(sender, answer, now_s)
             self._auctions.arm(PRIMARY_AUCTION, task.auction)
 
-    # --- hooks after a contract ---
+    # --- what each coordinator does in its own way ---
+
+    def _audience(self, work: Work, radius_m: float) -> tuple[str, ...]:
+        """The bus keys of the agents to ask for a work within a radius (m)."""
+        raise NotImplementedError
+
+    def _contracted(self, task: OpenTask, now_s: float) -> None:
+        """A task has a contractor."""
+        self._life.note(ContractChanged(task))
 
     def _bound(self, task: OpenTask, runners_up: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         """Called when a task has a contractor; `runners_up` are the other bids, cheapest first."""

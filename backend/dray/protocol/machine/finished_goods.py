@@ -7,6 +7,7 @@ because its goal has ended. A piece that is lost on the way is made once more.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import cast
 
 from msgspec.structs import replace
@@ -17,7 +18,19 @@ from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.transports.transports import Transports
+
+
+@dataclass(frozen=True, slots=True)
+class GoodsLost(Change):
+    """Pieces that waited for a vehicle are gone.
+
+    Attributes:
+        goal: their goal; None if it has ended.
+    """
+
+    goal: Goal | None
 
 
 class FinishedGoods:
@@ -30,7 +43,6 @@ class FinishedGoods:
         supply: its stock.
         tasks: the machine's transports.
         send: announces a transport; called with (work, deadline_s, now_s).
-        lose: called with a goal that has lost pieces, and now_s.
     """
 
     def __init__(
@@ -40,9 +52,9 @@ class FinishedGoods:
         goals: GoalBook,
         supply: Supply,
         tasks: Transports,
+        life: Life,
         *,
         send: Callable[[Transport, float, float], None],
-        lose: Callable[[Goal | None, float], None],
     ) -> None:
         self._machine = machine
         self._plant = plant
@@ -50,7 +62,7 @@ class FinishedGoods:
         self._supply = supply
         self._tasks = tasks
         self._send = send
-        self._lose = lose
+        self._life = life
         self._capacity = plant.machines[machine].goods_capacity
         self._products = goals.products
         self._counted: tuple[dict[str, int] | None, dict[str, int]] = None, {}
@@ -130,7 +142,8 @@ class FinishedGoods:
             self._goals.set_spare(product, left)
         for task in gone:
             self._tasks.close(task, "withdrawn")
-            self.lost(task, now_s)
+            self._life.note(GoodsLost(self.lost(task)))
+            self._life.settle(now_s)
 
     # --- shipping ---
 
@@ -176,27 +189,21 @@ class FinishedGoods:
 
     # --- progress ---
 
-    def lack(self, task: OpenTask) -> bool:
-        """Whether the load of a transport is missing, although no vehicle has fetched it."""
-        work = cast(Transport, task.work)
-        if not self._products.is_goods(work.item) or not task.lies_at_source:
-            return False
-        return self._supply.level(work.item) < work.quantity
-
     def moved(self, report: StockChanged, now_s: float) -> None:
         """Pieces have left the machine, or have come back."""
         if report.change < 0:
             self._left(report, now_s)
         else:
             self._came_back(report, now_s)
+            self._life.settle(now_s)
 
-    def lost(self, task: OpenTask, now_s: float) -> None:
-        """A transport has ended without delivery: its pieces are made anew."""
+    def lost(self, task: OpenTask) -> Goal | None:
+        """A transport has ended without delivery: its pieces are made anew. Returns their goal; None if it has ended."""
         work = cast(Transport, task.work)
         goal = self._goals.get(work.goal)
         if goal is not None:
             goal.lose(work.quantity)
-        self._lose(goal, now_s)
+        return goal
 
     def keep_unwanted(self) -> None:
         """Keep unfetched pieces of ended goals here, as spare."""

@@ -11,6 +11,8 @@ vehicle is at its dock. It keeps its goals if its next life speaks within GOAL_S
 
 from __future__ import annotations
 
+from typing import cast
+
 from dray.body import (
     BodyState,
     Broken,
@@ -34,6 +36,7 @@ from dray.messages import (
     Message,
     Release,
     TaskAnnounced,
+    Transport,
     Withdrawn,
     WorkSought,
 )
@@ -41,6 +44,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import DisbeliefHandling
 from dray.protocol.contract_net.trust.probation import Probation
@@ -48,6 +52,7 @@ from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.machine.closed_in import ClosedIn
 from dray.protocol.machine.cycle import WORKING_TIME, Cycle
 from dray.protocol.machine.documents import GoalDocuments
+from dray.protocol.machine.finished_goods import GoodsLost
 from dray.protocol.machine.goal_bidding import GoalBidder
 from dray.protocol.machine.material_flow import MaterialFlow
 from dray.protocol.machine.people.breakdown import PATIENCE_OVER, Breakdown
@@ -66,6 +71,9 @@ from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.reservations.reservation_handling import ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
+from dray.protocol.transports.handovers import CountMissed
+from dray.protocol.transports.sourcing import MaterialGone, MaterialReserved, NeedReduced
+from dray.protocol.transports.transport_flow import MaterialChanged
 
 
 class Machine(AgentBase):
@@ -116,7 +124,7 @@ class Machine(AgentBase):
             self._supply,
             rules or AuctionRules(),
             self._life,
-            self,
+            self._shutdown,
             incarnation=incarnation,
             tells_node=joining,
         )
@@ -183,6 +191,17 @@ class Machine(AgentBase):
             Repaired: self._repaired,
             WordTaken: lambda report, _now_s: self._commands.words.on_taken(report),
             **self._documents.reports,
+        }
+        self._reactions = {
+            ContractChanged: self._flow.on_contract_changed,
+            MaterialReserved: self._flow.on_reserved,
+            MaterialGone: self._flow.on_gone,
+            NeedReduced: self._flow.on_reduced,
+            TaskLost: self._on_lost,
+            TaskDelivered: self._on_delivered,
+            CountMissed: self._on_count_missed,
+            GoodsLost: lambda lost, now_s: self._miss_goods(lost.goal, now_s),
+            MaterialChanged: lambda _change, now_s: self.pursue(now_s),
         }
         self._alarm_handlers = {
             BEAT: self._beat,
@@ -356,17 +375,30 @@ class Machine(AgentBase):
         """Whether it was asked to leave."""
         return self._shutdown.begun
 
-    # --- when material moves (`dray.protocol.machine.material_flow.Owner`) ---
+    # --- what follows from changes ---
 
-    def note_done(self) -> None:
-        """A transport was delivered."""
+    def _on_lost(self, lost: TaskLost, now_s: float) -> None:
+        work = cast(Transport, lost.task.work)
+        if work.destination == self.id:
+            self._supply.settled(work, None)
+        else:
+            self._miss_goods(self._flow.goods.lost(lost.task), now_s)
+        self._flow.on_lost(lost, now_s)
+        self.pursue(now_s)
+
+    def _on_delivered(self, delivered: TaskDelivered, now_s: float) -> None:
         self._probation.note_done()
+        if (short := self._flow.book_delivered(delivered, now_s)) is not None:
+            self._miss_goods(short, now_s)
+        self._flow.on_delivered(delivered, now_s)
+        self.pursue(now_s)
 
-    def ask_for_count(self, goal: Goal, now_s: float) -> None:
-        """Ask for a newer gate count of a goal."""
-        self._bidder.ask(goal, now_s)
+    def _on_count_missed(self, missed: CountMissed, now_s: float) -> None:
+        goal = self._goals.get(missed.goal)
+        if goal is not None:
+            self._bidder.ask(goal, now_s)
 
-    def miss_goods(self, goal: Goal | None, now_s: float) -> None:
+    def _miss_goods(self, goal: Goal | None, now_s: float) -> None:
         """Pieces of a goal are lost or missing."""
         if goal is not None:
             # They may have arrived all the same: the gate decides.

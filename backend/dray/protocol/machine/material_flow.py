@@ -2,13 +2,13 @@
 
 Its transports are those of every place (`dray.protocol.transports.transport_flow`). Its own orders are in `supply`,
 its goods in `finished_goods`, loads that others fetch from its buffers in `issuing`. This class joins them; the
-machine decides what follows from a movement.
+machine decides what follows from a change.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Protocol, cast
+from typing import cast
 
 from msgspec.structs import replace
 
@@ -18,6 +18,7 @@ from dray.messages import THING, Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.finished_goods import FinishedGoods
 from dray.protocol.machine.production import Goal, GoalBook
@@ -25,28 +26,12 @@ from dray.protocol.machine.put_away import PutAway
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.running import life_mark
+from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.receiving import GateCount
 from dray.protocol.transports.reservations import Reservations
 from dray.protocol.transports.sourcing import Need
-from dray.protocol.transports.transport_flow import FlowOwner, TransportFlow
-
-
-class Owner(FlowOwner, Protocol):
-    """The machine, as its material flow needs it."""
-
-    def note_done(self) -> None:
-        """A transport was delivered."""
-
-    def ask_for_count(self, goal: Goal, now_s: float) -> None:
-        """Ask for a newer gate count of a goal."""
-
-    def miss_goods(self, goal: Goal | None, now_s: float) -> None:
-        """Pieces of a goal are lost or missing."""
-
-    @property
-    def is_draining(self) -> bool:
-        """Whether it was asked to leave."""
+from dray.protocol.transports.transport_flow import TransportFlow
 
 
 class MaterialFlow(TransportFlow):
@@ -59,7 +44,7 @@ class MaterialFlow(TransportFlow):
         goals: its goals.
         supply: its buffers and goods.
         rules: time-outs and radius of its auctions.
-        owner: the machine.
+        shutdown: of the machine: while it drains it sets nothing aside for others.
         incarnation: how often it has been started.
         tells_node: whether every transport names its node, because others' plant files lack it.
 
@@ -79,22 +64,17 @@ class MaterialFlow(TransportFlow):
         supply: Supply,
         rules: AuctionRules,
         life: Life,
-        owner: Owner,
+        shutdown: GracefulShutdown,
         *,
         incarnation: int,
         tells_node: bool,
     ) -> None:
         self._goals = goals
         self._supply = supply
-        self._machine = owner
         self._node = plant.node_of(machine) if tells_node else ""
         self.task_count, self._mark = 0, life_mark(incarnation)
-        super().__init__(
-            machine, plant, keys, supply.materials, supply, rules, life, owner, incarnation=incarnation
-        )
-        self.goods = FinishedGoods(
-            machine, plant, goals, supply, self.tasks, send=self._send_goods, lose=owner.miss_goods
-        )
+        super().__init__(machine, plant, keys, supply.materials, supply, rules, life, incarnation=incarnation)
+        self.goods = FinishedGoods(machine, plant, goals, supply, self.tasks, life, send=self._send_goods)
         self.cycling = ""
         self.put_away = PutAway(machine, plant, life, self._put_away, incarnation=incarnation)
         self._book = Reservations({item: plant.materials[item].buffer for item in supply.materials})
@@ -106,7 +86,7 @@ class MaterialFlow(TransportFlow):
             self.door,
             self.departures,
             self.booking_out,
-            drains=lambda: owner.is_draining,
+            drains=lambda: shutdown.begun,
             changed=self.note_stock,
         )
         self.message_handlers |= self._issuing.message_handlers
@@ -212,6 +192,25 @@ class MaterialFlow(TransportFlow):
         """The gate's count of a goal was updated."""
         self._handovers.on_goal_counted(goal, now_s)
 
+    # --- what follows from changes ---
+
+    def on_contract_changed(self, changed: ContractChanged, now_s: float) -> None:
+        super().on_contract_changed(changed, now_s)
+        if changed.task.is_held:
+            self._review_stranded()
+        self.goods.keep_unwanted()
+
+    def book_delivered(self, delivered: TaskDelivered, now_s: float) -> Goal | None:
+        """Book a delivered load. Returns its goal if pieces of it are missing."""
+        work, counted = cast(Transport, delivered.task.work), delivered.counted
+        goal = self._goals.get(work.goal)
+        if goal is not None:
+            goal.deliver(delivered.carrier, work.quantity, min(counted, work.quantity))
+            return goal if counted < work.quantity else None
+        if work.destination == self._place:
+            self._supply.settled(work, now_s - delivered.task.opened_s)
+        return None
+
     # --- internals ---
 
     def _send_goods(self, work: Transport, deadline_s: float, now_s: float) -> None:
@@ -253,30 +252,6 @@ class MaterialFlow(TransportFlow):
         if work.destination == self._place:
             self._supply.settled(work, took_s)
 
-    def _note_lost(self, task: OpenTask, now_s: float) -> None:
-        work = cast(Transport, task.work)
-        if work.destination != self._place:
-            self.goods.lost(task, now_s)
-        else:
-            self._supply.settled(work, None)
-
-    def _note_delivered(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
-        self._machine.note_done()
-        work = cast(Transport, task.work)
-        goal = self._goals.get(work.goal)
-        if goal is not None:
-            goal.deliver(carrier, work.quantity, min(counted, work.quantity))
-            if counted < work.quantity:
-                self._machine.miss_goods(goal, now_s)
-        elif work.destination == self._place:
-            self._supply.settled(work, now_s - task.opened_s)
-
-    def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
-        super()._on_carrier_changed(task, now_s)
-        if task.is_held:
-            self._review_stranded()
-        self.goods.keep_unwanted()
-
     def _on_restored(self, work: Transport) -> None:
         goal = self._goals.get(work.goal)
         if goal is not None:
@@ -288,19 +263,11 @@ class MaterialFlow(TransportFlow):
         # Carriers have reported by now what left before this life.
         self.goods.recount(now_s)
 
-    def _lacks(self, task: OpenTask) -> bool:
-        return self.goods.lack(task)
-
     def _on_lacking(self, now_s: float) -> None:
         self.goods.recount(now_s)
 
     def _counted_of(self, goal: str) -> GateCount | None:
         return self._goals.get(goal)
-
-    def _ask_for_count(self, goal: str, now_s: float) -> None:
-        counted = self._goals.get(goal)
-        if counted is not None:
-            self._machine.ask_for_count(counted, now_s)
 
 
 def unneeded(tasks: Iterable[OpenTask], supply: Supply) -> list[OpenTask]:

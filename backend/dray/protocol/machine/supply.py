@@ -109,6 +109,10 @@ class Supply:
 
     # --- orders ---
 
+    def lacks_goods(self, item: str, quantity: int) -> bool:
+        """Whether fewer pieces of a product that is made here lie here."""
+        return self._goals.products.is_goods(item) and self.level(item) < quantity
+
     def next_order(self, cycling: str, now_s: float) -> tuple[Transport, float] | None:
         """The next order and its deadline (plant clock); None if all levels suffice.
 

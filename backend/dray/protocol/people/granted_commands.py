@@ -73,6 +73,7 @@ class GrantedCommands(Generic[C]):
             return False
         if self._authority.covers(command, grant, *place_m):
             refused = self._attempt(command, grant, now_s)
+            self._life.settle(now_s)
             detail = "" if refused is None else self._detail(command, refused)
             self._tell(sender, command, refused, detail)
         else:

@@ -21,11 +21,14 @@ from dray.protocol.runtime.events import (
     Reported,
     Woke,
 )
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
 
 Handler = Callable[[str, Any, float], None]
 """Called with (sender, message, now_s)."""
+
+Reaction = Callable[[Any, float], None]
+"""Called with a change and now_s."""
 
 Alarm = Callable[[Any, float], None]
 """Called with the second part of the alarm's name, or None, and now_s."""
@@ -39,8 +42,8 @@ DEAF_S = 0.5
 class AgentBase:
     """The base of an agent: implements `dray.protocol.runtime.events.Agent`.
 
-    The subclass fills three tables: the handlers of messages, of its body's reports, and of alarms. An alarm's name
-    is a word, or a word and its subject: ``"beat"``, ``("watched silence", task)``.
+    The subclass fills four tables: the handlers of messages, of its body's reports, of alarms, and of changes in its
+    parts (`Life.note`). An alarm's name is a word, or a word and its subject: ``"beat"``, ``("watched silence", task)``.
 
     Args:
         agent: its name on the bus.
@@ -52,11 +55,13 @@ class AgentBase:
         self.id = agent
         self.incarnation = incarnation
         self._life = Life(agent)
+        self._life.react = self._react
         self._shutdown = GracefulShutdown(leaves_within_s)
         self._last_word = Leave()
         self._message_handlers: dict[type[Message], Handler] = {}
         self._report_handlers: Mapping[type[Report], Callable[[Any, float], None]] = {}
         self._alarm_handlers: Mapping[str, Alarm] = {}
+        self._reactions: Mapping[type[Change], Reaction] = {}
         self._committers: list[Callable[[], Sequence[Commit]]] = [self._own_commit]
         """Each returns what to store at the end of a step."""
 
@@ -71,10 +76,12 @@ class AgentBase:
             if event.late_s > DEAF_S:
                 self._was_deaf(event.late_s)
             self._sense(event.body, now_s)
+            self._life.settle(now_s)
             self._sound_alarms(now_s)
         elif isinstance(event, Received):
             if event.body is not None:
                 self._sense(event.body, now_s)
+                self._life.settle(now_s)
             self._on_message(event, now_s)
         elif isinstance(event, Reported):
             self._on_report(event.report, now_s)
@@ -84,6 +91,7 @@ class AgentBase:
             if event.lost:
                 self._life.record(MemoryLost(reason=event.lost))
             self._start(event.body, event.memory, now_s)
+        self._life.settle(now_s)
         if self._shutdown.lasts:
             self._leave_if_free(now_s)
         effects: list[Effect] = []
@@ -136,6 +144,12 @@ class AgentBase:
         """Why a message is ignored without further checks; empty if it is handled."""
         return ""
 
+    def _react(self, change: Change, now_s: float) -> None:
+        reaction = self._reactions.get(type(change))
+        if reaction is None:
+            raise ProtocolViolation(f"{self.id} does not react to {change}")
+        reaction(change, now_s)
+
     def _on_report(self, report: Report, now_s: float) -> None:
         handle = self._report_handlers.get(type(report))
         if handle is None:
@@ -158,3 +172,4 @@ class AgentBase:
         for name in self._life.timers.due(now_s):
             kind, about = name if isinstance(name, tuple) else (name, None)
             self._alarm_handlers[kind](about, now_s)
+            self._life.settle(now_s)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 
 from dray.body import Instruction
 from dray.messages import AnyFact, Message
@@ -22,6 +22,12 @@ BEAT = "beat"
 """Alarm: the next heartbeat is due."""
 
 
+class Change:
+    """What has changed in a part of an agent; the agent alone reacts to it. Each kind is a small frozen value."""
+
+    __slots__ = ()
+
+
 class Life:
     """One life of an agent.
 
@@ -30,17 +36,21 @@ class Life:
 
     Attributes:
         beats: the number of its newest heartbeat.
+        changes: in the agent's parts, to which it has not reacted yet, in order.
         effects: of this step, in order.
+        react: the agent's reaction to a change, called with now_s; None if no agent lives this life.
         timers: the agent's alarms.
         unwritten: whether what the agent is bound by has changed in this step.
     """
 
-    __slots__ = ("_agent", "beats", "effects", "timers", "unwritten")
+    __slots__ = ("_agent", "beats", "changes", "effects", "react", "timers", "unwritten")
 
     def __init__(self, agent: str = "") -> None:
         self._agent = agent
         self.beats = 0
+        self.changes: list[Change] = []
         self.effects: list[Effect] = []
+        self.react: Callable[[Change, float], None] | None = None
         self.timers = Timers()
         self.unwritten = False
 
@@ -75,6 +85,19 @@ class Life:
     def ignore(self, reason: str) -> None:
         """Count an ignored message by its reason."""
         self.effects.append(Ignore(reason))
+
+    def note(self, change: Change) -> None:
+        """Note a change in a part; the agent reacts to it when the part has done its work."""
+        self.changes.append(change)
+
+    def settle(self, now_s: float) -> None:
+        """Have the agent react to all changes so far, in order.
+
+        The agent does this after each event and each alarm. A part does it where its next act must follow the
+        reaction.
+        """
+        while self.changes and self.react is not None:
+            self.react(self.changes.pop(0), now_s)
 
     def commit(self) -> None:
         """Have what the agent is bound by stored before this step's other effects.

@@ -23,6 +23,7 @@ from dray.plant import Plant
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
@@ -36,7 +37,8 @@ from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
 from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.reservations import Reservations
-from dray.protocol.transports.transport_flow import TransportFlow
+from dray.protocol.transports.sourcing import MaterialGone, MaterialReserved, NeedReduced
+from dray.protocol.transports.transport_flow import MaterialChanged, TransportFlow
 
 
 class Station(AgentBase):
@@ -84,7 +86,6 @@ class Station(AgentBase):
             self._book,
             rules or AuctionRules(),
             self._life,
-            self,
             incarnation=incarnation,
         )
         self._issuing = Issuing(
@@ -125,6 +126,15 @@ class Station(AgentBase):
         )
         self._message_handlers = self._reservation_handling.handlers(self._message_handlers)
         self._committers += [*self._reservation_handling.committers, self._flow.called.commits]
+        self._reactions = {
+            ContractChanged: self._flow.on_contract_changed,
+            MaterialReserved: self._flow.on_reserved,
+            MaterialGone: self._flow.on_gone,
+            NeedReduced: self._flow.on_reduced,
+            TaskLost: self._on_lost,
+            TaskDelivered: self._on_delivered,
+            MaterialChanged: lambda _change, now_s: self._go_on(now_s),
+        }
         self._alarm_handlers = {
             BEAT: self._beat,
             **self._closures.alarms,
@@ -228,11 +238,7 @@ class Station(AgentBase):
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
 
-    # --- for its material flow (`dray.protocol.transports.transport_flow.FlowOwner`) ---
-
-    def pursue(self, now_s: float) -> None:
-        """Do what the present state requires."""
-        self._go_on(now_s)
+    # --- messages and reports ---
 
     def _on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to unload, or to load for another place."""
@@ -265,6 +271,14 @@ class Station(AgentBase):
         self._go_on(now_s)
 
     # --- consequences ---
+
+    def _on_lost(self, lost: TaskLost, now_s: float) -> None:
+        self._flow.on_lost(lost, now_s)
+        self._go_on(now_s)
+
+    def _on_delivered(self, delivered: TaskDelivered, now_s: float) -> None:
+        self._flow.on_delivered(delivered, now_s)
+        self._go_on(now_s)
 
     def _go_on(self, now_s: float) -> None:
         """Update reservations, orders, refills and the heartbeat after a change."""

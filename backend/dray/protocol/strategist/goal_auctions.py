@@ -6,7 +6,7 @@ contract.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from typing import cast
 
 from dray.errors import ProtocolViolation
@@ -29,7 +29,7 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook
@@ -48,6 +48,13 @@ TAKERS = "takers"
 """Alarm of the check whether any machine could take a goal, by product."""
 
 
+@dataclass(frozen=True, slots=True)
+class GoalTaken(Change):
+    """A machine has taken a goal; the next goal of its product may be put up."""
+
+    goal: OpenGoal
+
+
 class GoalAuctions(Coordinator):
     """The goals of one strategist, put up for auction.
 
@@ -59,7 +66,6 @@ class GoalAuctions(Coordinator):
         life: the agent's life; alarms are named ``(TAKERS, product)`` beside those of its base.
         assessor: checks bids and adds surcharges.
         shutdown: of the strategist: while it drains it auctions nothing.
-        taken: called when a machine has taken a goal.
         incarnation: how often the strategist was started.
     """
 
@@ -72,17 +78,14 @@ class GoalAuctions(Coordinator):
         life: Life,
         assessor: Assessor,
         shutdown: GracefulShutdown,
-        taken: Callable[[OpenGoal, float], None],
         *,
         incarnation: int,
     ) -> None:
         super().__init__(
             strategist,
             NOWHERE,
-            self._audience,
             GOAL_RULES,
             life,
-            self._on_contracted,
             assessor,
             watch.arrivals,
             incarnation=incarnation,
@@ -92,7 +95,6 @@ class GoalAuctions(Coordinator):
         self._book = book
         self._watch = watch
         self._shutdown = shutdown
-        self._taken = taken
         self._asking: dict[str, str] = {}
         """By product: the goal that is up for auction."""
         self.alarms[TAKERS] = self._check_takers
@@ -138,6 +140,7 @@ class GoalAuctions(Coordinator):
         goal = self._book.goal(answer.task)
         if goal is None or goal.machine != sender:
             super().on_accepted(sender, answer, now_s)
+            self._life.settle(now_s)  # The gate admits the goal before its machine begins.
         if goal is not None and goal.machine == sender and goal.epoch == answer.epoch:
             goal.named_s = now_s
             self.confirm(goal)
@@ -195,7 +198,7 @@ class GoalAuctions(Coordinator):
         named = self._watch.named_for(goal)
         return tuple(self._keys.goals(each) for each in (goal.product, *named))
 
-    def _on_contracted(self, task: OpenTask, now_s: float) -> None:
+    def _contracted(self, task: OpenTask, now_s: float) -> None:
         goal = self._book.goal(task.id)
         if goal is None:
             raise ProtocolViolation(f"{self._strategist}: {task.id} was put up and is in no order")
@@ -214,6 +217,5 @@ class GoalAuctions(Coordinator):
         )
         self._life.record(contracted)
         # The auction is over; from now on the goal is followed, not its task.
-        self._taken(goal, now_s)
         del self._asking[work.product]
-        self.ask_next(work.product, now_s)
+        self._life.note(GoalTaken(goal))

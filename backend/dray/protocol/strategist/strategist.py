@@ -62,7 +62,7 @@ from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Instruct
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
-from dray.protocol.strategist.goal_auctions import GoalAuctions
+from dray.protocol.strategist.goal_auctions import GoalAuctions, GoalTaken
 from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
 from dray.protocol.strategist.order_changes import OrderChanges
@@ -107,7 +107,6 @@ class Strategist(AgentBase):
             self._life,
             Assessor(plant, self._life),
             self._shutdown,
-            self._follow,
             incarnation=incarnation,
         )
         self._changes = OrderChanges(
@@ -151,6 +150,7 @@ class Strategist(AgentBase):
             **self._parts.alarms,
             **self._auctions.alarms,
         }
+        self._reactions = {GoalTaken: self._on_taken}
         self._shared: SharedOrders | None = None
         if others:
             self._share(others)
@@ -278,6 +278,10 @@ class Strategist(AgentBase):
             self._shared.excuse(span_s)
         for goal in self._book:
             goal.named_s += span_s
+
+    def _on_taken(self, change: GoalTaken, now_s: float) -> None:
+        self._follow(change.goal, now_s)
+        self._auctions.ask_next(change.goal.work.product, now_s)
 
     def _follow(self, goal: OpenGoal, now_s: float, *, admit: bool = True) -> None:
         goal.named_s = now_s

@@ -19,7 +19,7 @@ was counted in the buffer is delivered, even if its carrier fails before it repo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Protocol, cast
 
 from msgspec import UNSET
@@ -48,7 +48,15 @@ PRIMARY_SILENCE = "primary silence"
 
 
 class Remedies(Protocol):
-    """A coordinator's remedies for a task without a carrier."""
+    """A coordinator's remedies for a task without a carrier, and what it knows of the task's load."""
+
+    def is_missing(self, task: OpenTask) -> bool:
+        """Whether the coordinator's own sensors no longer see its load, although no vehicle has fetched it."""
+        ...
+
+    def source_answers(self, task: OpenTask, now_s: float) -> bool:
+        """Whether the station that has its load lives."""
+        ...
 
     def reopen(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """Announce it anew, with a higher epoch."""
@@ -81,8 +89,6 @@ class Failover:
         life: the agent's life; alarms are named ``(PRIMARY_SILENCE, task)``.
         remedies: the coordinator.
         assessor: the expected progress and the ratings of carriers.
-        is_missing: whether the coordinator's own sensors no longer see the load of a task.
-        source_answers: whether the station that has a task's load lives, at a time (s).
 
     Attributes:
         aboard: goods that were left on board.
@@ -97,8 +103,6 @@ class Failover:
         life: Life,
         remedies: Remedies,
         assessor: Assessor,
-        is_missing: Callable[[OpenTask], bool],
-        source_answers: Callable[[OpenTask, float], bool],
     ) -> None:
         self._tasks = tasks
         self._secondaries = secondaries
@@ -106,8 +110,6 @@ class Failover:
         self._life = life
         self._remedies = remedies
         self._assessor = assessor
-        self._is_missing = is_missing
-        self._source_answers = source_answers
         self.aboard = LeftAboard(tasks, life, remedies)
         self.alarms = {PRIMARY_SILENCE: self._check, **self.aboard.alarms}
 
@@ -256,7 +258,7 @@ class Failover:
     def _may_have_left(self, task: OpenTask) -> bool:
         """Whether a reported load may be on board: this coordinator was down or misses it, or it was elsewhere."""
         elsewhere = task.is_thing or bool(cast(Transport, task.work).handed_at)
-        return elsewhere or not task.witnessed or self._is_missing(task)
+        return elsewhere or not task.witnessed or self._remedies.is_missing(task)
 
     def _is_stuck(self, task: OpenTask) -> bool:
         """Whether its carrier makes no progress."""
@@ -269,7 +271,7 @@ class Failover:
         held = task.contract.held_s < NEVER_S or self._assessor.is_floor_restricted
         held = held or (heartbeat.floor is not UNSET and heartbeat.floor.waits)
         if brief.phase is Phase.LOADING and progress.stands_long(brief.phase, now_s):
-            held = held or not self._source_answers(task, now_s)
+            held = held or not self._remedies.source_answers(task, now_s)
         failure = progress.on_heartbeat(heartbeat, brief.phase, held, now_s)
         if not failure:
             return

@@ -33,9 +33,8 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.runtime.events import Commit
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.running import life_mark
-from dray.protocol.transports.dock import Stock
 from dray.protocol.transports.sourcing import Sourcing
-from dray.protocol.transports.transports import Transports
+from dray.protocol.transports.transports import Stock, Transports
 
 OPEN_MAX = 200
 """Maximum open transports of one place: hours of its dock's work. Further orders are ignored, and repeated."""

@@ -7,26 +7,15 @@ the right epoch, and brings its load back.
 
 from __future__ import annotations
 
-from typing import Protocol, cast
+from typing import cast
 
-from dray.memory import DepartureMemory
 from dray.messages import Docked, Handover, HandoverAccepted, Transport
 from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
-from dray.protocol.transports.transports import Transports
-
-
-class Stock(Protocol):
-    """The stock at a coordinator's place."""
-
-    def level(self, item: str) -> int:
-        """Pieces in stock."""
-
-    def room(self, item: str) -> int:
-        """Pieces for which there is room."""
+from dray.protocol.transports.transports import Stock, Transports
 
 
 class Dock:
@@ -38,9 +27,6 @@ class Dock:
         stock: its stock.
         door: its door.
         departures: vehicles that may still be at it after their transport ended there.
-
-    Attributes:
-        counts: whether the coordinator's body counts loads.
     """
 
     def __init__(
@@ -51,7 +37,6 @@ class Dock:
         self._stock = stock
         self._life = life
         self._door, self._departures = door, departures
-        self.counts = True
 
     def on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         """A vehicle asks to load or to unload."""
@@ -87,16 +72,6 @@ class Dock:
             for task in self._tasks:
                 if task.primary == vehicle:
                     task.contract.held_s = NEVER_S
-
-    def leave(self, task: OpenTask) -> None:
-        """The primary has lost the task: a transfer that it has begun ends without effect, if the dock can do that."""
-        vehicle, work = task.primary, cast(Transport, task.work)
-        if task.contract.receipt.booked or task.is_counted:
-            self._door.close(vehicle, task.id)
-            return
-        change = work.quantity if work.destination == self._place else -work.quantity
-        load = DepartureMemory(vehicle, task.id, task.epoch, work.item, 0 if self.counts else change)
-        self._door.shut(vehicle, task.id, load)
 
     def on_handover(self, sender: str, message: Handover) -> OpenTask | None:
         """A vehicle reports its load as down.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import cast
 
 from dray.body import StockChanged
@@ -11,16 +12,24 @@ from dray.messages import AtvHeartbeat, Handover, Reason, Transport
 from dray.messages.fact import HandoverDisputed
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.bookings import Bookings
+from dray.protocol.contract_net.changes import TaskDelivered
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.runtime.events import NEVER_S
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.receiving import GateCount, Verdict, verdict_on
 from dray.protocol.transports.transports import Transports
 
 DISPUTES_MAX = 2
 """Maximum disputed handovers of one load. One may be a lie or a dirty sensor; after two another load would be lost too."""
+
+
+@dataclass(frozen=True, slots=True)
+class CountMissed(Change):
+    """A carrier's report is newer than the gate's count of its goal, which may have grown."""
+
+    goal: str
 
 
 class Handovers:
@@ -32,8 +41,6 @@ class Handovers:
         goal_of: the gate's count of a goal, by its name; None if no goal wants it.
         dock: the coordinator's dock.
         bookings: reports to a body that does not count.
-        ask: called with a goal of which the gate may have counted more, and now_s.
-        settled: called when a transport was delivered, with its task, its carrier, the counted pieces, and now_s.
 
     Attributes:
         counts: whether the coordinator's body counts loads; otherwise it is told the carriers' reports.
@@ -47,17 +54,12 @@ class Handovers:
         dock: Dock,
         bookings: Bookings,
         life: Life,
-        *,
-        ask: Callable[[str, float], None],
-        settled: Callable[[OpenTask, str, int, float], None],
     ) -> None:
         self._place = place
         self._tasks = tasks
         self._goal_of = goal_of
         self._dock, self._bookings = dock, bookings
         self._life = life
-        self._ask = ask
-        self._settled = settled
         self.counts = True
 
     def on_handover(self, sender: str, message: Handover, now_s: float) -> None:
@@ -88,6 +90,7 @@ class Handovers:
                 if task.contract.receipt.counted and not task.is_counted:
                     task.states.enter(TaskState.COUNTED)
                 self._judge(task, now_s)
+                self._life.settle(now_s)
 
     def on_carrier_heard(self, heartbeat: AtvHeartbeat) -> None:
         """A vehicle may have left with goods: tell a body that does not count."""
@@ -103,6 +106,7 @@ class Handovers:
         for task in list(self._tasks):
             if cast(Transport, task.work).goal == goal:
                 self._judge(task, now_s)
+                self._life.settle(now_s)
 
     # --- internals ---
 
@@ -117,7 +121,7 @@ class Handovers:
         if verdict is Verdict.WAITS:
             self._life.ignore("a handover of a load that was not counted yet")
             if goal is not None and goal.heard_s < receipt.said_s:
-                self._ask(name, now_s)
+                self._life.note(CountMissed(name))
             return
         carrier, work = task.primary, cast(Transport, task.work)
         if verdict is Verdict.SHORT or counted != receipt.said:
@@ -130,7 +134,7 @@ class Handovers:
         self._dock.accept(task)
         if counted < work.quantity:
             self._tasks.reliability.note_dropped(carrier, task.id, Reason.NOT_COUNTED, now_s)
-        self._settled(task, carrier, counted, now_s)
+        self._life.note(TaskDelivered(task, carrier, counted))
 
     def _count_dispute(self, task: OpenTask, goal: GateCount | None, now_s: float) -> None:
         """No piece of a load was counted: seek another carrier, or a person to look."""

@@ -145,6 +145,10 @@ class Reservations:
             return COUNT_MAX
         return self._capacity.get(item, 0) - self.level(item)
 
+    def lacks_goods(self, _item: str, _quantity: int) -> bool:
+        """False: a storage makes nothing."""
+        return False
+
     def keep(self, item: str, capacity: int) -> None:
         """Add an item that may lie there; a known item is not changed."""
         if item not in self._capacity:

@@ -17,15 +17,16 @@ This is not a retransmission (`runtime.retransmission`), although it also makes 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import cast
 
 from msgspec.structs import replace
 
 from dray.messages import MaterialWait, Phase, StockAsked, StockFreed, StockReserved, StockShort, Transport
 from dray.plant import Plant
-from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.runtime.life import Life
+from dray.protocol.contract_net.task import ClosedTask, OpenTask
+from dray.protocol.runtime.life import Change, Life
 
 SOURCE = "source"
 RENEW = "renew"
@@ -96,6 +97,28 @@ class Need:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class MaterialReserved(Change):
+    """The material of a need is set aside in all of its sources: it can be fetched."""
+
+    need: Need
+
+
+@dataclass(frozen=True, slots=True)
+class MaterialGone(Change):
+    """No station has the material of an open task without a carrier."""
+
+    task: OpenTask
+
+
+@dataclass(frozen=True, slots=True)
+class NeedReduced(Change):
+    """A smaller load is to come than was requested."""
+
+    before: Transport
+    after: Transport
+
+
 class Sourcing:
     """The material that one coordinator has requested.
 
@@ -103,12 +126,8 @@ class Sourcing:
         place: the coordinator's place.
         plant: its storages.
         life: the agent's life; alarms are named ``(SOURCE, task)`` and ``(RENEW, task)``.
-        announce: called with a need whose material is set aside in all of its sources, and now_s.
-        task_of: an open task by its id.
-        may_be_fetched: whether the load of a task that is not open was, or may have been, fetched in an epoch.
-        starve: called with an open task without a carrier whose material is gone, and now_s.
-        changed: called with now_s when a need begins to wait.
-        resized: called with the work before and after its quantity was reduced.
+        tasks: the coordinator's open tasks, by id.
+        closed: its ended tasks, by id.
 
     Attributes:
         alarms: handlers of this class's alarms, called with (task, now_s).
@@ -118,23 +137,14 @@ class Sourcing:
         self,
         place: str,
         plant: Plant,
+        tasks: Mapping[str, OpenTask],
+        closed: Mapping[str, ClosedTask],
         life: Life,
-        *,
-        announce: Callable[[Need, float], None],
-        task_of: Callable[[str], OpenTask | None],
-        may_be_fetched: Callable[[str, int], bool],
-        starve: Callable[[OpenTask, float], None],
-        changed: Callable[[float], None],
-        resized: Callable[[Transport, Transport], None],
     ) -> None:
         self._place = place
         self._plant = plant
         self._life = life
-        self._announce = announce
-        self._task_of, self._may_be_fetched = task_of, may_be_fetched
-        self._starve = starve
-        self._changed = changed
-        self._resized = resized
+        self._tasks, self._closed = tasks, closed
         self._needs: dict[str, Need] = {}
         self._held: dict[str, dict[str, None]] = {}
         """By open task: the stations that have set its material aside, as far as is known."""
@@ -198,7 +208,7 @@ class Sourcing:
             need.reserved[sender] = need.answered[sender] = None
             self._settle(need, now_s)
             return
-        task = self._task_of(message.task)
+        task = self._tasks.get(message.task)
         if task is not None and sender in _sources(task):
             self._hold(task, sender)
         else:
@@ -213,14 +223,14 @@ class Sourcing:
             need.short[sender], need.answered[sender] = message.free, None
             self._settle(need, now_s)
             return
-        task = self._task_of(message.task)
+        task = self._tasks.get(message.task)
         if task is None or sender not in _sources(task):
             self._life.ignore("a shortage of material that was not asked for there")
             return
         held = self._held.get(task.id, {})
         held.pop(sender, None)
         if not held and not task.primary and not task.is_held:
-            self._starve(task, now_s)
+            self._life.note(MaterialGone(task))
 
     # --- with a carrier ---
 
@@ -266,7 +276,7 @@ class Sourcing:
             if not need.waits:
                 need.waits = True
                 self._life.alarm((SOURCE, need.task), now_s + AGAIN_S)
-                self._changed(now_s)
+                self._life.beat_soon(now_s)
             return
         del self._needs[need.task]
         self._life.cancel((SOURCE, need.task))
@@ -276,7 +286,7 @@ class Sourcing:
         need.work = replace(need.work, sources=there)
         self._held[need.task] = dict.fromkeys(there)
         self._life.alarm((RENEW, need.task), now_s + RENEW_S)
-        self._announce(need, now_s)
+        self._life.note(MaterialReserved(need))
 
     def _ask_again(self, task_id: str, now_s: float) -> None:
         need = self._needs.get(task_id)
@@ -284,7 +294,7 @@ class Sourcing:
             return
         if not need.waits:
             need.waits = True
-            self._changed(now_s)
+            self._life.beat_soon(now_s)
         self._settle(need, now_s)
         if task_id in self._needs:
             # A station that did not answer the last request may be down.
@@ -305,15 +315,20 @@ class Sourcing:
         self._free(need.task, need.work.sources)
         before, need.work = need.work, replace(need.work, quantity=there)
         need.short.clear()
-        self._resized(before, need.work)
+        self._life.note(NeedReduced(before, need.work))
 
     def _wait_for_carrier(self, item: str) -> bool:
         """Whether an open task with this item has no carrier yet."""
-        tasks = map(self._task_of, self._held)
+        tasks = map(self._tasks.get, self._held)
         return any(task is not None and _work(task).item == item and not task.primary for task in tasks)
 
+    def _may_be_fetched(self, task: str, epoch: int) -> bool:
+        """Whether a load may have been fetched in an epoch; excluded only if no carrier was bound in it."""
+        closed = self._closed.get(task)
+        return closed is None or epoch != closed.epoch or bool(closed.carrier)
+
     def _renew(self, task_id: str, now_s: float) -> None:
-        task = self._task_of(task_id)
+        task = self._tasks.get(task_id)
         if task is None or _was_fetched(task) or not _is_material(task, self._place):
             return
         self._ask(task_id, task.epoch, _work(task), tuple(self._held.get(task_id) or _sources(task)))

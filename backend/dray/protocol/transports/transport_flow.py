@@ -1,14 +1,16 @@
 """The transports to one machine or storage: requested, fetched, counted, and recovered after a restart.
 
 This class joins the parts: the transports in `transports`, their sources in `sourcing`, the dock in `dock`,
-carriers' reports in `handovers`, orders of people and programs in `called`. A machine's own orders and finished
-goods are added in `dray.protocol.machine.material_flow`.
+carriers' reports in `handovers`, orders of people and programs in `called`. They note what has changed; the agent
+reacts to it with the methods of this class. A machine's own orders and finished goods are added in
+`dray.protocol.machine.material_flow`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import Any, Protocol, cast
+from dataclasses import dataclass
+from typing import Any, cast
 
 from dray.body import DockReady, StockChanged, StorageState, WorkcellState
 from dray.memory import DepartureMemory, Memory, ReservationMemory, TaskMemory
@@ -28,32 +30,30 @@ from dray.messages import (
     Transport,
     TransportCancelled,
     TransportOrdered,
-    Work,
     WorkSought,
 )
-from dray.messages.fact import Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.bookings import Bookings
+from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
 from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door, ready_within_s
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.called import CalledTransports
-from dray.protocol.transports.dock import Dock, Stock
+from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray.protocol.transports.handovers import Handovers
 from dray.protocol.transports.held import HeldTransports
 from dray.protocol.transports.lead_time import first_lead_s
 from dray.protocol.transports.receiving import GateCount
 from dray.protocol.transports.recovery import RECOVERY_WAIT, Recovery
-from dray.protocol.transports.sourcing import Need, Sourcing
-from dray.protocol.transports.transports import Transports
+from dray.protocol.transports.sourcing import MaterialGone, MaterialReserved, Need, NeedReduced
+from dray.protocol.transports.transports import Stock, Transports
 
 NOT_REMEMBERED = "a message about a task that may be of an earlier life without notes"
 
@@ -63,11 +63,9 @@ HELD_MAX_S = 60.0
 """How long a vehicle may wait for room (s): two or three cycles of a working machine."""
 
 
-class FlowOwner(Protocol):
-    """The agent that owns a material flow."""
-
-    def pursue(self, now_s: float) -> None:
-        """Continue after a change of material."""
+@dataclass(frozen=True, slots=True)
+class MaterialChanged(Change):
+    """What is here or on its way is known better, or has become less."""
 
 
 class TransportFlow:
@@ -80,7 +78,6 @@ class TransportFlow:
         items: the items that may be brought to it.
         stock: its stock.
         rules: time-outs and radius of its auctions.
-        owner: its agent.
         incarnation: how often the agent was started.
 
     Attributes:
@@ -107,44 +104,12 @@ class TransportFlow:
         stock: Stock,
         rules: AuctionRules,
         life: Life,
-        owner: FlowOwner,
         *,
         incarnation: int,
     ) -> None:
         self._place, self._plant, self._keys = place, plant, keys
-        self._life, self._owner = life, owner
-        x_m, y_m = plant.position_of(place)
+        self._life = life
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
-        self.tasks = Transports(
-            place,
-            Place(x_m=x_m, y_m=y_m, reach_m=plant.diameter_m),
-            self._audience,
-            rules,
-            life,
-            self.subscriptions,
-            Assessor(plant, life),
-            contracted=self._on_carrier_changed,
-            lost=self._on_task_lost,
-            is_missing=self._lacks,
-            source_answers=lambda task, now_s: self.sourcing.answers(task, now_s),  # noqa: PLW0108 - made below
-            left=lambda task: self._dock.leave(task),  # noqa: PLW0108 - made below
-            unloaded=self._settle,
-            ended=self._on_task_ended,
-            incarnation=incarnation,
-        )
-        self.sourcing = Sourcing(
-            place,
-            plant,
-            life,
-            announce=self._announce_sourced,
-            task_of=self.tasks.get,
-            may_be_fetched=self._may_be_fetched,
-            starve=self.withdraw,
-            changed=life.beat_soon,
-            resized=self._resize,
-        )
-        self.held = HeldTransports(plant, self.tasks)
-        self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held)
         self.bookings = Bookings(life)
         self.booking_out = BookingOut(
             self.subscriptions,
@@ -160,6 +125,21 @@ class TransportFlow:
             left=lambda vehicle, task: self.door.on_departed(vehicle, task),  # noqa: PLW0108 - made below
         )
         self.door = Door(life, ready_within_s(plant, place), self.departures, self.booking_out.waits_for)
+        self.tasks = Transports(
+            place,
+            plant,
+            keys,
+            stock,
+            rules,
+            life,
+            self.subscriptions,
+            self.door,
+            Assessor(plant, life),
+            incarnation=incarnation,
+        )
+        self.sourcing = self.tasks.sourcing
+        self.held = HeldTransports(plant, self.tasks)
+        self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held)
         self._dock = Dock(place, self.tasks, stock, self.door, self.departures, life)
         self._handovers = Handovers(
             place,
@@ -168,8 +148,6 @@ class TransportFlow:
             self._dock,
             self.bookings,
             life,
-            ask=self._ask_for_count,
-            settled=self._settle_counted,
         )
         self._recovery = Recovery(
             place, plant, self.subscriptions, self.tasks, life, items=items, ordered=self._note_ordered
@@ -193,14 +171,13 @@ class TransportFlow:
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {
             RECOVERY_WAIT: self._end_recovery,
             **self.tasks.alarms,
-            **self.sourcing.alarms,
             **self.called.alarms,
         }
 
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
         """Take over what the body can count and report by itself."""
         self._handovers.counts, self.door.answers = body.counts, body.answers
-        self._dock.counts = self.door.counts = body.counts
+        self.door.counts = body.counts
         self.door.restore(body.opened)
 
     def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
@@ -247,7 +224,7 @@ class TransportFlow:
     def _end_recovery(self, _about: None, now_s: float) -> None:
         self._recovery.stop_listening()
         self._on_recovered(now_s)
-        self._owner.pursue(now_s)
+        self._life.note(MaterialChanged())
 
     # --- requests and reports of the agent ---
 
@@ -264,11 +241,6 @@ class TransportFlow:
     def knows(self, task: str) -> bool:
         """Whether a task is, or was, this place's."""
         return not (self.tasks.get(task) is None and self.tasks.closed(task) is None)
-
-    def _may_be_fetched(self, task: str, epoch: int) -> bool:
-        """Whether a load may have been fetched in an epoch; excluded only if no carrier was bound in it."""
-        closed = self.tasks.closed(task)
-        return closed is None or epoch != closed.epoch or bool(closed.carrier)
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside at its source, and then fetched."""
@@ -327,8 +299,11 @@ class TransportFlow:
         """Material has come, or was taken; `word`: the agent's report that the body answers."""
         self._handovers.on_stock_changed(report, word, now_s)
 
-    def _announce_sourced(self, need: Need, now_s: float) -> None:
+    # --- what follows from changes ---
+
+    def on_reserved(self, reserved: MaterialReserved, now_s: float) -> None:
         """Announce a transport whose load is set aside."""
+        need = reserved.need
         self._announce(need.task, need.work, self._latest_s(need, now_s), now_s)
 
     def _announce(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
@@ -341,25 +316,16 @@ class TransportFlow:
         self.sourcing.drop(need)
         self._note_settled(need.work, None)
 
-    def _resize(self, before: Transport, now: Transport) -> None:
-        """A smaller load is to come than was requested."""
-        self._note_settled(before, None)
-        self._note_ordered(now)
-
-    def _audience(self, _work: Work, radius_m: float) -> tuple[str, ...]:
-        x_m, y_m = self._plant.position_of(self._place)
-        return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
-
     def _on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
         if self.hears_out:
             self._life.ignore(NOT_REMEMBERED)
         else:
             self.called.on_ordered(sender, order, now_s)
 
-    def _on_cancelled(self, sender: str, message: TransportCancelled, now_s: float) -> None:
+    def _on_cancelled(self, sender: str, message: TransportCancelled, _now_s: float) -> None:
         if self.called.on_cancelled(sender, message):
             # The place may have counted on the cancelled load.
-            self._owner.pursue(now_s)
+            self._life.note(MaterialChanged())
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
@@ -380,7 +346,7 @@ class TransportFlow:
     def _on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         if not self._is_remembered(message.task):
             return
-        if (task := self.tasks.get(message.task)) is not None and self._lacks(task):
+        if (task := self.tasks.get(message.task)) is not None and self.tasks.is_missing(task):
             # A lost load never comes, and the books do not show it.
             self._on_lacking(now_s)
         if message.station == self._place:
@@ -411,29 +377,6 @@ class TransportFlow:
             return False
         return True
 
-    # --- progress of a transport ---
-
-    def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
-        self._life.commit()
-        self._life.beat_soon(now_s)
-        if task.is_held:
-            # Others may need the reserved material meanwhile.
-            self.sourcing.on_task_closed(task, fetched=False)
-        else:
-            self.sourcing.follow(task, now_s)
-        self.called.review(now_s)
-
-    def _on_task_ended(self, task: OpenTask, outcome: Outcome) -> None:
-        self.sourcing.on_task_closed(task, fetched=outcome == "delivered")
-
-    def _on_task_lost(self, task: OpenTask, now_s: float) -> None:
-        """A task was withdrawn: order anew what is still needed."""
-        self._note_lost(task, now_s)
-        self.called.on_lost(task)
-        self._life.commit()
-        self._life.beat_soon(now_s)
-        self._owner.pursue(now_s)
-
     def cancel(self, task: OpenTask) -> None:
         """End a transport that is not needed any more."""
         self.tasks.close(task, "withdrawn")
@@ -442,20 +385,33 @@ class TransportFlow:
 
     def withdraw(self, task: OpenTask, now_s: float) -> None:
         """End a transport that finds no room or no load, and so blocks its vehicle."""
-        self.tasks.close(task, "withdrawn")
-        self._on_task_lost(task, now_s)
+        self.tasks.give_up(task, now_s)
+        self._life.settle(now_s)
 
-    def _settle(self, task: OpenTask, now_s: float) -> None:
-        """A transport was delivered, although its carrier has not reported it."""
-        self._settle_counted(task, "", cast(Transport, task.work).quantity, now_s)
+    def on_gone(self, gone: MaterialGone, now_s: float) -> None:
+        """End a transport whose load is nowhere any more."""
+        self.withdraw(gone.task, now_s)
 
-    def _settle_counted(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
-        """A transport was delivered with `counted` pieces."""
+    def on_reduced(self, reduced: NeedReduced, _now_s: float) -> None:
+        """Expect a smaller load than was requested."""
+        self._note_settled(reduced.before, None)
+        self._note_ordered(reduced.after)
+
+    def on_contract_changed(self, _changed: ContractChanged, now_s: float) -> None:
+        """Report the state of ordered transports."""
+        self.called.review(now_s)
+
+    def on_lost(self, lost: TaskLost, now_s: float) -> None:
+        """Order a withdrawn transport anew if it is still needed."""
+        self.called.on_lost(lost.task)
         self._life.commit()
-        self._note_delivered(task, carrier, counted, now_s)
-        self.called.on_settled(task, counted)
         self._life.beat_soon(now_s)
-        self._owner.pursue(now_s)
+
+    def on_delivered(self, delivered: TaskDelivered, now_s: float) -> None:
+        """Count a delivered load for the transport that was ordered."""
+        self.called.on_settled(delivered.task, delivered.counted)
+        self._life.commit()
+        self._life.beat_soon(now_s)
 
     # --- hooks for a machine: the default place neither makes nor uses anything ---
 
@@ -473,21 +429,11 @@ class TransportFlow:
     def _note_settled(self, work: Transport, took_s: float | None) -> None:
         """A load was cancelled, or has come after `took_s`."""
 
-    def _note_lost(self, task: OpenTask, now_s: float) -> None:
-        """A task was withdrawn."""
-
-    def _note_delivered(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
-        """A task was delivered."""
-
     def _on_restored(self, work: Transport) -> None:
         """A task of an earlier life was restored."""
 
     def _on_recovered(self, now_s: float) -> None:
         """The recovery wait is over: all carriers of an earlier life were heard."""
-
-    def _lacks(self, task: OpenTask) -> bool:
-        """Whether the load of a task is gone from here, although no vehicle has fetched it."""
-        return False
 
     def _on_lacking(self, now_s: float) -> None:
         """The load of a task is gone from here."""
@@ -495,6 +441,3 @@ class TransportFlow:
     def _counted_of(self, goal: str) -> GateCount | None:
         """The gate's count of a goal; None if no goal wants it."""
         return None
-
-    def _ask_for_count(self, goal: str, now_s: float) -> None:
-        """Ask for a newer gate count of a goal."""

@@ -15,10 +15,10 @@ After two disputed handovers it is held, not announced again, until a person has
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
-from typing import cast
+from collections.abc import Collection, Iterable
+from typing import Protocol, cast
 
-from dray.memory import TaskMemory
+from dray.memory import DepartureMemory, TaskMemory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -36,8 +36,12 @@ from dray.messages import (
     Work,
 )
 from dray.messages.fact import Outcome
+from dray.messages.keys import Keys
+from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules, prolonged_s
+from dray.protocol.contract_net.changes import TaskDelivered, TaskLost
 from dray.protocol.contract_net.coordinator import PRIMARY_AUCTION, Coordinator
+from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import CarrierContract, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.terms import Place
@@ -49,6 +53,7 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.failover import Failover
 from dray.protocol.takeover.secondaries import Secondaries
 from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
+from dray.protocol.transports.sourcing import Sourcing
 
 RECOVERY_WAIT_S = 10.0
 """How long a restarted coordinator listens for vehicles that work for it (s): many heartbeats."""
@@ -85,26 +90,35 @@ def _urgency(task: OpenTask) -> tuple[float, str]:
     return task.auction.needed_s, task.id
 
 
+class Stock(Protocol):
+    """The stock at a coordinator's place."""
+
+    def level(self, item: str) -> int:
+        """Pieces in stock."""
+
+    def room(self, item: str) -> int:
+        """Pieces for which there is room."""
+
+    def lacks_goods(self, item: str, quantity: int) -> bool:
+        """Whether fewer pieces of an item lie there, of which every piece exists once."""
+
+
 class Transports(Coordinator):
-    """All open transports of one coordinator.
+    """All open transports of one coordinator. It notes what has changed (`dray.protocol.contract_net.changes`).
 
     Args:
-        machine: the coordinator's id.
-        place: where it stands.
-        audience: for a task's work and a radius (m), the bus keys of the agents to ask.
+        place: the coordinator's place in the plant, and its id.
+        plant: its plant.
+        keys: the plant's bus keys.
+        stock: its stock.
         rules: the auctions' time-outs and radius.
         subscriptions: its heartbeat subscriptions.
+        door: the door of its dock.
         assessor: checks bids, and rates carriers.
-        contracted: called when a task has a primary, another one, or none again.
-        lost: called when a task is given up with its carrier.
-        is_missing: whether the coordinator's own sensors no longer see the load of a task.
-        source_answers: whether the station that has a task's load lives, at a time (s).
-        left: called with a task that has lost its primary, before the primary is cleared.
-        unloaded: called when a task has ended with a counted load but without a handover.
-        ended: called with an ended task and its outcome, before the task is removed.
         incarnation: how often it was started.
 
     Attributes:
+        sourcing: needs without a hired vehicle, and the material that is set aside for transports.
         failover: the failover of its carriers.
         reliability: the ratings of its carriers.
         waits: known waits and expected vehicles at the places of its transports.
@@ -112,32 +126,28 @@ class Transports(Coordinator):
 
     def __init__(
         self,
-        machine: str,
-        place: Place,
-        audience: Callable[[Work, float], tuple[str, ...]],
+        place: str,
+        plant: Plant,
+        keys: Keys,
+        stock: Stock,
         rules: AuctionRules,
         life: Life,
         subscriptions: HeartbeatSubscriptions,
+        door: Door,
         assessor: Assessor,
         *,
-        contracted: Callable[[OpenTask, float], None],
-        lost: Callable[[OpenTask, float], None],
-        is_missing: Callable[[OpenTask], bool],
-        source_answers: Callable[[OpenTask, float], bool],
-        left: Callable[[OpenTask], None],
-        unloaded: Callable[[OpenTask, float], None],
-        ended: Callable[[OpenTask, Outcome], None],
         incarnation: int = 1,
     ) -> None:
-        heard = subscriptions.arrivals
+        x_m, y_m = plant.position_of(place)
+        centre = Place(x_m=x_m, y_m=y_m, reach_m=plant.diameter_m)
         super().__init__(
-            machine, place, audience, rules, life, contracted, assessor, heard, incarnation=incarnation
+            place, centre, rules, life, assessor, subscriptions.arrivals, incarnation=incarnation
         )
+        self._place, self._plant, self._keys = place, plant, keys
+        self._stock, self._door = stock, door
         self.reliability = assessor.reliability
-        self._ended = ended
-        self._lost, self._left = lost, left
-        self._unloaded = unloaded
-        self.waits = CarrierWaits(machine, assessor.handling_max_s, self._open)
+        self.sourcing = Sourcing(place, plant, self._open, self._closed, life)
+        self.waits = CarrierWaits(place, assessor.handling_max_s, self._open)
         self._auctions.waits = self.announced_waits
         self._secondaries = Secondaries(self._open, self._auctions, subscriptions, life)
         self.failover = Failover(
@@ -147,10 +157,8 @@ class Transports(Coordinator):
             life,
             self,
             assessor,
-            is_missing,
-            source_answers,
         )
-        self.alarms |= self._secondaries.alarms | self.failover.alarms
+        self.alarms |= self.sourcing.alarms | self._secondaries.alarms | self.failover.alarms
 
     def superseded(self, task_id: str, epoch: int) -> Superseded:
         """The answer to a vehicle that wrongly believes to carry a task in this epoch."""
@@ -160,7 +168,16 @@ class Transports(Coordinator):
         # No epoch of an ended or unknown task is valid any more.
         return Superseded(task=task_id, epoch=max(closed.epoch, epoch) if closed is not None else 0)
 
-    # --- without a carrier (`dray.protocol.takeover.failover.Remedies`) ---
+    # --- for the failover (`dray.protocol.takeover.failover.Remedies`) ---
+
+    def is_missing(self, task: OpenTask) -> bool:
+        """Whether the load of a task is gone from here, although no vehicle has fetched it."""
+        work = cast(Transport, task.work)
+        return task.lies_at_source and self._stock.lacks_goods(work.item, work.quantity)
+
+    def source_answers(self, task: OpenTask, now_s: float) -> bool:
+        """Whether the station that has the load of a task has answered lately."""
+        return self.sourcing.answers(task, now_s)
 
     def reopen(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """Announce a task anew, with a higher epoch; its carrier is superseded."""
@@ -211,19 +228,19 @@ class Transports(Coordinator):
     def give_up(self, task: OpenTask, now_s: float) -> None:
         """End a task whose goods are lost, or of which nothing remains for another carrier."""
         self.close(task, "withdrawn")
-        self._lost(task, now_s)
+        self._life.note(TaskLost(task))
 
-    def conclude(self, task: OpenTask, now_s: float) -> None:
+    def conclude(self, task: OpenTask, _now_s: float) -> None:
         """Close a task as delivered: its load was counted, although no handover was received."""
         self.close(task, "delivered")
-        self._unloaded(task, now_s)
+        self._life.note(TaskDelivered(task, "", cast(Transport, task.work).quantity))
 
     def close(self, task: OpenTask, outcome: Outcome) -> None:
         """End a task; a delivered one is rated as kept or late."""
         if outcome == "delivered" and task.contract.progress is not None:
             now_s, late_s = task.contract.progress.heard_s, task.contract.progress.late_s
             self.reliability.note_kept(task.primary, task.id, late_s, now_s)
-        self._ended(task, outcome)
+        self.sourcing.on_task_closed(task, fetched=outcome == "delivered")
         super().close(task, outcome)
 
     # --- after a restart ---
@@ -330,6 +347,7 @@ class Transports(Coordinator):
             number, at_s = task.auction.number, message.at_s
             answer = Accepted(task.id, task.epoch, Role.PRIMARY, message.finish_s, number, at_s)
             self.on_accepted(sender, answer, now_s)
+            self._life.settle(now_s)
             if task.primary == sender:
                 self._confirm(task)
         elif task is None or message.epoch <= task.epoch:
@@ -347,6 +365,7 @@ class Transports(Coordinator):
             if task.primary == heartbeat.atv:
                 self.waits.note_phase(task, heartbeat, now_s)
                 self.failover.on_heartbeat(task, heartbeat, now_s)
+                self._life.settle(now_s)
             elif task.secondary == heartbeat.atv:
                 self._secondaries.on_heartbeat(task, heartbeat, now_s)
 
@@ -362,6 +381,21 @@ class Transports(Coordinator):
         return self.waits.told(cast(Transport, work), now_s)
 
     # --- internals ---
+
+    def _audience(self, _work: Work, radius_m: float) -> tuple[str, ...]:
+        x_m, y_m = self._plant.position_of(self._place)
+        return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
+
+    def _contracted(self, task: OpenTask, now_s: float) -> None:
+        """A task has a primary, another one, or none again; or it waits for its primary."""
+        self._life.commit()
+        self._life.beat_soon(now_s)
+        if task.is_held:
+            # Others may need the reserved material meanwhile.
+            self.sourcing.on_task_closed(task, fetched=False)
+        else:
+            self.sourcing.follow(task, now_s)
+        super()._contracted(task, now_s)
 
     def _wake_auction(self, task_id: str, now_s: float) -> None:
         task = self._open.get(task_id)
@@ -422,8 +456,18 @@ class Transports(Coordinator):
         self._secondaries.drop(task, reason)
         self.failover.leave(task)
         if task.primary:
-            self._left(task)
+            self._shut_door(task)
         task.contract = CarrierContract()
+
+    def _shut_door(self, task: OpenTask) -> None:
+        """The primary has lost the task: a transfer that it has begun ends without effect, if the dock can do that."""
+        vehicle, work = task.primary, cast(Transport, task.work)
+        if task.contract.receipt.booked or task.is_counted:
+            self._door.close(vehicle, task.id)
+            return
+        change = work.quantity if work.destination == self._place else -work.quantity
+        load = DepartureMemory(vehicle, task.id, task.epoch, work.item, 0 if self._door.counts else change)
+        self._door.shut(vehicle, task.id, load)
 
     def _bind(self, task: OpenTask, atv: str, source: str, promised_s: float, now_s: float) -> None:
         """Bind a vehicle to a task without an auction of this life."""

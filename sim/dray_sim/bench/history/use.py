@@ -22,7 +22,7 @@ from uuid import uuid4
 
 from sqlalchemy import func, select
 
-from dray.cli.fleet.addresses import free_addresses
+from dray.adapters.addresses import free_addresses
 from dray.gateway.access.principal import Scope
 from dray.gateway.access.tokens import new_id, new_key
 from dray.store import Store

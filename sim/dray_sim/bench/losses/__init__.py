@@ -27,12 +27,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from dray.cli.simulation.customers import HEAD_START_S, LOAD
 from dray.plant import default_plant
 from dray_sim.bench.losses.campaign import Campaign, Outcome, play
 from dray_sim.bench.losses.figures import rows, rows_with_calls
 from dray_sim.bench.postgres import MISSING, PostgresServer, installed
 from dray_sim.bench.row import Row
+from dray_sim.people.demand import HEAD_START_S, LOAD
 
 QUICK = 10
 """A quick run has a tenth of the kills."""

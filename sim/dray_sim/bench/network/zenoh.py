@@ -25,11 +25,11 @@ import zenoh
 from msgspec.structs import replace
 from zenoh.handlers import Callback
 
+from dray.adapters.addresses import free_addresses
 from dray.adapters.security.certificates import Authority
 from dray.adapters.security.identity import Identity
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.links import Links
-from dray.cli.fleet.addresses import free_addresses
 from dray.codec import decode, encode
 from dray.errors import UnavailableError
 from dray.messages import AtvHeartbeat

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from socket import create_connection
 from typing import Any
 
-from dray.cli.fleet.addresses import free_addresses
+from dray.adapters.addresses import free_addresses
 from dray.gateway.access.principal import Scope
 from dray.gateway.access.tokens import new_id, new_key
 from dray.plant import default_plant

@@ -17,7 +17,7 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import SecretStr
 
-from dray.cli.fleet.addresses import free_addresses
+from dray.adapters.addresses import free_addresses
 from dray.cli.runtime.gateway.service import Service
 from dray.cli.simulation.one_process import run_service
 from dray.errors import UnavailableError

@@ -17,7 +17,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from urllib.parse import urlsplit
 
-from dray.cli.fleet.addresses import free_addresses
+from dray.adapters.addresses import free_addresses
 from dray.errors import UnavailableError
 from dray.gateway.access.gate import COOKIE
 from dray.plant import default_plant

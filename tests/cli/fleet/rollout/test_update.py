@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
+from dray.adapters.processes import Process
 from dray.cli.fleet.process_registry import Member, ProcessRegistry, State
-from dray.cli.fleet.processes import Process
 from dray.cli.fleet.rollout.history import History, RecordedFact
 from dray.cli.fleet.rollout.order_statistics import OrderCount
 from dray.cli.fleet.rollout.replacement import Terms
