@@ -107,7 +107,7 @@ class TransportFlow:
         *,
         incarnation: int,
     ) -> None:
-        self._place, self._plant, self._keys = place, plant, keys
+        self._place, self._plant = place, plant
         self._life = life
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.bookings = Bookings(life)
