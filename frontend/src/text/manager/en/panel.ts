@@ -146,6 +146,8 @@ export const panel = {
   "pause.goesOn": "Open. Vehicles that go on: {count}.",
   "pause.left": "{id}: {reason}",
   "atv.sentToCharge": "sent to charge",
+  "atv.reserve": "in reserve",
+  "atv.reserveWhy": "the floor has no room for more vehicles at work: it takes what no other can carry, or what is five minutes late",
 
   "shutOut.open": "Shut out…",
   "shutOut.hint.atv": "Nobody hears {id} any more: it is asked to stop, and others take over its work. That holds until somebody readmits it.",
