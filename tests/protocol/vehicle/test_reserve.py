@@ -12,6 +12,8 @@ from spoken import award
 from dray.plant.spare_places import SparePlaces
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.reserve import STAYS_S, Reserve
+from dray_sim.plants.fleet_sizes import with_fleet
+from dray_sim.plants.raster import draw_raster
 
 IN, OUT = "in", "out"
 
@@ -57,6 +59,20 @@ def test_who_comes_back_belongs_to_the_reserve_as_before(reserve: Reserve) -> No
     reserve.leave(30.0)
     reserve.stand(IN, 40.0)
     assert reserve.is_member(40.0 + 2 * STAYS_S)
+
+
+def test_where_vehicles_wait_in_the_way_of_others_who_leaves_the_reserve_is_at_work() -> None:
+    plant = with_fleet(draw_raster(17), 28)
+    spare = plant.spare_places
+    assert spare.others
+    reserve = Reserve(plant)
+    reserve.stand(spare.reserve[0], 0.0)
+    assert reserve.is_member(1.0)
+    reserve.leave(2.0)
+    assert not reserve.is_member(2.0)
+    reserve.stand(spare.reserve[0], 3.0)
+    reserve.stand(spare.clear[0], 4.0)
+    assert not reserve.is_member(4.0)
 
 
 def test_work_ends_the_membership(reserve: Reserve) -> None:

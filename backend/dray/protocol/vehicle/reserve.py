@@ -5,6 +5,10 @@
 
 A vehicle often leaves a place of the reserve without work: another one needs room, or it must charge. If that ended
 its membership, it would take the next transport on its way, and all would be at work at once on a full floor.
+
+A floor where vehicles wait in the way of others (`SparePlaces.others`) is different: a vehicle that has left its place
+may find no other one, and would drive about without work. There it is at work as soon as it leaves.
+
 Membership is not in the journal: after a restart a vehicle is a member if it stands at a place of the reserve.
 """
 
@@ -43,11 +47,15 @@ class Reserve:
         if self.has(node):
             self._is_member, self._ends_s = True, float("inf")
         elif self._is_member:
-            self._ends_s = now_s + STAYS_S
+            self._ends_s = now_s + STAYS_S if self._has_place_for_all else now_s
 
     def leave(self, now_s: float) -> None:
-        """The vehicle leaves its place without work, and stays a member if it is one."""
-        self._is_member, self._ends_s = self.is_member(now_s), float("inf")
+        """The vehicle leaves its place without work, and stays a member if all vehicles have a place out of the way."""
+        self._is_member, self._ends_s = self.is_member(now_s) and self._has_place_for_all, float("inf")
+
+    @property
+    def _has_place_for_all(self) -> bool:
+        return not self._plant.spare_places.others
 
     def take_work(self) -> None:
         """The vehicle has work: its membership ends."""

@@ -150,7 +150,7 @@ export const panel: Catalogue<typeof english> = {
   "pause.left": "{id}: {reason}",
   "atv.sentToCharge": "zum Laden geschickt",
   "atv.reserve": "in Reserve",
-  "atv.reserveWhy": "im Werk ist kein Platz für mehr Fahrzeuge bei der Arbeit: Es nimmt, was kein anderes tragen kann oder was fünf Minuten zu spät ist",
+  "atv.reserveWhy": "kein Platz für mehr Fahrzeuge bei der Arbeit; es nimmt, was andere nicht können oder was 5 min zu spät ist",
 
   "shutOut.open": "Ausschließen…",
   "shutOut.hint.atv": "Niemand hört {id} mehr: Es soll anhalten, und andere übernehmen seine Arbeit. Das gilt, bis jemand es wieder zulässt.",

@@ -147,7 +147,7 @@ export const panel = {
   "pause.left": "{id}: {reason}",
   "atv.sentToCharge": "sent to charge",
   "atv.reserve": "in reserve",
-  "atv.reserveWhy": "the floor has no room for more vehicles at work: it takes what no other can carry, or what is five minutes late",
+  "atv.reserveWhy": "no room on the floor for more at work; it takes what others cannot, or what is 5 min late",
 
   "shutOut.open": "Shut out…",
   "shutOut.hint.atv": "Nobody hears {id} any more: it is asked to stop, and others take over its work. That holds until somebody readmits it.",
