@@ -25,7 +25,7 @@ class Claimant:
         self.dwell_points = DwellPoints(atv, PLANT, "light", KEYS, self.life)
         self.rank = (not standing, battery_frac, atv)
         if standing:
-            self.dwell_points.stand(DWELL_POINT, battery_frac)
+            self.dwell_points.stand(DWELL_POINT, battery_frac, 0.0)
         else:
             assert self.dwell_points.seek(
                 charger=True, node=PLANT.node_of(DWELL_POINT), battery_frac=battery_frac, now_s=0.0

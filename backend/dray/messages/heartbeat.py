@@ -229,6 +229,8 @@ class AtvHeartbeat(Message, said_by=VEHICLES, signed="atv", frozen=True, omit_de
     """Left out while it is in service."""
     sent_to_charge: bool = False
     """Whether a person has sent it to charge: it takes no work until it is full."""
+    in_reserve: bool = False
+    """Whether it belongs to the reserve of a fleet that is too large for its floor: it takes only work that others cannot do."""
     probation: ProbationBrief | None = None
     """Set while it is on probation: it takes short tasks only."""
     floor: FloorBrief | UnsetType = UNSET

@@ -27,7 +27,14 @@ from dray.messages.people.call import HelpCall
 DISPENSABLE: tuple[dict[str, Any], ...] = (
     {"way": ()},
     {"watches": ()},
-    {"body_wait": UNSET, "software": "", "dwell_point": "", "about_problem": UNSET, "sent_to_charge": False},
+    {
+        "body_wait": UNSET,
+        "software": "",
+        "dwell_point": "",
+        "about_problem": UNSET,
+        "sent_to_charge": False,
+        "in_reserve": False,
+    },
     {"floor": UNSET, "closures": UNSET},
     {"out_of_service": UNSET, "lost_wlan": UNSET},
 )

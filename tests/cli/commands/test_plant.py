@@ -12,6 +12,7 @@ from msgspec.structs import replace
 from typer.testing import CliRunner
 
 from dray.cli import app
+from dray.cli.runtime.plant_errors import tell_errors
 from dray.errors import PlantError, PlantErrors, SettingsError
 from dray.plant import Door, Lane, LaneEnds, Node, Plant, load_plant, plant_yaml
 
@@ -66,6 +67,24 @@ def test_a_floor_on_which_vehicles_have_no_room_is_an_error(tmp_path: Path) -> N
     code, told = dray("plant", "check", str(tight))
     assert code == 2
     assert f"{tight}: nodes: error: near: x1 and x2 (0.60 m, 0.83 m needed)" in told
+
+
+def test_a_plant_with_errors_is_played_all_the_same_and_they_are_named() -> None:
+    code, told = dray("sim", "run", "day", "--plant", "workshop", "--load", "0.95", "--hours", "0.1")
+    assert code == 0
+    assert "dray: workshop is started, although `dray plant check` says that it cannot work as it is:" in told
+    assert "  machines: error: machine: DRILL is full at 90.7% of the machines' time" in told
+    assert "is started, although" not in dray("sim", "run", "day", "--plant", "workshop", "--hours", "0.1")[1]
+
+
+def test_places_without_room_are_no_errors_without_right_of_way(capsys: pytest.CaptureFixture[str]) -> None:
+    file = load_plant("single-track").file
+    nodes = (*file.nodes, Node("x1", 3, 38), Node("x2", 3.6, 38))
+    tight = Plant(replace(file, nodes=nodes, lanes=(*file.lanes, Lane("x1", "x2", both_ways=True))))
+    tell_errors(tight, traffic=False)
+    assert capsys.readouterr().err == ""
+    tell_errors(tight, traffic=True)
+    assert "nodes: error: near: x1 and x2 (0.60 m, 0.83 m needed)" in capsys.readouterr().err
 
 
 def test_a_warning_leaves_the_exit_code_unless_strict(starving: Path, tmp_path: Path) -> None:

@@ -91,6 +91,15 @@ def test_a_battery_too_small_for_a_transport(small_text: str) -> None:
     small = "{id: light, name: Light carrier, battery_wh: 2}"
     [reach] = of_kind(change(small_text, ("{id: light, name: Light carrier}", small)), "range")
     assert re.search(r"takes \d+% of a battery of which 80% can be used", reach.text)
+    assert reach.level == "warning"
+
+
+def test_a_battery_that_lasts_for_no_transport_is_an_error(small_text: str) -> None:
+    small = "{id: light, name: Light carrier, battery_wh: 1.8}"
+    [reach] = of_kind(change(small_text, ("{id: light, name: Light carrier}", small)), "range")
+    assert reach.level == "error"
+    assert reach.text.startswith("no vehicle ever carries gear from M1 to DELIVERY, even with a full battery")
+    assert reach.load_frac == 0.0
 
 
 def test_a_storage_that_cannot_feed_its_machine(small_text: str) -> None:

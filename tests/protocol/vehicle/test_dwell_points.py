@@ -21,6 +21,7 @@ from dray.protocol.vehicle.dwell_points import (
     Hold,
 )
 from dray.protocol.vehicle.idle_positioning import WaitingPlaces
+from dray.protocol.vehicle.reserve import STAYS_S
 from dray_sim.plants.raster import draw_raster
 
 
@@ -101,7 +102,7 @@ def test_a_contest_goes_to_the_occupant_then_the_emptier_battery_then_the_smalle
 def test_an_occupant_objects_to_everybody_and_is_never_driven_out() -> None:
     driver = Driver("ATV5")
     driver.seek(battery_frac=0.9)
-    driver.dwell_points.arrive()
+    driver.dwell_points.arrive(0.0)
     dwell_point = driver.dwell_points.dwell_point
     for claim in (rival(dwell_point, "ATV1", 0.01), rival(dwell_point, "ATV9", 0.99)):
         assert not driver.dwell_points.on_claim(claim, 10.0)
@@ -139,8 +140,8 @@ def test_a_rival_is_believed_that_lets_the_vehicle_charge_in_between() -> None:
         assert dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=now_s)
         assert dwell_points.on_claim(emptier, now_s + 0.5), meeting
         assert dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=now_s + 100.0)
-        dwell_points.arrive()
-        dwell_points.leave()
+        dwell_points.arrive(now_s + 200.0)
+        dwell_points.leave(now_s + 200.0)
 
 
 def test_a_parking_place_may_be_stood_in_for_ever() -> None:
@@ -156,7 +157,7 @@ def test_a_parking_place_may_be_stood_in_for_ever() -> None:
 
 def test_a_dwell_point_that_is_left_to_another_one_is_lost_without_a_word() -> None:
     driver = Driver()
-    driver.dwell_points.stand("CH2", 0.9)
+    driver.dwell_points.stand("CH2", 0.9, 0.0)
     said = len(driver.claims)
     assert driver.dwell_points.on_claim(rival("CH2", battery_frac=0.2), 1.0, plugged=True, gives_way=True)
     assert len(driver.claims) == said
@@ -185,7 +186,7 @@ def test_where_no_way_leads_to_a_charger_there_is_none_to_ask_for() -> None:
 
 def test_a_vehicle_that_begins_in_a_dwell_point_stands_there() -> None:
     driver = Driver("ATV5")
-    driver.dwell_points.stand("CH2", 0.9)
+    driver.dwell_points.stand("CH2", 0.9, 0.0)
     assert driver.claims == [rival("CH2", "ATV5", 0.9, standing=True)]
     assert not driver.dwell_points.on_claim(rival("CH2", battery_frac=0.01), 1.0)
 
@@ -227,8 +228,8 @@ def test_a_dwell_point_that_is_left_is_defended_no_longer() -> None:
     driver = Driver("ATV5")
     driver.seek()
     dwell_point = driver.dwell_points.dwell_point
-    driver.dwell_points.leave()
-    driver.dwell_points.leave()
+    driver.dwell_points.leave(0.0)
+    driver.dwell_points.leave(0.0)
     assert driver.keys == set()
     assert not driver.dwell_points.on_claim(rival(dwell_point), 1.0)
     assert len(driver.claims) == 1
@@ -305,7 +306,7 @@ def test_on_its_way_to_a_charger_a_vehicle_is_turned_round_only_for_what_a_charg
 
 def test_who_must_charge_looks_for_a_parking_place_near_its_charger() -> None:
     driver = Driver()
-    charger = driver.dwell_points.reserve.nearest_charger("e3")
+    charger = driver.dwell_points.battery_reserve.nearest_charger("e3")
     routes = PLANT.routes("light")
     dwell_points = driver.dwell_points
     assert dwell_points.seek(charger=False, node="e3", battery_frac=0.2, now_s=0.0, near=charger)
@@ -376,8 +377,8 @@ def test_a_charger_of_the_reserve_is_asked_for_when_no_other_is_left() -> None:
     for now_s in range(len(plant.chargers)):
         assert points.seek(charger=True, node=beside, battery_frac=0.5, now_s=float(now_s))
         asked.append(points.dwell_point)
-        points.stand(points.dwell_point, 0.5)
-        assert points.is_reserve is (points.dwell_point in shut)
+        points.stand(points.dwell_point, 0.5, float(now_s))
+        assert points.reserve.is_member(float(now_s)) is (points.dwell_point in shut)
         points.block(float(now_s))
     assert set(asked[-len(shut) :]) == set(shut)
 
@@ -387,8 +388,18 @@ def test_who_stands_at_a_place_of_the_reserve_belongs_to_it_and_who_drives_there
     spare = plant.spare_places
     points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, Life())
     assert points.seek_spare(spare.reserve, spare.reserve[0], 0.5, 0.0)
-    assert not points.is_reserve
-    points.arrive()
-    assert points.is_reserve
-    points.stand(spare.clear[0], 0.5)
-    assert not points.is_reserve
+    assert not points.reserve.is_member(0.0)
+    points.arrive(1.0)
+    assert points.reserve.is_member(1.0)
+
+
+def test_who_leaves_the_reserve_for_another_place_belongs_to_it_until_it_has_stood_there_for_a_time() -> None:
+    plant = draw_raster(17)
+    spare = plant.spare_places
+    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, Life())
+    points.stand(spare.reserve[0], 0.5, 0.0)
+    assert points.seek_spare(spare.clear, spare.clear[0], 0.5, 10.0)
+    assert points.reserve.is_member(10.0 + 2 * STAYS_S), "on its way"
+    points.arrive(1000.0)
+    assert points.reserve.is_member(1000.0 + STAYS_S - 1.0)
+    assert not points.reserve.is_member(1000.0 + STAYS_S)

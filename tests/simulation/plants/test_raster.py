@@ -71,7 +71,7 @@ def test_who_waits_in_the_reserve_takes_no_work_that_others_can_do() -> None:
         while stage.now_s() < 1200.0:
             agents = {atv: cast(Atv, stage.factory.workers[atv].agent) for atv in plant.fleet}
             called += [atv for atv in reserve if agents[atv].is_busy]
-            reserve = {atv for atv in agents if agents[atv].is_reserve}
+            reserve = {atv for atv in agents if agents[atv].is_reserve(stage.now_s())}
             waited |= reserve
             await stage.until_s(stage.now_s() + 1.0)
         return waited, called

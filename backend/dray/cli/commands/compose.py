@@ -30,12 +30,14 @@ def compose(
     from dray.cli.compose.certificates import USER, certify
     from dray.cli.compose.document import CERTIFICATES, compose_text, targets_text
     from dray.cli.runtime.options import load_settings
+    from dray.cli.runtime.plant_errors import tell_errors
     from dray.errors import SettingsError, UnavailableError
     from dray.plant import is_shipped
 
     settings = load_settings(plant_file=plant, strategists=strategists)
     file, many = settings.plant_file, settings.strategists
     chosen = chosen_plant(file)
+    tell_errors(chosen, traffic=settings.traffic)
     if not (folder / DEPLOY / "prometheus.yml").is_file():
         raise SettingsError(
             str(folder), f"has no {DEPLOY}: name Dray's sources by --folder, since the image is built of them"

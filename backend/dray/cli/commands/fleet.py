@@ -79,16 +79,19 @@ def up(
     from dray.cli.commands.plant import chosen_plant
     from dray.cli.fleet.supervisor import FleetOptions, run_fleet
     from dray.cli.runtime.options import load_settings
+    from dray.cli.runtime.plant_errors import tell_errors
 
     load = partial(load_settings, port=port, plant_file=plant, strategists=strategists, traffic=traffic)
     settings = load(database_url=db)
     if "database_url" not in settings.model_fields_set:
         settings = load(database_url=f"sqlite:///{folder.resolve() / 'dray.db'}")
+    chosen = chosen_plant(settings.plant_file)
+    tell_errors(chosen, traffic=settings.traffic)
     asyncio.run(
         run_fleet(
             FleetOptions(
                 settings,
-                chosen_plant(settings.plant_file),
+                chosen,
                 folder,
                 speed=speed,
                 plain=plain,

@@ -78,6 +78,8 @@ class Stream:
     """Largest use of a vehicle's battery by it, relative to the usable part."""
     usable_frac: float
     """Usable part of that vehicle's battery."""
+    is_possible: bool = True
+    """Whether some vehicle with a full battery that stands at a source can carry one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,7 +333,18 @@ class Flow:
             can_frac = min(USABLE_FRAC, kind.charging.up_to_frac - plant.charger_queue.base_frac(kind.id))
             if one_frac * usable_frac > dearest_frac * can_frac:
                 dearest_frac, usable_frac = one_frac, can_frac
-        return Stream(item, *ends, per_s, took_s, lead_s, energy_wh, dearest_frac, usable_frac)
+        is_possible = dearest_frac <= usable_frac or any(
+            self._lasts(kind, source, there) for kind in able for source in sources for there in destinations
+        )
+        return Stream(item, *ends, per_s, took_s, lead_s, energy_wh, dearest_frac, usable_frac, is_possible)
+
+    def _lasts(self, kind: VehicleType, source: str, there: str) -> bool:
+        """Whether a full battery lasts for a load from a dock to another, and what must be left then."""
+        plant = self.plant
+        way = plant.routes(kind.id).way(plant.node_of(source), plant.node_of(there))
+        took_s = kind.load_s + way.duration_s + kind.unload_s
+        used_wh = way.length_m * kind.loaded_wh_per_m + took_s * kind.idle_w / 3600.0
+        return used_wh / kind.battery_wh + plant.charger_queue.base_frac(kind.id) <= 1.0
 
     def _approach(self, kind: str, source: str) -> tuple[float, float]:
         """Mean seconds and metres of the empty way to a source."""

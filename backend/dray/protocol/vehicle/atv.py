@@ -286,7 +286,7 @@ class Atv(AgentBase):
         if self._contracts.job is not None:
             self._contracts.go_on(lambda job: job.arrived(now_s), now_s)
         else:
-            self._idle.arrived()
+            self._idle.arrived(now_s)
             self.update_status(now_s, self._idle.dwell_point)
         self._life.beat_soon(now_s)
 
@@ -348,15 +348,14 @@ class Atv(AgentBase):
         out = self._commands.out_of_service
         return None if out is None or out.after_work else Reason.OUT_OF_SERVICE
 
-    @property
-    def is_reserve(self) -> bool:
-        return self._idle.is_reserve
+    def is_reserve(self, now_s: float) -> bool:
+        return self._idle.is_reserve(now_s)
 
     def unfit(self) -> str:
         return self._status_report.unfit(self.link)
 
-    def stop_resting(self) -> None:
-        self._idle.stop()
+    def stop_resting(self, now_s: float) -> None:
+        self._idle.stop(now_s)
 
     def note_ended(self, reason: str, now_s: float) -> None:
         """The contract has ended: look for the next work."""
@@ -368,8 +367,7 @@ class Atv(AgentBase):
 
     def note_makes_room(self, now_s: float) -> None:
         if self._contracts.job is None and not self._driver.way:
-            self._idle.stop()
-            self._idle.soon(now_s)
+            self._idle.seek_anew(now_s)
 
     def note_denied(self, now_s: float) -> None:
         """A person said that it was carried away, but it drives: it stops, and calls until a person has checked it."""

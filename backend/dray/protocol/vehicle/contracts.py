@@ -64,14 +64,13 @@ class Owner(Protocol):
     def gives_back(self) -> Reason | None:
         """Why it gives back a task whose load is not on board; None if it does not."""
 
-    @property
-    def is_reserve(self) -> bool:
+    def is_reserve(self, now_s: float) -> bool:
         """Whether it belongs to the reserve of a fleet that is too large for the roads."""
 
     def unfit(self) -> str:
         """Why it may take no work at all; empty if it may."""
 
-    def stop_resting(self) -> None:
+    def stop_resting(self, now_s: float) -> None:
         """Leave the charger or parking place for work."""
 
     def update_status(self, now_s: float, reason: str) -> None:
@@ -167,7 +166,7 @@ class Contracts:
         task, why = f"{self._atv}-found-{now_s:.0f}", Reason.LOAD_UNKNOWN
         contract = Contract(task, 0, work, self._atv, refuges[0], 0.0, 0.0, cancelled=why)
         self.standby.resign(Reason.HAS_WORK)
-        self._owner.stop_resting()
+        self._owner.stop_resting(now_s)
         self.bind(contract)
         self.go_on(lambda job: job.resume(load, now_s), now_s)
 
@@ -186,7 +185,7 @@ class Contracts:
             unfit=self._owner.unfit(),
             busy_with=self.job.task if self.job is not None else "",
             watches=len(self.standby) - (task in self.standby),
-            is_reserve=self._owner.is_reserve,
+            is_reserve=self._owner.is_reserve(now_s),
         )
 
     def _on_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
@@ -203,7 +202,7 @@ class Contracts:
 
     def seek(self, now_s: float) -> None:
         """Ask for waiting work if it can take any."""
-        may_work = not (self._charging.is_needy or self._owner.is_reserve or self._owner.unfit())
+        may_work = not (self._charging.is_needy or self._owner.is_reserve(now_s) or self._owner.unfit())
         if self._work_search.is_known and may_work:
             self._work_search.ask_for_work(self._owner.battery_frac, now_s)
 
@@ -303,7 +302,7 @@ class Contracts:
         )
         self._life.do(how, Record(taken))
         self.standby.resign(Reason.HAS_WORK)
-        self._owner.stop_resting()
+        self._owner.stop_resting(now_s)
         self._work_search.stop()
         self._owner.update_status(now_s, contract.task)
         self.go_on(begin, now_s)

@@ -25,6 +25,7 @@ from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.battery_reserve import COMPARED, BatteryReserve
+from dray.protocol.vehicle.reserve import Reserve
 
 CONTEST_S = 1.0
 """Time to wait for an objection (s): many times the latency of a good WLAN. A later one is still handled on the way."""
@@ -92,7 +93,8 @@ class DwellPoints:
         """By rival: the last objection."""
         self._claim_battery_frac = 0.0
         """The charge that decides contests: that at the claim, less WORTH_FRAC on the way to a charger."""
-        self.reserve = BatteryReserve(plant, vehicle_type)
+        self.battery_reserve = BatteryReserve(plant, vehicle_type)
+        self.reserve = Reserve(plant)
         self.dwell_point = ""
         """The claimed or occupied dwell point; empty for none."""
         self.hold = Hold.NONE
@@ -101,21 +103,14 @@ class DwellPoints:
     def is_charger(self) -> bool:
         return self.dwell_point in self._plant.chargers
 
-    @property
-    def is_reserve(self) -> bool:
-        """Whether the vehicle stands in a place of the reserve."""
-        return self.hold is Hold.STANDING and self._is_reserve(self.dwell_point)
-
-    def _is_reserve(self, dwell_point: str) -> bool:
-        return self._plant.spare_places.is_reserve(self._plant.stand_of(dwell_point))
-
     def is_taken(self, dwell_point: str, now_s: float) -> bool:
         """Whether another vehicle has won this dwell point recently."""
         return self._taken_until_s.get(dwell_point, 0.0) > now_s
 
-    def stand(self, dwell_point: str, battery_frac: float) -> None:
+    def stand(self, dwell_point: str, battery_frac: float, now_s: float) -> None:
         """Claim the dwell point where the vehicle already stands."""
         self._claim(dwell_point, battery_frac, Hold.STANDING)
+        self.reserve.stand(self._plant.stand_of(dwell_point), now_s)
 
     def seek(self, *, charger: bool, node: str, battery_frac: float, now_s: float, near: str = "") -> bool:
         """Claim the nearest dwell point that is not known to be taken.
@@ -133,7 +128,7 @@ class DwellPoints:
         found = self.nearest(charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near)
         if not found:
             return False
-        self.leave()
+        self.leave(now_s)
         self._claim(found, battery_frac, Hold.CLAIMED)
         return True
 
@@ -156,7 +151,7 @@ class DwellPoints:
         if open_ways := self.reached_round(node):
             free = [dwell_point for dwell_point in free if dwell_point in open_ways]
         # A vehicle in a reserve place takes no more work: use one only if there is no other.
-        free = [each for each in free if not self._is_reserve(each)] or free
+        free = [each for each in free if not self.reserve.has(self._plant.stand_of(each))] or free
         near = near or node
         close = self._plant.closest(near, free, COMPARED)
         if not charger:
@@ -164,7 +159,7 @@ class DwellPoints:
             good = [
                 each
                 for each in close
-                if self.reserve.is_enough_after(node, self._plant.node_of(each), battery_frac)
+                if self.battery_reserve.is_enough_after(node, self._plant.node_of(each), battery_frac)
             ]
             close = tuple(good) or close
         try:
@@ -174,7 +169,9 @@ class DwellPoints:
         queue = self._plant.charger_queue
         is_far = charger and battery_frac < queue.way_frac(self._type, way.length_m, way.duration_s)
         return (
-            "" if is_far and self._plant.node_of(nearest) != self.reserve.nearest_charger(near) else nearest
+            ""
+            if is_far and self._plant.node_of(nearest) != self.battery_reserve.nearest_charger(near)
+            else nearest
         )
 
     def seek_nearer(self, node: str, battery_frac: float, now_s: float) -> bool:
@@ -182,7 +179,7 @@ class DwellPoints:
 
         A vehicle that waits far away while all chargers are taken may lack charge for the way at its turn.
         """
-        charger = self.reserve.nearest_charger(node)
+        charger = self.battery_reserve.nearest_charger(node)
         if not charger:
             return False
         plant, routes = self._plant, self._plant.routes(self._type)
@@ -202,7 +199,7 @@ class DwellPoints:
                 found, least_s = each, way_s
         if not found:
             return False
-        self.leave()
+        self.leave(now_s)
         self._claim(found, battery_frac, Hold.CLAIMED)
         return True
 
@@ -224,11 +221,11 @@ class DwellPoints:
         found, least_s = "", float("inf")
         for spot in nsmallest(COMPARED, free, key=distance_m):
             way_s = _way_s(routes, near, spot)
-            if way_s < least_s and self.reserve.is_enough_after(node, spot, battery_frac):
+            if way_s < least_s and self.battery_reserve.is_enough_after(node, spot, battery_frac):
                 found, least_s = spot, way_s
         if not found:
             return False
-        self.leave()
+        self.leave(now_s)
         self._claim(found, battery_frac, Hold.CLAIMED)
         return True
 
@@ -254,15 +251,17 @@ class DwellPoints:
         if self.is_charger and self.hold is Hold.CLAIMED:
             self._claim_battery_frac = max(0.0, self._claim_battery_frac - WORTH_FRAC)
 
-    def arrive(self) -> None:
+    def arrive(self, now_s: float) -> None:
         """The vehicle has arrived: credible rivals have given way."""
         self.hold = Hold.STANDING
+        self.reserve.stand(self._plant.stand_of(self.dwell_point), now_s)
         for key in [key for key in self._opposed_s if key[0] == self.dwell_point]:
             if key not in self._doubted:
                 del self._opposed_s[key]
 
-    def leave(self) -> None:
+    def leave(self, now_s: float) -> None:
         """Give the dwell point up; ignored without one. Silence frees it, because the vehicle objects no more."""
+        self.reserve.leave(now_s)
         if self.dwell_point:
             self._life.unsubscribe(self._keys.dwell_point(self.dwell_point))
             self.dwell_point, self.hold = "", Hold.NONE
@@ -270,7 +269,7 @@ class DwellPoints:
     def block(self, now_s: float) -> None:
         """The charger is of no use: leave it, and seek another."""
         self._taken_until_s[self.dwell_point] = now_s + BLOCKED_S
-        self.leave()
+        self.leave(now_s)
 
     def on_claim(
         self, claim: DwellPointClaimed, now_s: float, *, plugged: bool = False, gives_way: bool = False
@@ -295,7 +294,7 @@ class DwellPoints:
             if self.hold is Hold.CLAIMED and self._is_doubtful(claim, now_s):
                 return False
         self._taken_until_s[claim.dwell_point] = now_s + TAKEN_MEMORY_S
-        self.leave()
+        self.leave(now_s)
         return True
 
     def _is_doubtful(self, claim: DwellPointClaimed, now_s: float) -> bool:

@@ -125,10 +125,9 @@ class IdlePositioning:
     def charging(self) -> bool:
         return self._charge_order != 0
 
-    @property
-    def is_reserve(self) -> bool:
-        """Whether it stands in a reserve place, where it takes only work that others cannot do."""
-        return self._dwell_points.is_reserve
+    def is_reserve(self, now_s: float) -> bool:
+        """Whether it belongs to the reserve, and takes only work that others cannot do."""
+        return self._dwell_points.reserve.is_member(now_s)
 
     # --- beginning and end ---
 
@@ -148,9 +147,18 @@ class IdlePositioning:
         if self._driver.way:
             self._driver.halt(now_s)
 
-    def stop(self) -> None:
-        """The vehicle has work: stop positioning."""
-        self._dwell_points.leave()
+    def stop(self, now_s: float) -> None:
+        """The vehicle has work: stop positioning, and leave the reserve."""
+        self._give_up(now_s)
+        self._dwell_points.reserve.take_work()
+
+    def seek_anew(self, now_s: float) -> None:
+        """Leave the present place for another one."""
+        self._give_up(now_s)
+        self.soon(now_s)
+
+    def _give_up(self, now_s: float) -> None:
+        self._dwell_points.leave(now_s)
         self._charge_order = self._failed = 0
         self._life.cancel(SETTLE)
         self._life.cancel(CLAIM)
@@ -158,8 +166,7 @@ class IdlePositioning:
     def go_elsewhere(self, now_s: float) -> None:
         """An obstacle blocks every way to its place: seek another one."""
         if self._driver.way:
-            self.stop()
-            self.soon(now_s)
+            self.seek_anew(now_s)
 
     def turn_aside(self, node: str, now_s: float) -> bool:
         """Turn back without work before an obstacle that blocks every way to its place.
@@ -172,8 +179,7 @@ class IdlePositioning:
         away = self._dwell_points.nearest_round(node)
         if not away or not self._driver.turn_back(node, now_s, away):
             return False
-        self.stop()
-        self.soon(now_s)
+        self.seek_anew(now_s)
         return True
 
     def floor_changed(self, now_s: float) -> None:
@@ -181,9 +187,9 @@ class IdlePositioning:
         claimed = self._dwell_points.dwell_point
         closed = bool(claimed) and self._is_closed(claimed)
         if closed:
-            self.stop()
+            self._give_up(now_s)
         if not self._driver.follow(now_s):
-            self._dwell_points.leave()
+            self._dwell_points.leave(now_s)
             closed = True
         if closed:
             self.soon(now_s)
@@ -214,14 +220,14 @@ class IdlePositioning:
 
     # --- the body reports ---
 
-    def arrived(self) -> None:
+    def arrived(self, now_s: float) -> None:
         """The vehicle has arrived."""
         there = (
             self._dwell_points.dwell_point
             and self._plant.stand_of(self._dwell_points.dwell_point) == self._driver.node
         )
         if there and self._dwell_points.hold is Hold.CLAIMED:
-            self._dwell_points.arrive()
+            self._dwell_points.arrive(now_s)
             self._charge()
 
     def action_done(self, order: int, now_s: float) -> bool:
@@ -238,7 +244,7 @@ class IdlePositioning:
         self._charge_order = 0
         self._failed += 1
         if self._failed < TRIES:
-            self._dwell_points.leave()
+            self._dwell_points.leave(now_s)
         else:
             self._failed = 0
             self._dwell_points.block(now_s)
@@ -305,7 +311,7 @@ class IdlePositioning:
         node, near = self._driver.next_node, ""
         if not charger and self._charging.is_needy:
             # It waits for a charger, and has little charge for the way there.
-            near = self._dwell_points.reserve.nearest_charger(node)
+            near = self._dwell_points.battery_reserve.nearest_charger(node)
         found = self._dwell_points.seek(
             charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
         )
@@ -338,7 +344,7 @@ class IdlePositioning:
                 and not self._dwell_points.is_taken(dwell_point, now_s)
                 and not self._is_closed(dwell_point)
             ):
-                self._dwell_points.stand(dwell_point, battery_frac)
+                self._dwell_points.stand(dwell_point, battery_frac, now_s)
                 return
 
     def _step_aside(self, now_s: float) -> None:
@@ -355,11 +361,11 @@ class IdlePositioning:
         try:
             drives = self._driver.go(self._plant.stand_of(self._dwell_points.dwell_point), now_s)
         except NoWay:
-            self._dwell_points.leave()
+            self._dwell_points.leave(now_s)
             self.soon(now_s)
             return
         if not drives:
-            self.arrived()
+            self.arrived(now_s)
 
     def _charge(self) -> None:
         if self._dwell_points.is_charger:

@@ -133,6 +133,7 @@ class StatusReport:
             draining=self._vehicle.is_draining,
             out_of_service=self._commands.out_of_service or UNSET,
             sent_to_charge=self._commands.is_sent_to_charge,
+            in_reserve=self._idle.is_reserve(now_s),
             probation=self._contracts.probation.brief(),
             floor=driver.floor(now_s),
             closures=self._vehicle.floor.closures_known,

@@ -27,7 +27,7 @@ const words = signal("");
 /** Every vehicle: what it does, its battery, and when it was heard last. */
 export function FleetView() {
   const atvs = useComputed(() => [...(world.value?.atvs.values() ?? [])].sort(byId)).value;
-  const shown = atvs.filter((atv) => holds(words.value, atv.id, atv.type, word("atv", atv.status), atv.task?.task ?? "", atv.software));
+  const shown = atvs.filter((atv) => holds(words.value, atv.id, atv.type, word("atv", atv.status), atv.task?.task ?? "", atv.software, atv.in_reserve ? t("atv.reserve") : ""));
   const heads = ["vehicle", "status", "task", "load", "battery", "link", "heartbeat", "software"] as const;
   return (
     <Table
@@ -60,7 +60,7 @@ function Row({ atv }: { atv: AtvView }) {
       </th>
       <td>
         <Tag tone={lost ? "alarm" : toneOfAtv(atv.status)}>{atv.shut_out ? t("atv.shut_out") : lost ? t("atv.lost") : word("atv", atv.status)}</Tag>{" "}
-        <span class="muted">{atv.shut_out ? t("shutOut.by", { by: atv.shut_out.by, reason: atv.shut_out.reason }) : atv.problem !== "" ? failureText(atv.problem) : atv.task ? doingText(atv) : ""}</span>
+        <span class="muted">{atv.shut_out ? t("shutOut.by", { by: atv.shut_out.by, reason: atv.shut_out.reason }) : atv.problem !== "" ? failureText(atv.problem) : atv.task ? doingText(atv) : atv.in_reserve ? t("atv.reserve") : ""}</span>
         {atv.help && !atv.shut_out && <small class="line">{helpText(atv.help, nowS.value, speed)}</small>}
       </td>
       <td>{atv.task ? atv.task.task : ""}</td>

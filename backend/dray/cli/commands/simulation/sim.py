@@ -65,12 +65,16 @@ def run(
     """
     from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import one_of, write_json
+    from dray.cli.runtime.plant_errors import tell_errors
     from dray.plant import load_plant
     from dray_sim.run.site import Site
     from dray_sim.scenarios import SCENARIOS
 
     site = Site(None if plant is None else load_plant(plant), load, hours, right_of_way(traffic), strategists)
-    outcome = one_of(SCENARIOS, name, "scenario").run(seed, site)
+    scenario = one_of(SCENARIOS, name, "scenario")
+    if site.plant is not None and scenario.moves:
+        tell_errors(site.plant, traffic=site.traffic, load_frac=load)
+    outcome = scenario.run(seed, site)
     typer.echo(outcome.describe())
     if json is not None:
         write_json(json, outcome)

@@ -85,6 +85,7 @@ def up(
     from dray.cli.commands.plant import chosen_plant
     from dray.cli.runtime.gateway.service import Service
     from dray.cli.runtime.options import load_settings
+    from dray.cli.runtime.plant_errors import tell_errors
     from dray.cli.simulation.customers import customers_of
     from dray.cli.simulation.one_process import run_service
 
@@ -94,6 +95,7 @@ def up(
     live = None
     if scenario is None:
         chosen = chosen_plant(settings.plant_file)
+        tell_errors(chosen, traffic=settings.traffic)
     else:
         live = _live_part(
             scenario,

@@ -138,6 +138,8 @@ class AtvView(View, kw_only=True):
     out_of_service: OutOfServiceView | None = None
     sent_to_charge: bool = False
     """Whether a person has sent it to charge: it takes no work before it is full."""
+    in_reserve: bool = False
+    """Whether it belongs to the reserve of a fleet that is too large for its floor: it takes only work that others cannot do."""
     probation: ProbationView | None = None
     """Set while it is on probation and takes short tasks only."""
     asks_where_it_stands: bool = False

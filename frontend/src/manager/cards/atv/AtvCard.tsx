@@ -88,7 +88,14 @@ function AtvCard({ atv }: { atv: AtvView }) {
       <Facts>
         <FaultFacts agent={atv.id} />
         <UpdateFact agent={atv} />
-        <Fact name={t("atv.status")}>{doingText(atv)}</Fact>
+        <Fact name={t("atv.status")}>
+          {doingText(atv)}
+          {atv.in_reserve && (
+            <small>
+              {t("atv.reserve")}: {t("atv.reserveWhy")}
+            </small>
+          )}
+        </Fact>
         <TaskFacts atv={atv} task={task ?? undefined} lost={lost} />
         <WatchFacts atv={atv} task={task ?? undefined} />
         <Fact name={t("atv.load")}>

@@ -149,6 +149,8 @@ export const panel: Catalogue<typeof english> = {
   "pause.goesOn": "Offen. Fahrzeuge, die weiterfahren: {count}.",
   "pause.left": "{id}: {reason}",
   "atv.sentToCharge": "zum Laden geschickt",
+  "atv.reserve": "in Reserve",
+  "atv.reserveWhy": "kein Platz für mehr Fahrzeuge bei der Arbeit; es nimmt, was andere nicht können oder was 5 min zu spät ist",
 
   "shutOut.open": "Ausschließen…",
   "shutOut.hint.atv": "Niemand hört {id} mehr: Es soll anhalten, und andere übernehmen seine Arbeit. Das gilt, bis jemand es wieder zulässt.",

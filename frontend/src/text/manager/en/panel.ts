@@ -146,6 +146,8 @@ export const panel = {
   "pause.goesOn": "Open. Vehicles that go on: {count}.",
   "pause.left": "{id}: {reason}",
   "atv.sentToCharge": "sent to charge",
+  "atv.reserve": "in reserve",
+  "atv.reserveWhy": "no room on the floor for more at work; it takes what others cannot, or what is 5 min late",
 
   "shutOut.open": "Shut out…",
   "shutOut.hint.atv": "Nobody hears {id} any more: it is asked to stop, and others take over its work. That holds until somebody readmits it.",

@@ -149,6 +149,8 @@ export const panel: Catalogue<typeof english> = {
   "pause.goesOn": "Abierta. Vehículos que siguen: {count}.",
   "pause.left": "{id}: {reason}",
   "atv.sentToCharge": "enviado a cargar",
+  "atv.reserve": "en reserva",
+  "atv.reserveWhy": "no caben más trabajando; toma lo que otros no pueden o lo que lleva 5 min de retraso",
 
   "shutOut.open": "Excluir…",
   "shutOut.hint.atv": "Nadie escucha ya a {id}: se le pide que pare y otros asumen su trabajo. Vale hasta que alguien lo readmita.",

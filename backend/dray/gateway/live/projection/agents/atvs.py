@@ -204,6 +204,7 @@ class Atvs:
             if heartbeat.out_of_service is UNSET
             else out_view(heartbeat.out_of_service, self._to_wall_s),
             sent_to_charge=heartbeat.sent_to_charge,
+            in_reserve=heartbeat.in_reserve,
             probation=probation_of(heartbeat),
             asks_where_it_stands=heartbeat.floor is not UNSET and heartbeat.floor.asks_where_it_stands,
             removal=self._removals.view(atv),
