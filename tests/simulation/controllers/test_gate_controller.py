@@ -16,7 +16,7 @@ class Stand(ControllerStand[GateController]):
     def __init__(self) -> None:
         super().__init__()
         self.gate = Gate(self.yard.clock)
-        self.controller = GateController(self.gate, self.yard.clock, self.hear)
+        self.controller = GateController(self.gate, self.yard.clock, self.on_told)
 
     def admit(self, goal: str, admitted: int) -> None:
         self.tell(admitted_goal=goal, admitted=admitted)

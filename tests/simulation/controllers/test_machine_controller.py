@@ -23,7 +23,9 @@ class Stand(ControllerStand[MachineController]):
         super().__init__()
         clock = self.yard.clock
         self.workcell = SimWorkcell(PLANT.machines["M1"], PLANT, clock, {"shaft": 50, "seal": 40})
-        self.controller = MachineController(self.workcell, clock, self.hear, modulus=modulus, rest_s=rest_s)
+        self.controller = MachineController(
+            self.workcell, clock, self.on_told, modulus=modulus, rest_s=rest_s
+        )
 
 
 @pytest.fixture

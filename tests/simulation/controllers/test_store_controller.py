@@ -21,7 +21,7 @@ class Stand(ControllerStand[StoreController]):
         super().__init__()
         spec, clock = PLANT.storages["S1"], self.yard.clock
         self.storage = Storage(spec, clock, self.yard.source, stock={"shaft": 60}, parts=parts)
-        self.controller = StoreController(self.storage, clock, self.hear)
+        self.controller = StoreController(self.storage, clock, self.on_told)
 
 
 @pytest.fixture

@@ -32,7 +32,7 @@ class ControllerStand(Generic[C]):
         self.yard = Yard()
         self._told: list[tuple[str, Value]] = []
 
-    def hear(self, signal: str, value: Value) -> None:
+    def on_told(self, signal: str, value: Value) -> None:
         """Give this to the controller: it tells what changes."""
         self._told.append((signal, value))
 
