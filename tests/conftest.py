@@ -259,7 +259,6 @@ def choose(items: list[pytest.Item]) -> None:
         if _is_on_postgresql(item) and _place(item).parts[0] != "store":
             soon = next(numbers[item.path]) % ONE_OF == 0 or item.path.stem in SEVERAL_AT_ONCE
             item.add_marker(pytest.mark.slow if soon else pytest.mark.campaign)
-    items.sort(key=lambda item: item.path.stem != LONGEST)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -273,13 +272,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> Generator[None, N
 def mixed(items: list[pytest.Item]) -> list[pytest.Item]:
     """Tests in the order in which they use all processors to the end.
 
-    Each worker begins with its own share of the list. So what waits stands at the begin of every second quarter: one half of the
-    workers waits while the other computes, and nothing that waits is left for the end.
+    Each worker begins with its own share of the list. So what waits stands at the begin of the list and in its middle: of an even
+    number of workers two begin with it while the others compute, and nothing that waits is left for the end. Before it
+    stands what takes longest.
     """
-    waiting = [item for item in items if str(_place(item)).startswith(WAITING)]
-    others = [item for item in items if not str(_place(item)).startswith(WAITING)]
+    longest = [item for item in items if item.path.stem == LONGEST]
+    rest = [item for item in items if item.path.stem != LONGEST]
+    waiting = [item for item in rest if str(_place(item)).startswith(WAITING)]
+    others = [item for item in rest if not str(_place(item)).startswith(WAITING)]
     half, middle = len(waiting) // 2, len(others) // 2
-    return [*waiting[:half], *others[:middle], *waiting[half:], *others[middle:]]
+    return [*longest, *waiting[:half], *others[:middle], *waiting[half:], *others[middle:]]
 
 
 @pytest.hookimpl(trylast=True)

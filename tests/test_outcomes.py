@@ -186,6 +186,22 @@ def test_a_test_that_runs_for_minutes_is_named_once() -> None:
     assert watch.overdue(400.0) == {}
 
 
+def test_a_test_whose_process_has_died_is_not_named_as_running() -> None:
+    """Xdist reports it as of no phase, and no end of it is logged."""
+    watch = run_path(RUN_TESTS)["Watch"]()
+
+    def reported(when: str) -> pytest.TestReport:
+        return pytest.TestReport("dies", ("test_it.py", None, "dies"), {}, "failed", "crashed", when)  # type: ignore[arg-type]
+
+    watch.began("dies", 0.0)
+    for when in ("setup", "call"):
+        watch.pytest_runtest_logreport(reported(when))
+    assert watch.overdue(310.0) == {"dies": 310.0}
+    watch.began("dies", 400.0)
+    watch.pytest_runtest_logreport(reported("???"))
+    assert watch.overdue(800.0) == {}
+
+
 @pytest.mark.slow
 def test_the_end_of_a_failed_test_is_bounded(tmp_path: Path) -> None:
     """Pytest takes the timers of a failed test back, for a debugger."""

@@ -94,6 +94,11 @@ class Watch:
     def pytest_runtest_logfinish(self, nodeid: str) -> None:
         self._begun_s.pop(nodeid, None)
 
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        # A test whose process has died has no other end: pytest-xdist reports it as of no phase.
+        if report.when not in ("setup", "call", "teardown"):
+            self._begun_s.pop(report.nodeid, None)
+
     def overdue(self, now_s: float) -> dict[str, float]:
         """Tests that run for long, with their seconds so far; each is named once."""
         overdue = {

@@ -156,3 +156,7 @@ class Body(Protocol):
     def attach(self, report: Callable[[Report], None]) -> None:
         """Report to this callable from now on, and to no other."""
         ...
+
+
+def nobody_hears(_report: Report) -> None:
+    """Ignore a body's reports before its agent listens, and after that has gone: the body's state contains them."""

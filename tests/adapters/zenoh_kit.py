@@ -111,18 +111,10 @@ class Row:
                 await self._somebody_left.wait()
 
     async def met(self, sessions: Iterable[ZenohSession]) -> None:
-        """Wait until every computer can write letters to all of these: with certificates it has met their tokens, in whatever order.
-
-        A computer on which an agent was itself meets no token of that one.
-        """
+        """Wait until every computer can write letters to all of these: with certificates it has met their tokens, in whatever order."""
         waited_for = tuple(sessions)
-        own = {(session._bus, session.agent) for session in waited_for}
         async with asyncio.timeout(PATIENCE_S):
-            while not all(
-                (bus, session.agent) in own or _has_met(bus, session)
-                for bus in self.buses
-                for session in waited_for
-            ):
+            while not all(_has_met(bus, session) for bus in self.buses for session in waited_for):
                 await self._say_round()
 
     def _on_replaced(self, _agent: str) -> None:
@@ -162,7 +154,10 @@ class Row:
 
 def _has_met(bus: ZenohBus, session: ZenohSession) -> bool:
     """Whether letters from this computer reach the agent."""
-    return bus.seals is None or session._left or bus.seals.register.known(session.agent) is not None
+    theirs = session._bus.seals
+    if bus.seals is None or theirs is None or session._left:
+        return True
+    return bus.seals.register.has(session.agent, theirs.certificate)
 
 
 def _listening(

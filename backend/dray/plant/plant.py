@@ -43,6 +43,7 @@ from dray.plant.restrictions import OPEN, Ends, Extent, Restrictions, extent_of,
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
 from dray.plant.spare_places import SparePlaces, spare_nodes
+from dray.plant.users import Users
 from dray.plant.working_time import WorkingTime
 
 
@@ -66,7 +67,8 @@ class Plant:
 
     Args:
         file: a plant file without faults (`dray.plant.file.check.faults` finds none).
-        floor: the floor of a plant whose file differs in its products alone, with the ways that were found on it.
+        shared: what a plant has in common whose file differs in its products alone: its floor, with the ways that were found
+            on it, and the users of its items.
 
     Every method that takes an id raises `KeyError` for one that the plant does not have.
 
@@ -80,11 +82,12 @@ class Plant:
     restrictions = OPEN
     obstructed: frozenset[Ends] = frozenset()
 
-    def __init__(self, file: PlantFile, floor: _Floor | None = None) -> None:
+    def __init__(self, file: PlantFile, shared: tuple[_Floor, Users] | None = None) -> None:
         self.file = file
         self.id, self.name = file.plant, file.name
         self.width_m, self.height_m, self.cell_m = file.width_m, file.height_m, file.cell_m
-        self._floor = floor = _Floor(file) if floor is None else floor
+        floor, users = shared or (_Floor(file), None)
+        self._floor = floor
         layout = floor.layout
         self.door_on = floor.door_on
         """Lane as it is driven, in each direction -> its door."""
@@ -122,18 +125,33 @@ class Plant:
         self._handling_cv = {place.id: place.handling_cv for place in handled}
         self._cycle_s = {m.id: {making.product: making.cycle_s for making in m.makes} for m in file.machines}
         self._machines_for = self._makers()
+        self._users = Users(self.products, users)
         self._materials_of: dict[str, tuple[str, ...]] = {}
-        """By machine, as far as somebody has asked: where there are thousands of products, it takes a while to say."""
+        """By machine, as far as somebody has asked."""
         self._items: dict[str, Material | Product] = {**self.materials, **self.products}
         self.abilities = tuple(sorted({item.ability for item in self._items.values()}))
         """Abilities that the items of this plant need."""
-        self._grid = Grid(file.width_m, file.height_m, file.cell_m)
         self._extents: dict[str, Extent] = {}
         self._drawn: dict[tuple[tuple[float, float], ...], Extent] = {}
 
     def with_products(self, file: PlantFile) -> Plant:
-        """The plant of a file that differs from this one's in its products and in what machines make of them alone."""
-        return Plant(file, self._floor)
+        """The plant of a file that differs from this one's in its products and in what machines make of them alone.
+
+        It costs little: the floor stays, and only products that differ are looked at.
+
+        Raises:
+            ValueError: something else differs.
+        """
+        for field in PlantFile.__struct_fields__:
+            before, now = getattr(self.file, field), getattr(file, field)
+            if field == "machines":
+                before, now = map(_without_products, before), map(_without_products, now)
+                if list(before) == list(now):
+                    continue
+            elif field == "products" or before is now or before == now:
+                continue
+            raise ValueError(f"the plants differ in their {field}")
+        return Plant(file, (self._floor, self._users))
 
     @property
     def charger_queue(self) -> ChargerQueue:
@@ -251,8 +269,19 @@ class Plant:
 
     def keepers_of(self, material: str) -> tuple[str, ...]:
         """Places where a material can be fetched and put down: storages, warehouses, and machines with a buffer for it."""
-        machines = (machine for machine in self.machines if material in self.materials_of(machine))
+        machines = (machine for machine in self.machines if self.uses(machine, material))
         return (*self._keeping.places[material], *machines)
+
+    def keeps(self, place: str, material: str) -> bool:
+        """Whether a place is among the `keepers_of` a material."""
+        if place in self.machines and self.uses(place, material):
+            return True
+        return place in self._keeping.places[material]
+
+    def uses(self, machine: str, item: str) -> bool:
+        """Whether any product of a machine needs an item."""
+        # The shorter one of both is looked through, up to the first that is in the other.
+        return not self._cycle_s[machine].keys().isdisjoint(self._users.of(item))
 
     def machines_for(self, product: str) -> tuple[str, ...]:
         """The machines that were set up for a product; none for one that is not in the plant file."""
@@ -271,9 +300,7 @@ class Plant:
         """Every material that any product of a machine needs."""
         known = self._materials_of.get(machine)
         if known is None:
-            products = map(self.products.__getitem__, self._cycle_s[machine])
-            needed = {line.material for product in products for line in product.bill}
-            known = tuple(material for material in self.materials if material in needed)
+            known = tuple(material for material in self.materials if self.uses(machine, material))
             self._materials_of[machine] = known
         return known
 
@@ -292,11 +319,11 @@ class Plant:
 
     def cell_of(self, x_m: float, y_m: float) -> str:
         """The grid cell of a point, as ``2_1``: column, then row."""
-        return self._grid.cell_of(x_m, y_m)
+        return self._floor.grid.cell_of(x_m, y_m)
 
     def cells_within(self, x_m: float, y_m: float, radius_m: float) -> tuple[str, ...]:
         """The grid cells that have a point in common with a circle; never one beyond the floor."""
-        return self._grid.within(x_m, y_m, radius_m)
+        return self._floor.grid.within(x_m, y_m, radius_m)
 
     def areas_at(self, x_m: float, y_m: float) -> tuple[str, ...]:
         """The operators' areas that a point lies in; on a common border, all of its areas."""
@@ -386,6 +413,7 @@ class _Floor:
 
     def __init__(self, file: PlantFile) -> None:
         self.layout = layout = floor_of(file)
+        self.grid = Grid(file.width_m, file.height_m, file.cell_m)
         self.door_on: Mapping[Ends, Door] = MappingProxyType(doors_on(file, layout))
         self.nodes: Mapping[str, Node] = _by_id(layout.nodes)
         self.stops = tuple(node.id for node in layout.nodes if node.id not in layout.inner)
@@ -438,10 +466,14 @@ def _as_driven(file: PlantFile, layout: Layout, on: Mapping[Ends, Door]) -> Plan
         return file
     lanes = [(lane.start, lane.end) for lane in layout.lanes]
     doors = tuple(
-        replace(door, lanes=tuple(LaneEnds(*ends) for ends in lanes if on.get(ends) is door))
+        replace(door, lanes=tuple(LaneEnds(*ends) for ends in lanes if on.get(ends) == door))
         for door in file.doors
     )
     return replace(file, nodes=layout.nodes, lanes=layout.lanes, two_lanes=False, doors=doors)
+
+
+def _without_products(machine: MachineSpec) -> MachineSpec:
+    return replace(machine, makes=())
 
 
 def _used(file: PlantFile) -> tuple[Mapping[str, Product], Mapping[str, Material]]:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, assert_never
 from dray import messages
 from dray.errors import ProtocolViolation
 from dray.messages.history import EVENTS_PER_ANSWER
+from dray.ports import nobody_hears
 from dray.protocol.runtime.events import (
     NEVER_S,
     Agent,
@@ -172,7 +173,7 @@ class Worker:
         if session is not None:
             session.leave()
             if self._body is not None:
-                self._body.attach(_turn_a_deaf_ear)
+                self._body.attach(nobody_hears)
 
     # --- what comes in ---------------------------------------------------------------------------
 
@@ -298,7 +299,3 @@ class Worker:
             # A past wake time is requested for now, so that it does not count as a late clock.
             self._wakes_s.append(max(wake_s, self._clock.now_s()))
             self._clock.call_at(wake_s, self._wake)
-
-
-def _turn_a_deaf_ear(report: Report) -> None:
-    """Ignore the reports of a body whose agent has gone."""

@@ -214,10 +214,13 @@ class OnZenoh(World):
 
 
 class Certified(OnZenoh):
-    """The same with certificates: every session may speak for every agent of the tests."""
+    """The same with certificates: every session has one of its own, and may speak for every agent of the tests."""
 
-    def __init__(self, count: int, folder: Path) -> None:
-        super().__init__(count, [Identity.in_folder(folder, next(iter(KINDS)))] * count)
+    COUNT = 3
+
+    def __init__(self, folder: Path) -> None:
+        own = [Identity.in_folder(folder / str(place), next(iter(KINDS))) for place in range(self.COUNT)]
+        super().__init__(self.COUNT, own)
 
 
 WORLDS: Mapping[str, Callable[[Path], World]] = {
@@ -227,5 +230,5 @@ WORLDS: Mapping[str, Callable[[Path], World]] = {
     "bridged": lambda _: Bridged(),
     "Zenoh, one session": lambda _: OnZenoh(1),
     "Zenoh, three sessions in a row": lambda _: OnZenoh(3),
-    "Zenoh with certificates": lambda folder: Certified(3, folder),
+    "Zenoh with certificates": Certified,
 }

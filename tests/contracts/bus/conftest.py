@@ -10,18 +10,20 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from buses import KINDS, WORLDS, World
+from buses import KINDS, WORLDS, Certified, World
 
 from dray.adapters.security.certificates import Authority
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A certificate of the plant `p` that names all agents of the tests."""
+    """Certificates of the plant `p`, in a folder for each session; each names all agents of the tests."""
     made = tmp_path_factory.mktemp("certificates")
     authority = Authority.make("p")
-    authority.write(made)
-    authority.issue(made, "p", KINDS)
+    for place in range(Certified.COUNT):
+        own = made / str(place)
+        authority.write(own)
+        authority.issue(own, "p", KINDS)
     return made
 
 

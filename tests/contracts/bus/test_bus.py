@@ -230,6 +230,26 @@ async def test_a_later_life_replaces_an_earlier_one(world: World) -> None:
     assert after.heard == [("S", "1")]
 
 
+async def test_later_lives_are_reached_from_where_earlier_ones_were(world: World) -> None:
+    """Where there are three sessions, every fourth agent is in the first one again."""
+    first, _, _, speaker = Peer(world, "A", life=1), Peer(world, "B"), Peer(world, "C"), Peer(world, "S")
+    await world.settle()
+    second, other = Peer(world, "A", life=2), Peer(world, "T")
+    await world.settle()
+    speaker.session.send("A", say(1))
+    other.session.send("A", say(2))
+    await world.settle()
+    assert sorted(second.heard) == [("S", "1"), ("T", "2")]
+    third = Peer(world, "A", life=3)
+    await world.settle()
+    speaker.session.send("A", say(3))
+    other.session.send("A", say(4))
+    await world.settle()
+    assert sorted(third.heard) == [("S", "3"), ("T", "4")]
+    assert first.heard == []
+    assert len(second.heard) == 2
+
+
 async def test_an_earlier_life_that_joins_late_is_nobody(world: World) -> None:
     late, speaker = Peer(world, "A", life=2), Peer(world, "S")
     await world.settle()

@@ -29,7 +29,7 @@ from dray.messages.speakers import FOREIGN_FACT, FOREIGN_KEY, FOREIGN_NAME, FORE
 
 WHERE_KINDS_ARE_KNOWN: Mapping[str, Callable[[Path], World]] = {
     "in-process": lambda _: InProcess(kinds=KINDS),
-    "Zenoh with certificates": lambda folder: Certified(3, folder),
+    "Zenoh with certificates": Certified,
 }
 
 

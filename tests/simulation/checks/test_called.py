@@ -17,6 +17,7 @@ from dray.messages import (
 )
 from dray.messages.fact import CommandObeyed, MemoryLost
 from dray.messages.fact.base import Fact
+from dray.protocol.vehicle.people.command_handling import ALONE, DOUBLED
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.people.called import LOST_S, NoCallIsLost
 
@@ -127,3 +128,45 @@ def test_one_that_has_lost_its_memory_does_not_know_who_has_stopped_it() -> None
     check = NoCallIsLost()
     says(check, 10.0, MemoryLost(reason="its journal was lost"))
     stands(check, 11.0)
+
+
+def test_a_stop_that_people_knew_of_has_ended_with_the_life_whose_body_was_held() -> None:
+    """The next life drives, though nobody has let it go on: its next stop is another one."""
+    check = NoCallIsLost()
+    check.on_message(1.0, "ATV2", "*", DRIVES)
+    obeys(check, 2.0, CommandKind.STOP)
+    stands(check, 3.0)
+    later = msgspec.structs.replace(DRIVES, incarnation=2)
+    check.on_message(200.0, "ATV2", "*", later)
+    with pytest.raises(InvariantBroken, match="stopped itself"):
+        stands(check, 201.0, msgspec.structs.replace(STANDS, incarnation=2))
+
+
+def test_one_whose_stop_nobody_remembers_is_forgiven_that_stop_alone() -> None:
+    check = NoCallIsLost()
+    says(check, 10.0, MemoryLost(reason="its journal was lost"))
+    stands(check, 11.0)
+    check.on_message(200.0, "ATV2", "*", msgspec.structs.replace(DRIVES, incarnation=2))
+    with pytest.raises(InvariantBroken, match="stopped itself"):
+        stands(check, 201.0, msgspec.structs.replace(STANDS, incarnation=2))
+
+
+@pytest.mark.parametrize("problem", [ALONE, DOUBLED])
+def test_one_that_a_person_has_stopped_and_that_then_stops_itself_calls_also_when_the_problem_has_ended(
+    problem: str,
+) -> None:
+    check = NoCallIsLost()
+    check.on_message(1.0, "ATV2", "*", DRIVES)
+    obeys(check, 2.0, CommandKind.STOP)
+    stands(check, 3.0)
+    stands(check, 200.0, msgspec.structs.replace(STANDS, problem=problem), until_s=10.0)
+    with pytest.raises(InvariantBroken, match="stopped itself"):
+        stands(check, 210.0)
+
+
+def test_one_that_a_person_has_stopped_and_that_then_has_another_problem_need_not_call_after_it() -> None:
+    check = NoCallIsLost()
+    check.on_message(1.0, "ATV2", "*", DRIVES)
+    obeys(check, 2.0, CommandKind.STOP)
+    stands(check, 3.0, msgspec.structs.replace(STANDS, problem="the way is blocked"), until_s=10.0)
+    stands(check, 13.0)

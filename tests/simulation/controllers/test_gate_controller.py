@@ -3,31 +3,23 @@
 from __future__ import annotations
 
 import pytest
-from yard import Yard
+from controller_stand import ControllerStand
 
-from dray.adapters.signals.signal import Signal, Value
+from dray.adapters.signals.signal import Signal
 from dray_sim.bodies.gate import Gate
 from dray_sim.controllers.gate import ASIDE_S, GateController
 
 
-class Stand:
-    """A gate with a controller, and what that has told."""
+class Stand(ControllerStand[GateController]):
+    """A gate."""
 
     def __init__(self) -> None:
-        self.yard = Yard()
+        super().__init__()
         self.gate = Gate(self.yard.clock)
-        self.told: list[tuple[Signal, Value]] = []
-        self.controller = GateController(self.gate, self.yard.clock, lambda *said: self.told.append(said))
+        self.controller = GateController(self.gate, self.yard.clock, self.on_told)
 
-    def tell(self, goal: str, admitted: int) -> None:
-        self.controller.on_write(Signal.ADMITTED_GOAL, goal)
-        self.controller.on_write(Signal.ADMITTED, admitted)
-
-    def wait(self, for_s: float = 5.0) -> list[tuple[Signal, Value]]:
-        """What is told meanwhile."""
-        self.told.clear()
-        self.yard.run(self.yard.clock.now_s() + for_s)
-        return [*self.told]
+    def admit(self, goal: str, admitted: int) -> None:
+        self.tell(admitted_goal=goal, admitted=admitted)
 
 
 @pytest.fixture
@@ -39,15 +31,15 @@ def test_containers_come_in_one_by_one_each_with_a_permit_of_its_own(stand: Stan
     assert stand.gate.enter("a", 3, "ATV1") == ""
     assert stand.gate.enter("b", 2, "ATV2") == ""
     assert stand.wait() == [(Signal.GOAL, "a")]
-    stand.tell("b", 9)
+    stand.admit("b", 9)
     assert stand.wait() == [], "the permit is for another one"
-    stand.tell("a", 2)
+    stand.admit("a", 2)
     assert stand.wait() == [], "a container comes in as a whole"
-    stand.tell("a", 3)
+    stand.admit("a", 3)
     assert stand.wait() == [(Signal.PIECES, 3), (Signal.GOAL, "")]
-    stand.tell("a", 0)
+    stand.admit("a", 0)
     assert stand.wait() == [(Signal.GOAL, "b")]
-    stand.tell("b", 2)
+    stand.admit("b", 2)
     assert stand.wait() == [(Signal.PIECES, 5), (Signal.GOAL, "")]
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from yard import PLANT, Yard
+from controller_stand import ControllerStand
+from yard import PLANT
 
-from dray.adapters.signals.signal import Signal, Value
+from dray.adapters.signals.signal import Signal
 from dray_sim.bodies.docks import SHUT
 from dray_sim.bodies.stores import TOO_LITTLE
 from dray_sim.bodies.workcell import SimWorkcell
@@ -15,30 +16,16 @@ CYCLE_S = 30.0
 """Of a gear."""
 
 
-class Stand:
-    """A machine with a controller, and what that has told."""
+class Stand(ControllerStand[MachineController]):
+    """A machine."""
 
     def __init__(self, *, modulus: int = 16, rest_s: float = 0.0) -> None:
-        self.yard = Yard()
-        self.workcell = SimWorkcell(PLANT.machines["M1"], PLANT, self.yard.clock, {"shaft": 50, "seal": 40})
-        self.told: list[tuple[Signal, Value]] = []
+        super().__init__()
+        clock = self.yard.clock
+        self.workcell = SimWorkcell(PLANT.machines["M1"], PLANT, clock, {"shaft": 50, "seal": 40})
         self.controller = MachineController(
-            self.workcell,
-            self.yard.clock,
-            lambda *said: self.told.append(said),
-            modulus=modulus,
-            rest_s=rest_s,
+            self.workcell, clock, self.on_told, modulus=modulus, rest_s=rest_s
         )
-
-    def tell(self, **values: Value) -> None:
-        for name, value in values.items():
-            self.controller.on_write(Signal(name), value)
-
-    def wait(self, for_s: float) -> list[tuple[Signal, Value]]:
-        """What is told meanwhile."""
-        self.told.clear()
-        self.yard.run(self.yard.clock.now_s() + for_s)
-        return [*self.told]
 
 
 @pytest.fixture

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from yard import PLANT, Yard
+from controller_stand import ControllerStand
+from yard import PLANT
 
-from dray.adapters.signals.signal import LEVEL, Signal, Value
+from dray.adapters.signals.signal import LEVEL, Signal
 from dray_sim.bodies.docks import SHUT
 from dray_sim.bodies.stores import REFILL_S, Storage
 from dray_sim.controllers.store import StoreController
@@ -13,25 +14,14 @@ from dray_sim.controllers.store import StoreController
 SHAFTS = LEVEL + "shaft"
 
 
-class Stand:
-    """A storage of 60 shafts with a controller, and what that has told."""
+class Stand(ControllerStand[StoreController]):
+    """A storage of 60 shafts."""
 
     def __init__(self, parts: tuple[str, ...] = ()) -> None:
-        self.yard = Yard()
+        super().__init__()
         spec, clock = PLANT.storages["S1"], self.yard.clock
         self.storage = Storage(spec, clock, self.yard.source, stock={"shaft": 60}, parts=parts)
-        self.told: list[tuple[str, Value]] = []
-        self.controller = StoreController(self.storage, clock, lambda *said: self.told.append(said))
-
-    def tell(self, **values: Value) -> None:
-        for name, value in values.items():
-            self.controller.on_write(Signal(name), value)
-
-    def wait(self, for_s: float) -> list[tuple[str, Value]]:
-        """What is told meanwhile."""
-        self.told.clear()
-        self.yard.run(self.yard.clock.now_s() + for_s)
-        return [*self.told]
+        self.controller = StoreController(self.storage, clock, self.on_told)
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 
 from dray.adapters.remote_body.exchange import Exchange, Part
 from dray.body import BodyState, Instruction, Report, bounded
+from dray.ports import nobody_hears
 
 LOOK_EVERY_S = 1.0
 SILENT_LOOKS = 10
@@ -20,7 +21,7 @@ class ExchangedBody(ABC):
 
     def __init__(self) -> None:
         self._exchange = Exchange()
-        self._report: Callable[[Report], None] = _nobody_hears
+        self._report: Callable[[Report], None] = nobody_hears
         self._state: BodyState
         self._silent = False
         self._given_up = False
@@ -64,7 +65,3 @@ class ExchangedBody(ABC):
             self._silent = True
             await asyncio.sleep(LOOK_EVERY_S)
             looks = looks + 1 if self._silent else 0
-
-
-def _nobody_hears(report: Report) -> None:
-    """Ignore a body's reports before its agent listens; its state contains them."""

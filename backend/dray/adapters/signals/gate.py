@@ -28,7 +28,7 @@ from dray.adapters.signals.counting import CounterState, Reading, count_pulse, g
 from dray.adapters.signals.signal import Quality, Sample, Signal, SignalMapping, Value, fault_words
 from dray.body import Admit, GateState, GoodsArrived, Instruction, Report
 from dray.messages.base import COUNT_MAX
-from dray.ports import Clock
+from dray.ports import Clock, nobody_hears
 
 KEPT_GOALS = 4096
 """Maximum goals remembered, as by any gate: a finished one is remembered for hours."""
@@ -113,7 +113,7 @@ class SignalledGate:
         self._tags, self._clock, self._world = mapping.signals, clock, world
         self._settle_s, self._most = settle_s, kept_goals
         self._kept = kept or KeptSignals()
-        self._report: Callable[[Report], None] = _nobody_hears
+        self._report: Callable[[Report], None] = nobody_hears
         self._moduli: tuple[int, ...] = ()
         if (end := self._tags[Signal.PIECES].rolls_over_at) is not None:
             self._moduli = (end,)
@@ -349,7 +349,3 @@ class SignalledGate:
             finished = (each for each, known in goals.items() if known.arrived >= known.admitted)
             del goals[next(finished, next(iter(goals)))]
         self._kept = replace(self._kept, goals=goals)
-
-
-def _nobody_hears(report: Report) -> None:
-    """Ignore a body's reports before its agent listens; its state contains them."""

@@ -24,7 +24,7 @@ from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock, Report,
 from dray.messages import THING
 from dray.messages.base import COUNT_MAX
 from dray.plant.model import Storage as StorageSpec
-from dray.ports import Clock
+from dray.ports import Clock, nobody_hears
 
 RESTS_S = 10.0
 """The time of rest after which a level counts: a sensor is slower than a vehicle's report, and people fill piece by piece."""
@@ -113,7 +113,7 @@ class SignalledStore:
         """The observed range of a level by material; absent for levels that rest at one number."""
         self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
         self._told_ready = ""
-        self._report: Callable[[Report], None] = _nobody_hears
+        self._report: Callable[[Report], None] = nobody_hears
         self.outputs: dict[str, Value] = {}
         self.away_since_s: float | None = clock.now_s()
         self.away = "nothing was heard of its controller yet"
@@ -302,7 +302,3 @@ def _level(value: Value, scale: float) -> int | None:
     if isinstance(value, bool | str) or not math.isfinite(value) or value < 0:
         return None
     return min(round(value / scale), COUNT_MAX)
-
-
-def _nobody_hears(report: Report) -> None:
-    """Ignore a body's reports before its agent listens; its state contains them."""

@@ -41,7 +41,7 @@ from dray.messages import NOTHING_KNOWN, THING, Problem, ProblemKind
 from dray.messages.base import COUNT_MAX
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
-from dray.ports import Clock
+from dray.ports import Clock, nobody_hears
 
 LATE_CYCLES, LATE_MIN_S = 5.0, 60.0
 """A missing piece is reported after this number of cycle times, but not earlier than these seconds."""
@@ -132,7 +132,7 @@ class SignalledWorkcell:
         if not self._kept.last:
             self._kept = replace(self._kept, last=spec.makes[0].product)
         self._stock = dict.fromkeys(items, 0) | self._kept.stock
-        self._report: Callable[[Report], None] = _nobody_hears
+        self._report: Callable[[Report], None] = nobody_hears
         self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
         self._told_ready = ""
         """The vehicle that was reported as let in, so that it is reported once."""
@@ -474,7 +474,3 @@ class SignalledWorkcell:
     def _keep(self) -> None:
         self._kept = replace(self._kept, stock=dict(self._stock), opened=self._dock.waiting)
         self._world.remember(self._kept)
-
-
-def _nobody_hears(report: Report) -> None:
-    """Ignore a body's reports before its agent listens; its state contains them."""

@@ -27,7 +27,7 @@ from dray.adapters.vda5050.events import (
 )
 from dray.adapters.vda5050.profile import Profile
 from dray.body import Instruction, Report, VehicleInstruction, VehicleState, bounded
-from dray.ports import Clock
+from dray.ports import Clock, nobody_hears
 from dray.supervision import Failures
 
 HEARD = ("state", "visualization", "connection", "factsheet")
@@ -91,7 +91,7 @@ class VehicleBody:
         self.record: Callable[..., None] | None = None
         self._clock, self._world, self._to_wall_s = clock, world, to_wall_s
         self.said: dict[str, int] = {"order": 0, "instantActions": 0}
-        self._report: Callable[[Report], None] = _nobody_hears
+        self._report: Callable[[Report], None] = nobody_hears
         self._waiting: list[Report] = []
         self._armed_s = float("inf")
         self._is_ended = False
@@ -197,7 +197,3 @@ class VehicleBody:
             self._handle(Woke())
         elif not self._is_ended:
             self._arm()
-
-
-def _nobody_hears(report: Report) -> None:
-    """Ignore a body's reports before its agent listens; its state contains them."""

@@ -34,7 +34,7 @@ from dray.adapters.security.letters import Letters, Place
 from dray.adapters.security.seals import Seals
 from dray.adapters.zenoh.shares import TALKATIVE, Shares, ShareSpentError
 from dray.adapters.zenoh.stamp import Stamp, Tally, read_stamp, write_stamp
-from dray.adapters.zenoh.tokens import NO_LIFE, Tokens
+from dray.adapters.zenoh.tokens import NO_LIFE, Token, Tokens
 from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
@@ -99,14 +99,14 @@ class ZenohSession:
         self._owners: dict[str, str] = {}
         """The pattern that receives a key, so that a second matching pattern does not deliver it twice."""
         self.life = life
-        self._token = bus.tokens.of(agent, life)
+        self.token = bus.tokens.of(agent, life)
         keys, inner = bus.keys, bus.inner
         own = keys.addressed(agent)
         self._own = inner.declare_subscriber(own, bus.on_zenohs_thread(partial(self._on_sample, own)))
         self._others = inner.liveliness().declare_subscriber(
             bus.tokens.all_of(agent), bus.on_zenohs_thread(self._see_other), history=True
         )
-        self._alive = inner.liveliness().declare_token(bus.tokens.key(self._token))
+        self._alive = inner.liveliness().declare_token(bus.tokens.key(self.token))
 
     def publish(self, key: str, message: Message) -> None:
         """Publish to all subscribers of `key`."""
@@ -212,8 +212,9 @@ class ZenohSession:
         if self._replaced or sample.kind != zenoh.SampleKind.PUT:
             return
         other = self._bus.tokens.read(str(sample.key_expr))
-        if other is not None and other.replaces(self._token):
+        if other is not None and other.replaces(self.token):
             self._replaced = True
+            self._bus.meet(other)
             self._arrivals.order(self._give_way)
 
 
@@ -297,6 +298,9 @@ class ZenohBus:
         if before is not None and before.life <= life:
             before.leave()
             before = None
+        if self.seals is not None:
+            # An earlier life elsewhere may have been met, with another certificate.
+            self.seals.register.meet(agent, life, self.seals.certificate)
         session = ZenohSession(self, agent, receive, life, arrivals)
         if before is None:
             self._sessions[agent] = session
@@ -392,13 +396,21 @@ class ZenohBus:
         return kind, sender, message, context
 
     def _meet(self, sample: zenoh.Sample) -> None:
-        """Process another process's token; our own agents handle theirs. On Zenoh's threads."""
+        """Process a token. On Zenoh's threads."""
         key = str(sample.key_expr)
-        if self.seals is None or sample.kind != zenoh.SampleKind.PUT:
-            return
-        if key.rsplit("/", 3)[1] in self._sessions or not self.tokens.brings_news(key):
-            return
-        if token := self.tokens.read(key):
+        if (
+            sample.kind == zenoh.SampleKind.PUT
+            and self.tokens.brings_news(key)
+            and (token := self.tokens.read(key))
+        ):
+            own = self._sessions.get(token.agent)
+            # The agent is here, unless this life replaces it: then letters are to be for that one, also from here.
+            if own is None or token.replaces(own.token):
+                self.meet(token)
+
+    def meet(self, token: Token) -> None:
+        """Write letters to this life of an agent from now on. Thread-safe."""
+        if self.seals is not None:
             self.seals.register.meet(token.agent, token.life, token.certificate)
 
     def refuse(self, reason: str) -> None:

@@ -70,7 +70,7 @@ def tiles(
             lot=spec.lot,
         )
         for item, spec in plant.materials.items()
-        if place in plant.keepers_of(item) and (not items or item in items)
+        if (not items or item in items) and plant.keeps(place, item)
     )
 
 

@@ -27,8 +27,12 @@ from dray.messages import (
 )
 from dray.messages.fact import CommandObeyed, MemoryLost
 from dray.messages.fact.base import Fact
+from dray.protocol.vehicle.people.command_handling import ALONE, DOUBLED
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.people.duty import PersonOnDuty
+
+STOPS_ITSELF = frozenset({ALONE, DOUBLED})
+"""Problems with which a vehicle stops itself, also one that a person has stopped before."""
 
 STOP_HEARD_S = 5.0
 """Longest time from a person's stop to its vehicle's doing, and to the end of that life, if the vehicle cannot tell any more."""
@@ -105,6 +109,9 @@ class NoCallIsLost:
     A vehicle that stands stopped, and that no person has stopped, has stopped itself: it calls until a person has
     acknowledged that. Without its memory it no longer knows who has stopped it.
 
+    What people know of is one stop. It ends when the vehicle is heard in another status, whatever the reason: a person has let it go
+    on, or its next life has a body that is not held. It also ends when the vehicle stops itself on top of it.
+
     The time between the last heartbeat of one life and the first of the next does not count: the agent may not run.
 
     Args:
@@ -120,7 +127,7 @@ class NoCallIsLost:
         """Last known life, and when that was heard, by vehicle or machine."""
         self._stopped_itself: set[str] = set()
         self._known: set[str] = set()
-        """Vehicles whose stop people know of: they have given it or acknowledged it."""
+        """Vehicles whose present stop people know of: they have given it or acknowledged it."""
         self._asked_s: dict[str, float] = {}
         """Time of the last stop that was sent, by vehicle."""
         self._forgot: set[str] = set()
@@ -152,6 +159,7 @@ class NoCallIsLost:
             if is_stop or fact.what == CommandKind.ACKNOWLEDGE:
                 self._known.add(agent)
             elif fact.what == CommandKind.RESUME:
+                # It may stop itself before it is heard in another status.
                 self._known.discard(agent)
 
     def _note(self, heartbeat: AtvHeartbeat | MachineHeartbeat, agent: str, at_s: float) -> None:
@@ -176,7 +184,10 @@ class NoCallIsLost:
         self._forgot.discard(agent)
         if heartbeat.status is not AtvStatus.STOPPED:
             self._stopped_itself.discard(agent)
+            self._known.discard(agent)
             return
+        if heartbeat.problem in STOPS_ITSELF:
+            self._known.discard(agent)
         was_asked = ended_s is not None and self._asked_s.get(agent, -inf) > ended_s - STOP_HEARD_S
         if forgot or (was_asked and agent not in self._stopped_itself):
             self._known.add(agent)

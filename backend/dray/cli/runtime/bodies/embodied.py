@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
+
+from msgspec import Struct
 
 from dray.adapters.documents import DocumentReader, FetchedDocuments
 from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.memory_file import MemoryFile
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.ports import Body
 from dray.supervision import Failures
+
+_log = logging.getLogger(__name__)
+
+_Kept = TypeVar("_Kept", bound=Struct)
 
 REMIND_EVERY_S = 30.0
 """Seconds between log messages about why an agent does not begin."""
@@ -35,6 +44,22 @@ class Embodied:
 
 Embody = Callable[[ZenohBus, SqliteJournal], AbstractAsyncContextManager[Embodied]]
 """Creates the body for one life of an agent."""
+
+
+def remembered(file: MemoryFile[_Kept], name: str) -> _Kept | None:
+    """What a body's file has kept; a damaged one is logged. None at its first start.
+
+    Args:
+        file: the file.
+        name: the agent's id.
+
+    Raises:
+        UnavailableError: the file cannot be read.
+    """
+    kept = file.read()
+    if file.lost:
+        _log.error("%s: %s", name, file.lost)
+    return kept
 
 
 @asynccontextmanager

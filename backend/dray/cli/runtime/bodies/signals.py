@@ -11,6 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
+from msgspec import Struct
+
 from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.mapping_file import has_address, load_mapping
 from dray.adapters.memory_file import MemoryFile
@@ -24,7 +26,7 @@ from dray.adapters.signals.workcell import DAMAGED as DAMAGED_WORKCELL
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.cli.runtime.bodies.broker import broker_of
-from dray.cli.runtime.bodies.embodied import REMIND_EVERY_S, Embodied, Embody
+from dray.cli.runtime.bodies.embodied import REMIND_EVERY_S, Embodied, Embody, remembered
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError
 from dray.plant.model import MachineSpec
@@ -47,7 +49,7 @@ LOOK_S = 0.1
 _log = logging.getLogger(__name__)
 
 
-_Kept = TypeVar("_Kept")
+_Kept = TypeVar("_Kept", bound=Struct)
 
 
 class _World(Generic[_Kept]):
@@ -135,6 +137,24 @@ class RealController:
 
         return OpcUaLink(self.mapping, self.folder, self.password)
 
+    def surroundings(
+        self, name: str, about: str, kind: type[_Kept], damaged: _Kept
+    ) -> tuple[SignalsLink, _World[_Kept], _Kept | None]:
+        """A link that is not running yet, what a body acts with, and what its file has kept.
+
+        Args:
+            name: the agent's id.
+            about: the last part of the file's name.
+            kind: the type of what is kept.
+            damaged: see `MemoryFile`.
+
+        Raises:
+            UnavailableError: the file cannot be read.
+        """
+        file = MemoryFile(self.settings.journal_folder / f"{name}.{about}.json", kind, damaged)
+        kept, link = remembered(file, name), self.link(f"dray-{name}")
+        return link, _World(link.write, file.write), kept
+
 
 def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody:
     """A machine with single-value signals. A lost controller is the machine's problem, and does not end its agent.
@@ -152,12 +172,7 @@ def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embo
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
-        file = MemoryFile(settings.journal_folder / f"{name}.workcell.json", Kept, DAMAGED_WORKCELL)
-        kept = file.read()
-        if file.lost:
-            _log.error("%s: %s", name, file.lost)
-        link = real.link(f"dray-{name}")
-        world = _World(link.write, file.write)
+        link, world, kept = real.surroundings(name, "workcell", Kept, DAMAGED_WORKCELL)
         body = SignalledWorkcell(spec, surroundings.plant, real.mapping, surroundings.clock(), world, kept)
         running = asyncio.create_task(link.run(body))
         try:
@@ -195,13 +210,8 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
-        file = MemoryFile(settings.journal_folder / f"{name}.store.json", KeptStore, DAMAGED_STORE)
-        kept = file.read()
-        if file.lost:
-            _log.error("%s: %s", name, file.lost)
-        now = clock()
-        link = real.link(f"dray-{name}")
-        world, rest_s = _World(link.write, file.write), rests_s(settings.plant_speed)
+        link, world, kept = real.surroundings(name, "store", KeptStore, DAMAGED_STORE)
+        now, rest_s = clock(), rests_s(settings.plant_speed)
         body = SignalledStore(spec, real.mapping, now, world, kept, rests_s=rest_s)
         async with _waited_for(name, body, link, now) as embodied:
             yield embodied
@@ -226,13 +236,8 @@ def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
-        file = MemoryFile(settings.journal_folder / f"{name}.signals.json", KeptSignals, DAMAGED_SIGNALS)
-        kept = file.read()
-        if file.lost:
-            _log.error("%s: %s", name, file.lost)
-        now = clock()
-        link = real.link(f"dray-{name}")
-        world, rest_s = _World(link.write, file.write), settle_s(settings.plant_speed)
+        link, world, kept = real.surroundings(name, "signals", KeptSignals, DAMAGED_SIGNALS)
+        now, rest_s = clock(), settle_s(settings.plant_speed)
         body = SignalledGate(real.mapping, now, world, kept, settle_s=rest_s)
         async with _waited_for(name, body, link, now) as embodied:
             yield embodied

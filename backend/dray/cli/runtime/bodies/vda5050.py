@@ -18,7 +18,7 @@ from dray.adapters.vda5050.link import BrokerAddress, MqttLink
 from dray.adapters.vda5050.profile import Profile, load_profile
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.cli.runtime.bodies.broker import broker_of
-from dray.cli.runtime.bodies.embodied import REMIND_EVERY_S, Embodied, Embody
+from dray.cli.runtime.bodies.embodied import REMIND_EVERY_S, Embodied, Embody, remembered
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError
 from dray.plant.model import VehicleType
@@ -105,9 +105,7 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
     async def embody(_bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:
         file = MemoryFile(surroundings.settings.journal_folder / f"{name}.vda5050.json", Memory, DAMAGED)
         link = real.link(f"dray-{name}")
-        memory = file.read() or Memory()
-        if file.lost:
-            _log.error("%s: %s", name, file.lost)
+        memory = remembered(file, name) or Memory()
         control = MasterControl(
             name, surroundings.plant, kind, real.profile, life=journal.incarnation, memory=memory
         )
