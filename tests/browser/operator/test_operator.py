@@ -128,6 +128,28 @@ def test_a_stop_holds_until_two_acts_in_two_places_end_it(
     assert kinds(vehicles["ATV6"]) == []
 
 
+HELD_WHILE_BUSY = """button => {
+    const touch = {bubbles: true, button: 0, pointerType: "touch"};
+    button.dispatchEvent(new PointerEvent("pointerdown", touch));
+    const began = performance.now();
+    while (performance.now() - began < 1000);
+    button.dispatchEvent(new PointerEvent("pointerup", touch));
+}"""
+"""A finger that holds for a second, in which the tablet does something else: no timer of it ends meanwhile."""
+
+
+def test_a_tablet_that_is_busy_loses_no_hold(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    house.do(beat(vehicles["ATV2"], status=AtvStatus.STOPPED, acknowledged=True))
+    page = enter()
+    resume = card(page, "ATV2").locator(".act").nth(1)
+    expect(resume).to_be_enabled()
+    resume.evaluate(HELD_WHILE_BUSY)
+    house.until(lambda _house: vehicles["ATV2"].heard)
+    assert kinds(vehicles["ATV2"]) == [CommandKind.RESUME]
+
+
 def test_a_fault_that_is_still_there_cannot_be_acknowledged(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
