@@ -47,9 +47,6 @@ WHO = "operator-south"
 TOUCH_PX, THUMB_PX = 64.0, 118.0
 """A finger in a glove; and 20 mm on a tablet of ten inches, with 149 px to the inch."""
 
-SETTLE_MS = 700
-"""Until a card that has moved may be touched: some more than the panel waits."""
-
 HOLD_MS = 1200
 """Longer than Resume has to be held."""
 
@@ -127,8 +124,8 @@ def press_and_hold(page: Page, button: Locator) -> None:
 
 
 def settle(page: Page) -> None:
-    """Wait until a card that has moved counts touches again (`SETTLE_MS` of the panel's places)."""
-    page.wait_for_timeout(SETTLE_MS)
+    """Wait until cards that have moved count touches again."""
+    expect(page.locator(".vehicle.settling")).to_have_count(0)
 
 
 def kinds(vehicle: Puppet) -> list[CommandKind]:

@@ -31,8 +31,12 @@ import type {
   paths,
 } from "./types";
 
-export async function fetchPlant(): Promise<PlantFile> {
-  return await bodyOf(gateway.GET("/api/plant"));
+/** The plant, and `plant_at_s` of it; null where the gateway does not tell it. */
+export async function fetchPlant(): Promise<{ plant: PlantFile; atS: number | null }> {
+  const call = gateway.GET("/api/plant");
+  const plant = await bodyOf(call);
+  const told = (await call).response.headers.get("Plant-At-S");
+  return { plant, atS: told === null ? null : Number(told) };
 }
 
 /** What vehicles did on each lane, once per direction: since a moment, or within the last hour of factory time. */

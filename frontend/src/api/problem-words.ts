@@ -8,7 +8,7 @@ const WORDS_MS = 1_000;
 /** @returns the problem with its faults, or its kind, in words; what has none here, or not in time, stays as the gateway says it */
 export async function worded(problem: Problem): Promise<Problem> {
   if (problem.kind === "" || problem.status === 401) return problem;
-  const late = new Promise<Problem>((resolve) => { setTimeout(resolve, WORDS_MS, problem); });
+  const late = new Promise<Problem>((resolve) => { AbortSignal.timeout(WORDS_MS).addEventListener("abort", () => { resolve(problem); }); });
   return await Promise.race([inWords(problem).catch(() => problem), late]);
 }
 

@@ -1,8 +1,8 @@
 /** Lists of the plant file as forms: an entry is chosen and filled in; short lists within one stand under one another. */
-import { useSignal } from "@preact/signals";
 import { t, word } from "../text/editor";
 import { BEGINS, calledOf, COLUMNS, type Column, DAYS, type Row, together, valueOf, withRow, withValue, writtenOf } from "./lists";
 import type { Data } from "./model";
+import * as state from "./state";
 
 interface Listed {
   readonly data: Data;
@@ -13,20 +13,20 @@ interface Listed {
 /** A section without a place on the floor. */
 export function Entries({ data, rows, section, onChange }: Listed & { section: string }) {
   const columns = COLUMNS[section] ?? [];
-  const at = useSignal(0);
-  const index = Math.min(at.value, rows.length - 1);
+  const index = Math.min(state.listed.value.index, rows.length - 1);
+  const show = (at: number): void => { state.listed.value = { ...state.listed.value, index: at }; };
   const row = rows[index];
   return (
     <>
       <label>{t("entries.which")}
-        <select value={index} disabled={rows.length === 0} onChange={(event) => { at.value = Number(event.currentTarget.value); }}>
+        <select value={index} disabled={rows.length === 0} onChange={(event) => { show(Number(event.currentTarget.value)); }}>
           {rows.map((each, number) => <option key={number} value={number}>{writtenOf(each.id) || "?"}</option>)}
         </select>
       </label>
       {row && <Columns key={index} columns={columns} data={data} row={row} onChange={(next) => { onChange(replaced(rows, index, next)); }} />}
       <div class="ed-row">
         <button type="button" class="button" onClick={() => {
-          at.value = rows.length;
+          show(rows.length);
           onChange(withRow(data, columns, rows, BEGINS[section] ?? ""));
         }}>{t("entries.new")}</button>
         {row && <button type="button" class="button" aria-label={t("stock.removeOf", { item: writtenOf(row.id) })} onClick={() => { onChange(without(rows, index)); }}>{t("remove")}</button>}
@@ -43,7 +43,7 @@ export function Rows({ columns, data, name, rows, onChange }: Listed & { columns
       {rows.map((row, index) => {
         const called = calledOf(columns, row);
         return (
-          <div key={index} class="ed-stock" role="group" aria-label={called}>
+          <div key={index} class="ed-stock" role="group" aria-label={called} data-at={index}>
             <Columns columns={columns} data={data} row={row} onChange={(next) => { onChange(replaced(rows, index, next)); }} />
             <button type="button" class="button small" aria-label={t("stock.removeOf", { item: called })} onClick={() => { onChange(without(rows, index)); }}>×</button>
           </div>
@@ -98,16 +98,17 @@ const replaced = (rows: readonly Row[], index: number, row: Row): readonly Row[]
 const without = (rows: readonly Row[], index: number): readonly Row[] => rows.filter((_, at) => at !== index);
 
 function Columns({ columns, data, row, onChange }: { columns: readonly Column[]; data: Data; row: Row; onChange: (row: Row) => void }) {
+  const field = (column: Column) => {
+    const value = row[column.name];
+    const note = (said: unknown): void => { onChange(withValue(row, column, said)); };
+    if (column.kind === "rows") return <Rows columns={column.columns ?? []} data={data} name={column.name} rows={Array.isArray(value) ? (value as Row[]) : []} onChange={note} />;
+    if (column.kind === "days") return <Days value={value} onChange={note} />;
+    if (column.kind === "choice") return <OneOf all={column.from?.(data) ?? []} label={word("column", column.name)} value={value} onChange={note} />;
+    return <Written column={column} value={value} onChange={note} />;
+  };
   return (
     <>
-      {columns.map((column) => {
-        const value = row[column.name];
-        const note = (said: unknown): void => { onChange(withValue(row, column, said)); };
-        if (column.kind === "rows") return <Rows key={column.name} columns={column.columns ?? []} data={data} name={column.name} rows={Array.isArray(value) ? (value as Row[]) : []} onChange={note} />;
-        if (column.kind === "days") return <Days key={column.name} value={value} onChange={note} />;
-        if (column.kind === "choice") return <OneOf key={column.name} all={column.from?.(data) ?? []} label={word("column", column.name)} value={value} onChange={note} />;
-        return <Written key={column.name} column={column} value={value} onChange={note} />;
-      })}
+      {columns.map((column) => <div key={column.name} class="ed-at" data-at={column.name}>{field(column)}</div>)}
     </>
   );
 }

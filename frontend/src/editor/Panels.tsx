@@ -1,5 +1,6 @@
 /** Beside the floor: tools, what is chosen, the checks, and the shift that was played. */
 import { useSignal } from "@preact/signals";
+import { useLayoutEffect } from "preact/hooks";
 import { format, t, word } from "../text/editor";
 import { findingText } from "../text/views/findings/finding-text";
 import { noteText } from "../text/views/findings/note-text";
@@ -12,6 +13,7 @@ import { stocksOf } from "./stocks";
 import { COLUMNS, linesOf, REFERS, rowOf, rowsOf } from "./lists";
 import { Entries, Lines, OneOf, Rows, Together } from "./ListFields";
 import { Choice, Stocks } from "./StockFields";
+import { nameOf, whereOf, whereText } from "./where";
 
 export function Tools() {
   return (
@@ -63,7 +65,21 @@ function fieldsOf(section: string, entry: Entry): readonly string[] {
   return section === "warehouses" && entry.kind !== "source" ? all.filter((name) => !OF_SOURCES.has(name)) : all;
 }
 
+/** Leads to the field that is wanted as soon as its form is there. */
+function useWanted(): void {
+  const wanted = state.wanted.value;
+  useLayoutEffect(() => {
+    if (wanted === null) return;
+    let place = document.querySelector(".ed-side");
+    for (const step of wanted) place = place?.querySelector(`[data-at="${CSS.escape(step)}"]`) ?? place;
+    const control = place?.querySelector<HTMLElement>("input, select, textarea, button");
+    control?.focus();
+    state.wanted.value = null;
+  }, [wanted]);
+}
+
 export function Properties() {
+  useWanted();
   const chosen = state.chosen.value;
   const data = state.data.value;
   const entry = chosen && model.entries<Entry>(data, chosen.section)[chosen.index];
@@ -93,30 +109,30 @@ export function Properties() {
   const change = (fields: object): void => { state.draw(model.changed(data, chosen, fields)); };
   const door = chosen.section === "lanes" ? model.doorAt(data, entry as unknown as model.Lane) : -1;
   const own = state.findings.value.map((finding, index) => ({ finding, number: index + 1 })).filter(({ finding }) => finding.field.startsWith(`${chosen.section}[${chosen.index}]`));
+  const fieldOf = (name: string) => {
+    const note = (value: unknown): void => { change({ [name]: value }); };
+    const values = CHOICES[name];
+    const stocks = name === "stocks" ? stocksOf(entry.stocks) : null;
+    if (values) return <Choice name={name} values={values} value={entry[name]} left={name === "refill" ? "itself" : ""} onChange={note} />;
+    const refers = REFERS[name];
+    if (refers) return <OneOf all={refers(data)} label={word("field", name)} value={entry[name]} onChange={(value) => { note(value ?? null); }} />;
+    const rows = ROWS.has(name) ? rowsOf(entry[name]) : null;
+    if (rows) return <Rows columns={COLUMNS[name] ?? []} data={data} name={name} rows={rows} onChange={(next) => { note(next.length === 0 && OPTIONAL.has(name) ? undefined : next); }} />;
+    const parts = TOGETHER.has(name) ? rowOf(entry[name]) : null;
+    if (parts) return <Together data={data} name={name} value={parts} onChange={note} />;
+    const lines = name === "originals" ? linesOf(entry.originals) : null;
+    if (lines) return <Lines name={name} value={lines} onChange={note} />;
+    if (name === "box" && isBox(entry.box)) return <BoxFields box={entry.box} onChange={note} />;
+    if (stocks) return <Stocks data={data} stocks={stocks} refilled={entry.refill === "vehicles"} onChange={note} />;
+    return <Field name={name} value={entry[name]} onChange={note} />;
+  };
   return (
     <section class="card ed-side" aria-labelledby="ed-chosen">
       <h2 id="ed-chosen">{word("section", chosen.section)} {nameOf(entry)}</h2>
       {own.map(({ finding, number }) => (
         <div key={number} class={`ed-said ed-${finding.level}`}><b>{number}</b> {findingText(finding)} <Repair of={finding.repair} /></div>
       ))}
-      {fieldsOf(chosen.section, entry).map((name) => {
-        const key = `${chosen.section}${chosen.index}${name}`;
-        const note = (value: unknown): void => { change({ [name]: value }); };
-        const values = CHOICES[name];
-        const stocks = name === "stocks" ? stocksOf(entry.stocks) : null;
-        if (values) return <Choice key={key} name={name} values={values} value={entry[name]} left={name === "refill" ? "itself" : ""} onChange={note} />;
-        const refers = REFERS[name];
-        if (refers) return <OneOf key={key} all={refers(data)} label={word("field", name)} value={entry[name]} onChange={(value) => { note(value ?? null); }} />;
-        const rows = ROWS.has(name) ? rowsOf(entry[name]) : null;
-        if (rows) return <Rows key={key} columns={COLUMNS[name] ?? []} data={data} name={name} rows={rows} onChange={(next) => { note(next.length === 0 && OPTIONAL.has(name) ? undefined : next); }} />;
-        const parts = TOGETHER.has(name) ? rowOf(entry[name]) : null;
-        if (parts) return <Together key={key} data={data} name={name} value={parts} onChange={note} />;
-        const lines = name === "originals" ? linesOf(entry.originals) : null;
-        if (lines) return <Lines key={key} name={name} value={lines} onChange={note} />;
-        if (name === "box" && isBox(entry.box)) return <BoxFields key={key} box={entry.box} onChange={note} />;
-        if (stocks) return <Stocks key={key} data={data} stocks={stocks} refilled={entry.refill === "vehicles"} onChange={note} />;
-        return <Field key={key} name={name} value={entry[name]} onChange={note} />;
-      })}
+      {fieldsOf(chosen.section, entry).map((name) => <div key={`${chosen.section}${chosen.index}${name}`} class="ed-at" data-at={name}>{fieldOf(name)}</div>)}
       {chosen.section === "unassigned" && (
         <fieldset>
           <legend>{t("assign")}</legend>
@@ -151,11 +167,6 @@ export function Properties() {
   );
 }
 
-function nameOf(entry: Entry | null): string {
-  const { id, start, end } = (entry ?? {}) as { id?: string; start?: string; end?: string };
-  return id ?? (start === undefined ? "?" : `${start} – ${end ?? ""}`);
-}
-
 const SIDES = ["x_m", "y_m", "width_m", "depth_m"] as const;
 
 /** Whether a value is a box of which some sides may be open. */
@@ -170,7 +181,7 @@ function BoxFields({ box, onChange }: { box: Partial<model.Box> | null | undefin
       <legend>{word("field", "box")}</legend>
       <div class="ed-box">
         {SIDES.map((side) => (
-          <label key={side}>{word("column", side)}
+          <label key={side} data-at={side}>{word("column", side)}
             <input type="number" step="any" min={side === "x_m" || side === "y_m" ? undefined : 0} value={box?.[side] ?? ""} onChange={(event) => {
               const said = event.currentTarget.value;
               onChange({ ...box, [side]: said === "" ? null : Number(said) });
@@ -260,18 +271,17 @@ function Plan() {
 
 /** Sections that have no place on the floor. */
 function Sections() {
-  const section = useSignal<(typeof model.LISTS)[number]>("materials");
   const data = state.data.value;
   // What is typed here belongs here, also when it is told after another list was chosen.
-  const shown = section.value;
+  const shown = state.listed.value.section;
   const value = data[shown];
   const rows = rowsOf(value);
   const note = (next: unknown): void => { state.draw({ ...state.data.value, [shown]: next }); };
   return (
-    <fieldset>
+    <fieldset data-at="lists">
       <legend>{t("sections")}</legend>
       <label>{t("sections.which")}
-        <select value={section.value} onChange={(event) => { section.value = event.currentTarget.value as "materials"; }}>
+        <select value={shown} onChange={(event) => { state.listed.value = { section: event.currentTarget.value as "materials", index: 0 }; }}>
           {model.LISTS.map((each) => <option key={each} value={each}>{word("section", each)}</option>)}
         </select>
       </label>
@@ -280,12 +290,20 @@ function Sections() {
   );
 }
 
+/** Whether there is a form for what a finding is about. */
+function leads({ field }: state.Finding): boolean {
+  const { chosen, listed } = whereOf(field);
+  return (chosen ?? listed) !== null;
+}
+
 export function Checks() {
   const all = state.findings.value;
   const show = ({ field }: state.Finding): void => {
-    const about = model.chosenOf(field);
+    const { chosen: about, listed, steps } = whereOf(field);
     state.tool.value = "choose";
     state.chosen.value = about;
+    if (listed) state.listed.value = listed;
+    state.wanted.value = about ? steps : ["lists", ...steps];
     const spot = about && model.spotOf(state.data.value, about);
     if (spot) state.cursor.value = spot;
   };
@@ -302,8 +320,8 @@ export function Checks() {
             <li key={index}>
               <span class={`tag ed-${finding.level}`}>{t(`level.${finding.level as "error"}`)}</span>
               <b>{index + 1}</b>
-              <span><code>{finding.field}</code> {findingText(finding)} <Repair of={finding.repair} /></span>
-              {model.chosenOf(finding.field) && <button type="button" class="button small" aria-label={t("checks.showOf", { number: String(index + 1) })} onClick={() => { show(finding); }}>{t("checks.show")}</button>}
+              <span><b class="ed-where">{whereText(finding.field, state.data.value, word)}</b> {findingText(finding)} <Repair of={finding.repair} /></span>
+              {leads(finding) && <button type="button" class="button small" aria-label={t("checks.showOf", { number: String(index + 1) })} onClick={() => { show(finding); }}>{t("checks.show")}</button>}
             </li>
           ))}
         </ol>

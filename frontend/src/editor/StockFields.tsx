@@ -27,7 +27,7 @@ export function Stocks({ data, stocks, refilled, onChange }: { data: Data; stock
         const change = (fields: Stock): void => { onChange(withChanged(stocks, index, fields)); };
         const from = warehousesOf(data, material);
         return (
-          <div key={index} class="ed-stock" role="group" aria-label={material}>
+          <div key={index} class="ed-stock" role="group" aria-label={material} data-at={index}>
             <select aria-label={t("stock.material")} value={material} onChange={(event) => { change({ material: event.currentTarget.value }); }}>
               {!all.includes(material) && <option value={material}>{material}</option>}
               {all.map((id) => <option key={id} value={id}>{id}</option>)}

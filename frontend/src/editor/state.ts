@@ -5,7 +5,7 @@ import { bodyOf, gateway } from "../api/gateway";
 import { Problem } from "../api/problem";
 import type { components } from "../api/types";
 import { begin, type History, redo, step, undo } from "./history";
-import type { Chosen, Data, Spot } from "./model";
+import type { Chosen, Data, LISTS, Spot } from "./model";
 
 type Draft = components["schemas"]["DraftView"];
 export type DraftLine = components["schemas"]["DraftLine"];
@@ -30,6 +30,10 @@ export const findings = signal<readonly Finding[]>([]);
 export const running = signal<Data>({});
 export const tool = signal<Tool>("choose");
 export const chosen = signal<Chosen | null>(null);
+/** The list that is filled in, and which of its entries. */
+export const listed = signal<{ readonly section: (typeof LISTS)[number]; readonly index: number }>({ section: "materials", index: 0 });
+/** The steps to the field that somebody was led to; null once it has been reached. */
+export const wanted = signal<readonly string[] | null>(null);
 /** Where a lane begins, or the corners of an area so far. */
 export const begun = signal<readonly (Spot & { readonly node?: string })[]>([]);
 export const cursor = signal<Spot>({ x_m: 0, y_m: 0 });

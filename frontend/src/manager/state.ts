@@ -4,7 +4,7 @@ import type { PlantFile } from "../api/types";
 import { inOrder } from "../alerts/alerts";
 import { world } from "../stream/stream";
 import { namesOf } from "../plant/names";
-import { formerName } from "./former";
+import { formerOf } from "./former";
 import { placeOf } from "../text/place";
 
 export const plant = signal<PlantFile | null>(null);
@@ -13,7 +13,7 @@ export const plantFailed = signal<string | null>(null);
 /** In the order in which they are answered. */
 export const alerts = computed(() => inOrder(world.value?.alerts.values() ?? []));
 /** Names of materials and products by id, also of removed ones. */
-export const names = computed(() => namesOf(plant.value, formerName));
+export const names = computed(() => namesOf(plant.value, formerOf(plant.value)));
 
 /** What people call an order: by its reference, as long as the stream has it. */
 export const orderName = (order: string): string => world.value?.orders.get(order)?.reference ?? order;

@@ -10,6 +10,7 @@ import { CallCards } from "./duty/CallCards";
 import { DutyCard } from "./duty/DutyCard";
 import { forms } from "./cards/forms";
 import { groupsOf, type Groups, movedCards, shownGroups } from "./cards/need";
+import { settle } from "./cards/settling";
 import { type Left, stayed } from "./cards/staying";
 import { refuseTooSoon, watchTouch } from "./cards/touch";
 import { GoodsCards } from "./goods/GoodsCards";
@@ -33,7 +34,6 @@ export function Floor() {
 
   const all = useSignal<ReadonlyMap<string, Left>>(new Map());
   const tooSoon = useSignal<string | null>(null);
-  const movedAtMs = useRef(new Map<string, number>());
 
   // In one effect: nothing is drawn between one of them and the next.
   useSignalEffect(() => {
@@ -44,8 +44,8 @@ export function Floor() {
     const before = groups.peek();
     const after = shownGroups(before, wanted.value, held.value, staying);
     const moved = before.needing.length + before.well.length === 0 ? [] : movedCards(before, after);
-    for (const id of moved) movedAtMs.current.set(id, performance.now());
     batch(() => {
+      settle(moved);
       all.value = present;
       groups.value = after;
     });
@@ -56,7 +56,7 @@ export function Floor() {
       watchTouch(page.current, (yes) => {
         held.value = yes;
       }),
-      refuseTooSoon(page.current, movedAtMs.current, (id) => {
+      refuseTooSoon(page.current, (id) => {
         tooSoon.value = id;
       }),
     ];

@@ -1,5 +1,5 @@
-/** The plant file, for pages that may be there before the gateway is, and before some machines are. */
-import { effect, type ReadonlySignal, type Signal } from "@preact/signals";
+/** The plant file, for pages that may be there before the gateway is, and that show a plant that people change. */
+import { batch, effect, type ReadonlySignal, type Signal } from "@preact/signals";
 import { fetchPlant } from "../api/client";
 import type { PlantFile } from "../api/types";
 import { callPlacesAs } from "../text/place";
@@ -7,53 +7,91 @@ import { callPlacesAs } from "../text/place";
 /** Often enough for whoever waits in front of an empty page. */
 const RETRY_MS = 3000;
 
-/** Asks until the plant is there; `failed` says meanwhile, in `problemText`'s words, why it is not. */
-export async function loadPlant(
-  plant: Signal<PlantFile | null>,
-  failed: Signal<string | null>,
-  problemText: (error: unknown) => string,
-): Promise<void> {
-  try {
-    const loaded = await fetchPlant();
-    callPlacesAs(loaded);
-    plant.value = loaded;
-    failed.value = null;
-  } catch (error) {
-    failed.value = problemText(error);
-    setTimeout(() => void loadPlant(plant, failed, problemText), RETRY_MS);
-  }
+/** Several changes in a row are one for a panel. */
+export const PAUSE_MS = 500;
+/** Each panel asks at some moment within it: two hundred of them do not ask at once. */
+export const SPREAD_MS = 3500;
+
+/** What asks for the plant, and keeps the newest answer. */
+export interface PlantLoading {
+  /** `plant_at_s` of the plant that is there; null where it was not told. */
+  readonly atS: ReadonlySignal<number | null>;
+  /** Asks now, and once more if it is asked for meanwhile; until an answer comes. */
+  now(): Promise<void>;
+  /** Asks within some seconds, however often it is called until then. */
+  soon(): void;
 }
 
 /**
- * Calls `ask` for the plant anew when a machine is heard of that it does not have: one that came to a running
- * factory. Once for each, since a machine that does not fit into the plant is in no plant file.
+ * One request at a time: an older answer cannot overtake a newer one.
+ *
+ * @param failed says meanwhile, in `problemText`'s words, why the plant is not there
+ * @param chance of what is equally likely between 0 and 1
  */
-export function followJoining(
-  plant: ReadonlySignal<PlantFile | null>,
-  world: ReadonlySignal<{ readonly machines: ReadonlyMap<string, unknown> } | null>,
-  ask: () => void,
-): () => void {
-  const asked = new Set<string>();
-  return effect(() => {
-    if (!plant.value || !world.value) return;
-    for (const { id } of plant.value.machines) asked.add(id);
-    const strangers = [...world.value.machines.keys()].filter((id) => !asked.has(id));
-    for (const id of strangers) asked.add(id);
-    if (strangers.length > 0) ask();
-  });
+export function plantLoading(
+  plant: Signal<PlantFile | null>,
+  failed: Signal<string | null>,
+  atS: Signal<number | null>,
+  problemText: (error: unknown) => string,
+  chance: () => number = Math.random,
+): PlantLoading {
+  let asking: Promise<void> | null = null;
+  /** Counts how often it was asked for. */
+  let wanted = 0;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+
+  const later = (ms: number): void => {
+    timer ??= setTimeout(() => void now(), ms);
+  };
+  const ask = async (): Promise<void> => {
+    try {
+      for (let answered = -1; answered !== wanted; ) {
+        answered = wanted;
+        const loaded = await fetchPlant();
+        batch(() => {
+          callPlacesAs(loaded.plant);
+          plant.value = loaded.plant;
+          atS.value = loaded.atS;
+          failed.value = null;
+        });
+      }
+    } catch (error) {
+      failed.value = problemText(error);
+      later(RETRY_MS);
+    } finally {
+      asking = null;
+    }
+  };
+  const now = (): Promise<void> => {
+    clearTimeout(timer);
+    timer = undefined;
+    wanted += 1;
+    return (asking ??= ask());
+  };
+  return {
+    atS,
+    now,
+    soon: () => {
+      later(PAUSE_MS + chance() * SPREAD_MS);
+    },
+  };
 }
 
-/** Calls `ask` for the plant anew when it has changed at the gateway, and when another gateway tells of it. */
+/**
+ * Asks for the plant anew when the stream tells of another one than is there. Once for each that is told of: the plant
+ * may have come from another gateway, which tells another time.
+ */
 export function followChanges(
   world: ReadonlySignal<{ readonly factory: { readonly plant_at_s?: number | null } } | null>,
-  ask: () => void,
+  plant: ReadonlySignal<PlantFile | null>,
+  loading: Pick<PlantLoading, "atS" | "soon">,
 ): () => void {
-  let before: number | null = null;
+  let askedFor: number | null = null;
   return effect(() => {
-    const changedAtS = world.value?.factory.plant_at_s ?? null;
-    if (changedAtS === null || changedAtS === before) return;
-    const isFirst = before === null;
-    before = changedAtS;
-    if (!isFirst) ask();
+    const told = world.value?.factory.plant_at_s ?? null;
+    // As long as there is none, it is asked for anyway.
+    if (plant.value === null || told === null || told === loading.atS.value || told === askedFor) return;
+    askedFor = told;
+    loading.soon();
   });
 }

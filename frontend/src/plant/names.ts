@@ -15,6 +15,5 @@ const SAME: Names = (id) => id;
 export function namesOf(plant: PlantFile | null, former: Names = SAME): Names {
   const items = [...(plant?.materials ?? []), ...(plant?.products ?? [])];
   const names = new Map(items.map((item) => [item.id, item.name]));
-  const other = plant === null ? SAME : former;
-  return (id) => names.get(id) ?? (id === THING ? t("item.thing") : other(id));
+  return (id) => names.get(id) ?? (id === THING ? t("item.thing") : former(id));
 }

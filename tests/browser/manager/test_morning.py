@@ -29,6 +29,9 @@ MOST_TABS = 300
 COUNT_PRINTS = "window.printed = 0; window.print = () => { window.printed += 1; };"
 """A headless browser has no dialog for the printer."""
 
+UNHURRIED = "AbortSignal.timeout = () => new AbortController().signal;"
+"""Waits for an answer, and for the words of a refusal, as long as a busy computer takes: a PIN is hashed slowly on purpose."""
+
 IS_FOCUSED = "here => here === document.activeElement"
 
 SEEN = """here => {
@@ -134,6 +137,7 @@ def test_a_morning_needs_no_terminal(
     page = open_page("about:blank", visits=factory, viewport={"width": 1440, "height": 900})
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.add_init_script(COUNT_PRINTS)
+    page.add_init_script(UNHURRIED)
     page.goto(factory)
     expect(page.locator("#plant-map canvas").first).to_be_visible()
     morning = Morning(page, by(page), by.__name__.lower(), factory, screenshot)
@@ -294,7 +298,9 @@ def test_what_is_wrong_with_a_field_is_told_in_the_readers_language(
     wrong: str,
     missing: str,
 ) -> None:
-    page = open_page(f"{factory}/#people", locale=locale)
+    page = open_page("about:blank", visits=factory, locale=locale)
+    page.add_init_script(UNHURRIED)
+    page.goto(f"{factory}/#people")
     page.locator("[popovertarget=person-sheet]").first.click()
     sheet = page.locator("#person-sheet")
     sheet.locator("#people-id").fill("Ana Weber")

@@ -121,9 +121,9 @@ def test_from_a_lif_file_to_a_played_shift(
     expect(page.locator(".ed-checks li").filter(has_text="cannot be reached")).to_be_visible()
     page.get_by_role("button", name="Show finding 1").click()
     expect(page.locator(".ed-side .ed-error, .ed-side .ed-said").first).to_be_visible()
-    # A road from there to the nearest node that there was.
+    # A road from there to the nearest node that there was. What is typed now belongs to the field that was led to.
     node = load_plant("workshop").file.nodes[0]
-    page.keyboard.press("r")
+    page.locator(".ed-tool").filter(has_text="Two-way road").click()
     click(page, 3.0, 3.0)
     click(page, node.x_m, node.y_m)
     page.keyboard.press("Escape")
@@ -212,6 +212,15 @@ def test_what_a_layout_leaves_open_is_shown_empty_and_filled_in_by_choice(
     # Findings are told in the reader's language, and all of it fits on every screen.
     checks = page.locator(".ed-checks li")
     expect(checks.filter(has_text="is open").first).to_be_visible()
+    # Each says where it is in the words of the forms, and leads to the field.
+    assert not [said for said in checks.all_inner_texts() if re.search(r"\w\[\d+\]", said)]
+    shows = page.get_by_role("button", name=re.compile("^Show"))
+    missing = checks.filter(has_text="is open").filter(has=shows).first
+    label = missing.locator(".ed-where").inner_text().split(" · ")[-1]
+    missing.get_by_role("button", name=re.compile("^Show")).click()
+    expect(page.locator(".ed-side :focus")).to_have_count(1)
+    expect(page.locator(".ed-side [data-at]:has(:focus)").last).to_contain_text(label)
+    screenshot(page, "editor-finding-field")
     page.locator(".top select").select_option("es")
     expect(checks.filter(has_text="está abierto").first).to_be_visible()
     expect(checks.filter(has_text="is open")).to_have_count(0)

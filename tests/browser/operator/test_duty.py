@@ -315,8 +315,10 @@ def test_who_promises_at_the_card_of_a_vehicle_has_taken_its_call(
         lambda _inside: calling.say(state=CallState.ASKING, asked=("operator.another",), until_s=SOON_S),
     )
     expect(page.locator(".duty-open")).to_contain_text("ATV2")
+    promise = card(page, "ATV2").locator(".promises button").nth(1)
+    expect(promise).to_be_visible()
     settle(page)
-    card(page, "ATV2").locator(".promises button").nth(1).tap()
+    promise.tap()
     expect(page.locator(".call")).to_contain_text("expects you")
     house.until(lambda _inside: vehicle.heard)
     assert [command.kind for command in vehicle.heard] == [CommandKind.PROMISE]

@@ -14,6 +14,7 @@ from heartbeats import events, machine_heartbeat
 from looks import WIDTHS_PX
 from open_house import OpenHouse
 from playwright.sync_api import Page, expect
+from products_kit import NEW, define
 from puppets import LATER_S, Puppet
 from tablet_kit import (
     AREA,
@@ -115,6 +116,7 @@ def test_a_stop_holds_until_two_acts_in_two_places_end_it(
     acknowledge, resume = stopped.locator(".act").nth(0), stopped.locator(".act").nth(1)
     expect(resume).to_be_disabled()
     screenshot(page, f"operator-stopped-{look}")
+    settle(page)
     acknowledge.tap()
     expect(acknowledge).to_be_disabled()
     expect(resume).to_be_enabled()
@@ -126,6 +128,28 @@ def test_a_stop_holds_until_two_acts_in_two_places_end_it(
     screenshot(page, f"operator-idle-{look}")
     assert kinds(vehicles["ATV2"]) == [CommandKind.STOP, CommandKind.ACKNOWLEDGE, CommandKind.RESUME]
     assert kinds(vehicles["ATV6"]) == []
+
+
+HELD_WHILE_BUSY = """button => {
+    const touch = {bubbles: true, button: 0, pointerType: "touch"};
+    button.dispatchEvent(new PointerEvent("pointerdown", touch));
+    const began = performance.now();
+    while (performance.now() - began < 1000);
+    button.dispatchEvent(new PointerEvent("pointerup", touch));
+}"""
+"""A finger that holds for a second, in which the tablet does something else: no timer of it ends meanwhile."""
+
+
+def test_a_tablet_that_is_busy_loses_no_hold(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    house.do(beat(vehicles["ATV2"], status=AtvStatus.STOPPED, acknowledged=True))
+    page = enter()
+    resume = card(page, "ATV2").locator(".act").nth(1)
+    expect(resume).to_be_enabled()
+    resume.evaluate(HELD_WHILE_BUSY)
+    house.until(lambda _house: vehicles["ATV2"].heard)
+    assert kinds(vehicles["ATV2"]) == [CommandKind.RESUME]
 
 
 def test_a_fault_that_is_still_there_cannot_be_acknowledged(
@@ -140,6 +164,19 @@ def test_a_fault_that_is_still_there_cannot_be_acknowledged(
     expect(asking).to_contain_text("It still reports: the load has shifted.")
     house.do(beat(vehicles["ATV2"], problem=""))
     expect(acknowledge).to_be_enabled()
+
+
+def test_a_product_has_its_name_as_soon_as_somebody_has_defined_it(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    house.do(beat(vehicles["ATV2"], load="bracket", load_quantity=4))
+    page = enter()
+    doing = card(page, "ATV2").locator(".doing")
+    expect(doing).to_contain_text("bracket")
+    answer = house.do(lambda inside: define(inside, NEW, name="Angle of steel"))
+    assert answer.status_code == 201, answer.text
+    # Nobody has reloaded anything, and the vehicle says what it has said.
+    expect(doing).to_contain_text("Angle of steel")
 
 
 @pytest.mark.slow

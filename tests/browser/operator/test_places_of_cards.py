@@ -10,14 +10,18 @@ from gateway_kit import House
 from open_house import OpenHouse
 from playwright.sync_api import Page, expect
 from puppets import Puppet
-from tablet_kit import IN_AREA, LOOKS, LYING, PHONE, UPRIGHT, Enter, card, kinds
+from tablet_kit import IN_AREA, LOOKS, LYING, PHONE, UPRIGHT, Enter, beat, card, kinds
+from wall_clock import NOW_S
 
-from dray.messages import CommandKind
+from dray.messages import AtvStatus, CommandKind
 
 Screenshot = Callable[..., Path]
 
 AWAY = (25.0, 35.0)
 """Outside of the area."""
+
+SETTLE_MS = 600
+"""Until a card that has moved counts touches: some more than the panel waits."""
 
 TOUCH_AT_ONCE = """new Promise(done => {
     const list = document.querySelector(".cards.well");
@@ -91,6 +95,33 @@ def test_a_card_that_moves_up_counts_no_touch_at_first_and_says_so(
     card(page, "ATV6").locator(".steps button").first.tap()
     expect(card(page, "ATV6").locator(".command")).to_contain_text("confirmed by the vehicle")
     assert kinds(vehicles["ATV6"]) == [CommandKind.SET_SPEED]
+
+
+def test_a_card_that_moves_shows_how_long_it_counts_no_touch(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
+) -> None:
+    page = enter(before=lambda page: page.clock.install(time=NOW_S))
+    expect(page.locator(".vehicle h2")).to_have_text(["ATV2", "ATV6"])
+    page.clock.pause_at(NOW_S + 60)
+    house.do(beat(vehicles["ATV2"], status=AtvStatus.STOPPED))
+    own = card(page, "ATV2")
+    acknowledge = own.get_by_role("button", name="Fault is gone")
+    for _ in range(200):
+        if acknowledge.is_visible():
+            break
+        page.clock.run_for(50)
+    expect(own).to_contain_class("settling")
+    screenshot(page, "operator-settling", audited=False)
+    acknowledge.tap()
+    page.clock.run_for(50)
+    expect(own).to_contain_text("new here: touch again")
+    assert kinds(vehicles["ATV2"]) == []
+    page.clock.run_for(SETTLE_MS)
+    expect(own).not_to_contain_class("settling")
+    acknowledge.tap()
+    house.until(lambda _house: vehicles["ATV2"].heard)
+    assert kinds(vehicles["ATV2"]) == [CommandKind.ACKNOWLEDGE]
+    page.clock.resume()
 
 
 def test_who_joins_is_below_those_who_are_there(

@@ -84,6 +84,8 @@ async def test_panels_are_told_of_another_plant_when_a_product_is_defined_or_rem
     async def told_s() -> float:
         house.wall.now_s += 1.0
         changed_s: float = (await house.get("/api/kpis"))["plant_at_s"]
+        # The plant itself says which one it is.
+        assert float((await house.client.get("/api/plant")).headers["Plant-At-S"]) == changed_s
         return changed_s
 
     before_s = await told_s()

@@ -114,6 +114,34 @@ async def test_a_snapshot_holds_what_is_in_the_area(area: str) -> None:
 
 
 @every_area
+async def test_an_area_is_told_once_when_the_plant_has_changed_and_of_nothing_else_in_the_factory(
+    area: str,
+) -> None:
+    stage = Stage(*everything())
+    client = stage.join(operator(area))
+
+    async def told() -> list[dict[str, Any]]:
+        stage.wall.now_s += 2.0
+        stage.hub.tick()
+        stage.wall.now_s += 2.0
+        stage.hub.tick()
+        return [frame["factory"] for frame in await waiting(client) if frame["factory"] is not None]
+
+    assert (await next_of(client))["factory"]["plant_at_s"] == NOW_S
+    assert all(factory["plant_at_s"] == NOW_S for factory in await told())
+    assert await told() == []
+    stage.projection.site.change_products([], ["G1"])
+    (changed,) = await told()
+    assert changed["plant_at_s"] == stage.wall.now_s - 2.0
+    assert changed["atvs_by_status"] == {}
+    # Who comes later is told of it, and takes it from nobody.
+    stage.projection.site.change_products([], ["G2"])
+    late = await next_of(stage.join(operator(area)))
+    (changed,) = await told()
+    assert late["factory"]["plant_at_s"] == changed["plant_at_s"]
+
+
+@every_area
 async def test_the_station_of_a_storage_is_seen_with_its_alarm_where_the_storage_stands(area: str) -> None:
     fell_silent = {storage: -60.0 - 30.0 * place for place, storage in enumerate(STORAGE.values())}
     stage = Stage(*everything(), *(station_heartbeat(each, at_s=at_s) for each, at_s in fell_silent.items()))

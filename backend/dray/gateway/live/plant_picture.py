@@ -88,6 +88,14 @@ class PlantPicture(Protocol):
         """The places of everything in the plant."""
         ...
 
+    def plant_at_s(self, wall_s: float) -> float | None:
+        """When the plant became as it is; None where nobody knows it.
+
+        Args:
+            wall_s: the wall clock.
+        """
+        ...
+
     @property
     def atvs(self) -> Vehicles: ...
     @property

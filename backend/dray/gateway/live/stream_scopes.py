@@ -157,6 +157,8 @@ class AreaScope:
         """Per kind except vehicles: the filter, and the source of all views."""
         self._shown: dict[str, dict[str, Any]] = {kind: {} for kind in ("atv", *self._others)}
         """Entities shown and still valid, by kind and id."""
+        self._plant_at_s: float | None = None
+        """What the last delta told of when the plant became as it is: a snapshot is for one client only."""
         self._show("atv", visibility.atv, projection.atvs.views())
         for kind, (show, views) in self._others.items():
             self._show(kind, show, views())
@@ -171,7 +173,7 @@ class AreaScope:
             number=number,
             at_s=wall_s,
             plant=self._projection.plant,
-            factory=FactoryView(speed=self._projection.speed),
+            factory=self._factory(wall_s),
             atvs=shown["atv"],
             machines=shown["machine"],
             stations=shown["station"],
@@ -216,9 +218,12 @@ class AreaScope:
             seen[kind], left = self._show(kind, show, views() if crossed else changed[kind])
             gone += left
         gone += self._forget(told.gone)
+        factory = self._factory(told.at_s)
+        before_s, self._plant_at_s = self._plant_at_s, factory.plant_at_s
         return Delta(
             number=told.number,
             at_s=told.at_s,
+            factory=factory if factory.plant_at_s != before_s else None,
             atvs=atvs,
             machines=seen["machine"],
             stations=seen["station"],
@@ -231,6 +236,10 @@ class AreaScope:
             waits=seen["wait"],
             gone=tuple(gone),
         )
+
+    def _factory(self, wall_s: float) -> FactoryView:
+        """What an area is told of the factory: its speed, and when its plant changed last."""
+        return FactoryView(speed=self._projection.speed, plant_at_s=self._projection.plant_at_s(wall_s))
 
     def _show(self, kind: str, show: Show, views: Iterable[Any]) -> tuple[tuple[Any, ...], list[str]]:
         """Filter some views.

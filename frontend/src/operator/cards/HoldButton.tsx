@@ -19,17 +19,27 @@ interface Props {
 export function HoldButton({ children, class: name, disabled, onHeld }: Props) {
   const holding = useSignal(false);
   const timer = useRef<number | undefined>(undefined);
-  const begin = (): void => {
-    if (holding.value) return;
-    holding.value = true;
-    timer.current = window.setTimeout(() => {
-      holding.value = false;
-      onHeld();
-    }, HOLD_MS);
-  };
+  /** When the finger or the key came down, on the clock of events. */
+  const sinceMs = useRef(0);
   const end = (): void => {
     clearTimeout(timer.current);
     holding.value = false;
+  };
+  const held = (): void => {
+    if (!holding.value) return;
+    end();
+    onHeld();
+  };
+  const begin = ({ timeStamp }: Event): void => {
+    if (holding.value) return;
+    holding.value = true;
+    sinceMs.current = timeStamp;
+    timer.current = window.setTimeout(held, HOLD_MS);
+  };
+  /** A tablet that is busy tells of it before its own timer: what counts is when it was let go. */
+  const letGo = ({ timeStamp }: Event): void => {
+    if (timeStamp - sinceMs.current >= HOLD_MS) held();
+    else end();
   };
   useEffect(() => () => {
     clearTimeout(timer.current);
@@ -44,9 +54,9 @@ export function HoldButton({ children, class: name, disabled, onHeld }: Props) {
       style={{ "--hold": `${HOLD_MS}ms` }}
       disabled={disabled}
       onPointerDown={(event) => {
-        if (event.button === 0) begin();
+        if (event.button === 0) begin(event);
       }}
-      onPointerUp={end}
+      onPointerUp={letGo}
       onPointerLeave={end}
       onPointerCancel={end}
       onContextMenu={(event) => {
@@ -56,12 +66,12 @@ export function HoldButton({ children, class: name, disabled, onHeld }: Props) {
         if (!isPress(event)) return;
         // The browser's own click would come at once.
         event.preventDefault();
-        if (!event.repeat) begin();
+        if (!event.repeat) begin(event);
       }}
       onKeyUp={(event) => {
         if (!isPress(event)) return;
         event.preventDefault();
-        end();
+        letGo(event);
       }}
       onBlur={end}
       onClick={(event) => {

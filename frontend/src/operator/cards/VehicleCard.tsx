@@ -20,6 +20,7 @@ import { HelpAsk } from "./HelpAsk";
 import { type Need, needOf } from "./need";
 import { Release } from "./Release";
 import { Service } from "./Service";
+import { isSettling } from "./settling";
 import { SpeedSteps } from "./SpeedSteps";
 
 const TONES = {
@@ -32,7 +33,7 @@ export function VehicleCard({ atv, left, tooSoon }: { atv: AtvView; left: boolea
   const need = needOf(atv, moment.value);
   const chosen = selection.value.atv === atv.id;
   return (
-    <li class={`vehicle card need-${need} ${chosen ? "chosen" : ""} ${left ? "left" : ""}`} id={`vehicle-${atv.id}`}>
+    <li class={["vehicle card", `need-${need}`, chosen && "chosen", left && "left", isSettling(atv.id) && "settling"].filter(Boolean).join(" ")} id={`vehicle-${atv.id}`}>
       <div class="vehicle-body">
         <header>
           <h2>

@@ -1,5 +1,5 @@
 /** Hands on the cards: whether there is one, and whether it meets what it has seen there. */
-import { SETTLE_MS } from "../stop/places";
+import { isSettling } from "./settling";
 
 /** A second touch often follows the first one. */
 const LINGER_MS = 1500;
@@ -49,13 +49,11 @@ const SAID_MS = 2_000;
  * A touch on a card that has come to its place just now was meant for what was there before: it does not count, and that is said.
  *
  * @param element whatever holds the cards
- * @param movedAtMs when the card of a vehicle has moved last, by `performance.now()`
  * @param onRefused told the vehicle, and null when that was said for long enough
  * @returns how to stop listening
  */
 export function refuseTooSoon(
   element: HTMLElement,
-  movedAtMs: ReadonlyMap<string, number>,
   onRefused: (id: string | null) => void,
 ): () => void {
   const stopping = new AbortController();
@@ -68,8 +66,7 @@ export function refuseTooSoon(
   element.addEventListener("pointerdown", (event) => {
     const card = event.target instanceof Element ? event.target.closest(".vehicle") : null;
     const id = card?.id.replace(/^vehicle-/, "") ?? "";
-    const atMs = movedAtMs.get(id);
-    refused = atMs !== undefined && performance.now() - atMs < SETTLE_MS;
+    refused = isSettling(id);
     if (!refused) return;
     refuse(event);
     onRefused(id);

@@ -308,11 +308,11 @@ class Projection:
             machines_by_status=dict(+self.machines.by_status),
             speed=self._time.speed,
             behind_s=(self._time.to_plant_s(wall_s) - heard_s) / self._time.speed,
-            plant_at_s=self._plant_since_s(wall_s),
+            plant_at_s=self.plant_at_s(wall_s),
         )
 
-    def _plant_since_s(self, wall_s: float) -> float:
-        """When the plant was first seen as it is now."""
+    def plant_at_s(self, wall_s: float) -> float:
+        """See `PlantPicture.plant_at_s`."""
         if self._told_plant is not self.site.plant:
             # Later than before, also where the clock stands or was set back.
             self._told_plant, self._plant_at_s = self.site.plant, max(wall_s, self._plant_at_s + 1e-3)

@@ -135,6 +135,11 @@ class Picture:
         """See `PlantPicture.speed`."""
         return float(self._factory["speed"])
 
+    def plant_at_s(self, wall_s: float) -> float | None:
+        """See `PlantPicture.plant_at_s`."""
+        at_s: float | None = self._factory.get("plant_at_s")
+        return at_s
+
     def play(self, line: Line) -> None:
         """Play one frame; in a snapshot, mark missing entities as gone."""
         if line.get("whole"):

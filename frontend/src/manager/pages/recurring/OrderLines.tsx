@@ -2,11 +2,11 @@ import { t } from "../../../text/views/recurring";
 import { plant } from "../../state";
 import { type Line, NO_LINE } from "./draft";
 import { Complaint } from "./fields";
-import { complaints, edit, written } from "./form";
+import { complaints, edit, lines as shownLines } from "./form";
 
 /** What an order is for: products and how many pieces of each. */
 export function OrderLines() {
-  const { lines } = written.value;
+  const lines = shownLines.value;
   const products = plant.value?.products ?? [];
   const change = (index: number, by: Partial<Line>): void => {
     edit({ lines: lines.map((line, i) => (i === index ? { ...line, ...by } : line)) });
@@ -18,7 +18,7 @@ export function OrderLines() {
         const attributes = { "aria-invalid": complaints.value[`line.${i}`] !== undefined, "aria-describedby": `recurring-line.${i}-wrong` };
         return (
           <div key={i} class="recurring-line">
-            <select {...attributes} aria-label={t("recurring.productOf", { row: i + 1 })} value={products.some(({ id }) => id === line.product) ? line.product : ""} onChange={(event) => { change(i, { product: event.currentTarget.value }); }}>
+            <select {...attributes} aria-label={t("recurring.productOf", { row: i + 1 })} value={line.product} onChange={(event) => { change(i, { product: event.currentTarget.value }); }}>
               <option value="">{t("recurring.choose")}</option>
               {products.map(({ id, name }) => (
                 <option key={id} value={id}>

@@ -1,14 +1,22 @@
 /** The form's state, and the sending of it. */
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { Problem } from "../../../api/problem";
 import { addSchedule, changeSchedule, previewRuns, type Schedule } from "../../../api/schedules";
 import { t } from "../../../text/views/recurring";
+import { chosenOf } from "../../cards/publish/draft";
 import { problemText } from "../../problem-text";
-import { calendarOf, daysOf, draftOf, empty, partOf, type Written, writtenOf } from "./draft";
+import { plant } from "../../state";
+import { calendarOf, daysOf, draftOf, empty, type Line, partOf, type Written, writtenOf } from "./draft";
 
 /** What is changed; null for something new. */
 export const before = signal<Schedule | null>(null);
 export const written = signal<Written>(empty("UTC"));
+/** The lines as they are shown and sent: a product that is gone is none. */
+export const lines = computed<readonly Line[]>(() => {
+  const products = plant.value?.products;
+  if (products === undefined) return written.value.lines;
+  return written.value.lines.map((line) => ({ ...line, product: chosenOf(line.product, products) }));
+});
 export const complaints = signal<Readonly<Record<string, string>>>({});
 export const busy = signal(false);
 export const outcome = signal<{ good: boolean; text: string } | null>(null);
@@ -41,7 +49,7 @@ export async function preview(): Promise<void> {
 }
 
 export async function send(): Promise<boolean> {
-  const draft = draftOf(written.value);
+  const draft = draftOf({ ...written.value, lines: lines.value });
   return await ask(async () => {
     const kept = before.value === null ? await addSchedule({ ...draft, paused: false }) : await changeSchedule(before.value, draft);
     begin(kept);

@@ -2,13 +2,12 @@ import { computed, signal } from "@preact/signals";
 import { type FileBody, fileBody } from "../../../../api/file-body";
 import { importProducts } from "../../../../api/products";
 import type { components } from "../../../../api/types";
-import { loadPlant } from "../../../../plant/load";
 import { format, n, t } from "../../../../text/views/products";
 import { FileChoice } from "../../../parts/FileChoice";
 import { RowFaults } from "../../../parts/RowFaults";
 import { Sheet } from "../../../parts/Sheet";
+import { plantAsked } from "../../../plant-asked";
 import { problemText } from "../../../problem-text";
-import { plant, plantFailed } from "../../../state";
 
 const ID = "products-file";
 
@@ -36,7 +35,7 @@ async function ask(dryRun: boolean): Promise<boolean> {
   try {
     found.value = await importProducts(chosen.value.body, dryRun);
     taken.value = !dryRun;
-    if (!dryRun) void loadPlant(plant, plantFailed, problemText);
+    if (!dryRun) void plantAsked.now();
     return true;
   } catch (error) {
     failed.value = t("products.failed", { reason: problemText(error) });

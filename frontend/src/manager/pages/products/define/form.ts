@@ -2,10 +2,10 @@
 import { signal } from "@preact/signals";
 import { defineProduct } from "../../../../api/products";
 import { Problem } from "../../../../api/problem";
-import { loadPlant } from "../../../../plant/load";
 import { t } from "../../../../text/views/products";
+import { plantAsked } from "../../../plant-asked";
 import { problemText } from "../../../problem-text";
-import { plant, plantFailed } from "../../../state";
+import { plant } from "../../../state";
 import { draftOf, empty, partOf, type ProductAnswer, twice, type Written, writtenOf } from "./draft";
 
 export const written = signal<Written>(empty(""));
@@ -42,7 +42,7 @@ export async function send(): Promise<boolean> {
     written.value = writtenOf(defined);
     outcome.value = { good: true, text: t("products.defined", { name: defined.name, revision: defined.revision }) };
     // Whatever names products by the plant knows it at once.
-    void loadPlant(plant, plantFailed, problemText);
+    void plantAsked.now();
     return true;
   } catch (error) {
     complain(error, wanted);

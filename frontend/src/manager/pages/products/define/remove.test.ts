@@ -1,5 +1,14 @@
-import { expect, test } from "vitest";
-import { asCalled, authorsOf, type Definition, inTurns, ordersOf } from "./remove";
+import { expect, test, vi } from "vitest";
+import { removeProducts } from "../../../../api/products";
+import { fetchTransport } from "../../../../api/transports";
+import type { PlantFile } from "../../../../api/types";
+import "../../../../text/in-english";
+import { plant } from "../../../state";
+import { asCalled, authorsOf, type Definition, inTurns, kept, ordersOf, removeAll, removed } from "./remove";
+
+vi.mock("../../../../api/products", () => ({ removeProducts: vi.fn(), fetchDefinitions: vi.fn() }));
+vi.mock("../../../../api/transports", () => ({ fetchTransport: vi.fn() }));
+vi.mock("../../../plant-asked", () => ({ plantAsked: { now: async () => { await Promise.resolve(); } } }));
 
 const of = (id: string, by: string): Definition => ({ id, by, name: id, revision: 1, at_s: 0, state: "made" });
 
@@ -45,4 +54,17 @@ test("there are ways to the orders that are named, and to nothing else", () => {
   const reasons = [needed("needed_by_order", "O-1, O-2, …"), needed("needed_by_machine", "M1")];
   expect(ordersOf({ reasons }, called)).toEqual([{ id: "O-1", text: "PO 17 · Acme" }, { id: "O-2", text: "O-2" }]);
   expect(ordersOf({ reasons: [needed("needed_by_order", "…")] }, called)).toEqual([]);
+});
+
+test("transports that keep a product are named by what they bring and where to, and none is not said to be removed", async () => {
+  plant.value = { materials: [], products: [{ id: "g1", name: "Gear unit G1" }] } as unknown as PlantFile;
+  const reasons = [needed("needed_by_transport", "T-1, T-2, T-3")];
+  vi.mocked(removeProducts).mockResolvedValue([{ id: "g1", result: "needed", reasons }]);
+  vi.mocked(fetchTransport).mockImplementation(async (id) => {
+    if (id === "T-3") throw new Error("forgotten");
+    return await Promise.resolve({ item: id === "T-1" ? "g1" : ".thing", quantity: 4, thing: id === "T-1" ? null : "a pallet", to: "M8" } as Awaited<ReturnType<typeof fetchTransport>>);
+  });
+  await removeAll([{ ...of("g1", "maria"), name: "Gear unit G1" }]);
+  expect(kept.value[0]?.reason).toContain("(4 Gear unit G1 → M8, a pallet → M8, T-3)");
+  expect(removed.value).toBe(null);
 });

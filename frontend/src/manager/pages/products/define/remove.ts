@@ -1,14 +1,15 @@
 /** Removing of products: several at once, and what became of each. */
 import { signal } from "@preact/signals";
 import { removeProducts } from "../../../../api/products";
+import { fetchTransport } from "../../../../api/transports";
 import type { components } from "../../../../api/types";
-import { loadPlant } from "../../../../plant/load";
 import type { Names } from "../../../../plant/names";
 import { world } from "../../../../stream/stream";
-import { t } from "../../../../text/views/products";
+import { format, t } from "../../../../text/views/products";
 import { faultText } from "../../../../text/views/rows/fault-text";
+import { plantAsked } from "../../../plant-asked";
 import { problemText } from "../../../problem-text";
-import { names as namesNow, plant, plantFailed } from "../../../state";
+import { names as namesNow, placeOf } from "../../../state";
 
 export type Definition = components["schemas"]["DefinitionAnswer"];
 type Removed = components["schemas"]["RemovedProduct"];
@@ -33,7 +34,7 @@ const AT_ONCE = 500;
 export const ticked = signal<ReadonlySet<string>>(new Set());
 /** Those that stay, and why. */
 export const kept = signal<readonly Stays[]>([]);
-/** How many were removed last; null before. */
+/** How many were removed last; null before, and where it was none. */
 export const removed = signal<number | null>(null);
 export const removing = signal(false);
 
@@ -93,7 +94,7 @@ export async function removeAll(chosen: readonly Definition[]): Promise<void> {
     const told = await inTurns([...names.keys()], removeProducts);
     const gone = told.filter(({ result }) => result === "removed" || result === "unknown").map(({ id }) => id);
     tick(gone, false);
-    removed.value = gone.length;
+    removed.value = gone.length === 0 ? null : gone.length;
     const stay = told.filter(({ id }) => !gone.includes(id));
     kept.value = await Promise.all(stay.map(async (each) => ({ name: names.get(each.id) ?? each.id, reason: await reasonOf(each), orders: ordersOf(each, orderText) })));
   } catch (error) {
@@ -101,13 +102,14 @@ export async function removeAll(chosen: readonly Definition[]): Promise<void> {
   } finally {
     removing.value = false;
     // Whatever names products by the plant knows it at once.
-    void loadPlant(plant, plantFailed, problemText);
+    void plantAsked.now();
   }
 }
 
 async function reasonOf({ reasons, result }: Removed): Promise<string> {
   if (result === "in_plant_file") return t("products.inPlantFile");
-  const called = { needed_by_order: orderText, needed_by_product: namesNow.value };
+  const transports = new Map(await Promise.all(named(reasons, "needed_by_transport").map(async (id) => [id, await transportText(id)] as const)));
+  const called = { needed_by_order: orderText, needed_by_product: namesNow.value, needed_by_transport: (id: string) => transports.get(id) ?? id };
   return (await Promise.all(reasons.map(async (each) => await faultText(asCalled(each, called))))).join(" ");
 }
 
@@ -115,6 +117,16 @@ async function reasonOf({ reasons, result }: Removed): Promise<string> {
 function orderText(id: string): string {
   const order = world.value?.orders.get(id);
   return [order?.reference ?? id, order?.customer].filter(Boolean).join(" · ");
+}
+
+/** What panels call a plain transport: what it brings, and where to; its id where that is not told. */
+async function transportText(id: string): Promise<string> {
+  try {
+    const { item, quantity, thing, to } = await fetchTransport(id);
+    return `${thing ?? `${format.count(quantity)} ${namesNow.value(item)}`} → ${placeOf(to)}`;
+  } catch {
+    return id;
+  }
 }
 
 const BETWEEN = ", ";
@@ -131,6 +143,11 @@ export function asCalled(reason: Reason, called: Readonly<Record<string, Names>>
 
 /** The orders that keep a product, as far as they are named. */
 export function ordersOf({ reasons }: Pick<Removed, "reasons">, called: Names): readonly Ordered[] {
-  const told = reasons.filter(({ code }) => code === "needed_by_order").flatMap(({ values }) => (values?.names ?? "").split(BETWEEN));
-  return told.filter((id) => id !== MORE && id !== "").map((id) => ({ id, text: called(id) }));
+  return named(reasons, "needed_by_order").map((id) => ({ id, text: called(id) }));
+}
+
+/** The ids that a kind of reason names. */
+function named(reasons: readonly Reason[], kind: string): readonly string[] {
+  const told = reasons.filter(({ code }) => code === kind).flatMap(({ values }) => (values?.names ?? "").split(BETWEEN));
+  return told.filter((id) => id !== MORE && id !== "");
 }

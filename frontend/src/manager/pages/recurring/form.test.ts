@@ -1,0 +1,29 @@
+import { beforeEach, expect, test, vi } from "vitest";
+import { addSchedule } from "../../../api/schedules";
+import type { PlantFile } from "../../../api/types";
+import { plant } from "../../state";
+import { edit, begin, lines, send } from "./form";
+
+vi.mock("../../../api/schedules", () => ({ addSchedule: vi.fn(), changeSchedule: vi.fn(), previewRuns: vi.fn() }));
+
+const made = (...ids: string[]): PlantFile => ({ products: ids.map((id) => ({ id, name: id })), materials: [] }) as unknown as PlantFile;
+
+beforeEach(() => {
+  vi.mocked(addSchedule).mockReset();
+  plant.value = made("g1", "g2");
+  begin(null);
+  edit({ kind: "order", customer: "Acme", lines: [{ product: "g1", quantity: "4" }, { product: "g2", quantity: "5" }] });
+});
+
+test("a product that is gone is shown as none, and not sent", async () => {
+  plant.value = made("g1");
+  expect(lines.value.map(({ product }) => product)).toEqual(["g1", ""]);
+  await send();
+  expect(vi.mocked(addSchedule).mock.calls[0]?.[0].order?.items).toEqual([{ product: "g1", quantity: 4 }, { product: "", quantity: 5 }]);
+});
+
+test("as long as nobody knows the products, those that are written stay", async () => {
+  plant.value = null;
+  await send();
+  expect(vi.mocked(addSchedule).mock.calls[0]?.[0].order?.items.map(({ product }) => product)).toEqual(["g1", "g2"]);
+});
