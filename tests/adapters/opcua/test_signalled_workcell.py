@@ -222,6 +222,20 @@ ODD = (
     Odd("a value of bad quality", tells((P, 7), quality=Quality.BAD), 0, "no value for pieces: its controller says that it is bad"),
     Odd("a value that is uncertain", tells((P, 7), quality=Quality.UNCERTAIN), 0, "it is uncertain"),
     Odd("a bad value that becomes good", lambda rig: (tells((P, 0), quality=Quality.BAD)(rig), tells((P, 1))(rig)), 1),
+    Odd(
+        "reset while it had no value",
+        lambda rig: (tells((P, 3))(rig), tells((P, 3), quality=Quality.BAD)(rig), tells((P, 1))(rig)),
+        4,
+        "pieces made before that may be missing",
+    ),
+    Odd(
+        "pulses without a value",
+        lambda rig: (tells((P, False), quality=Quality.UNCERTAIN)(rig), tells((P, True))(rig)),
+        0,
+        "pieces may be missing",
+        PULSE,
+    ),
+    Odd("words without an end", tells((Signal.FAULT, "jam " * 20_000)), 0, "jam jam...", FAULTS),
     Odd("away, and pieces were made meanwhile", away_and_back(5, 20 * PIECE_S), 5),
     Odd("away, and more than can have been made", away_and_back(500, PIECE_S), 0, "pieces at most can have been made"),
     Odd(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -38,11 +39,15 @@ FIRST_S = 10.0
 
 
 SILENT_S = 10.0
-"""Silence after which the controller of a storage or the gate is lost: its agent ends, so that nobody relies on it, and restarts."""
+"""Real seconds of silence after which the controller of a storage or the gate is lost: its agent ends, so that nobody relies on it, and restarts."""
 
 
 LOOK_S = 0.1
 """Seconds between looks whether such a controller is there."""
+
+
+SAY_EVERY_S = 5.0
+"""Shortest time between two lines of the log about such a controller, however often the reason changes."""
 
 _log = logging.getLogger(__name__)
 
@@ -203,7 +208,7 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
         link = real.link(f"dray-{name}")
         world, rest_s = _World(link.write, file.write), rests_s(settings.plant_speed)
         body = SignalledStore(spec, real.mapping, now, world, kept, rests_s=rest_s)
-        async with _waited_for(name, body, link, now) as embodied:
+        async with waited_for(name, body, link, now, settings.plant_speed) as embodied:
             yield embodied
 
     return embody
@@ -222,7 +227,7 @@ def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
         SettingsError: the mapping is missing or unusable.
     """
     settings, clock = surroundings.settings, surroundings.clock
-    real = RealController.of(settings, SignalMapping.check_gate)
+    real = RealController.of(settings, lambda mapping: mapping.check_gate())
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
@@ -234,7 +239,7 @@ def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
         link = real.link(f"dray-{name}")
         world, rest_s = _World(link.write, file.write), settle_s(settings.plant_speed)
         body = SignalledGate(real.mapping, now, world, kept, settle_s=rest_s)
-        async with _waited_for(name, body, link, now) as embodied:
+        async with waited_for(name, body, link, now, settings.plant_speed, lambda: body.held) as embodied:
             yield embodied
 
     return embody
@@ -251,28 +256,63 @@ class _Awaited(LinkListener, Body, Protocol):
 
 
 @asynccontextmanager
-async def _waited_for(name: str, body: _Awaited, link: SignalsLink, now: Clock) -> AsyncIterator[Embodied]:
-    """Begin once the controller works, and end when it has not for `SILENT_S`."""
+async def waited_for(
+    name: str, body: _Awaited, link: SignalsLink, now: Clock, speed: float, held: Callable[[], str] = str
+) -> AsyncIterator[Embodied]:
+    """Begin once the controller works, and end when it has not for `SILENT_S`.
+
+    Args:
+        name: the agent's id.
+        body: its body.
+        link: the link to its controller.
+        now: the plant's clock.
+        speed: seconds of that clock per second.
+        held: returns what else is wrong while the controller works, for the log; empty for nothing.
+    """
     running = asyncio.create_task(link.run(body))
+    log = _AwayLog(name, asyncio.get_running_loop().time)
 
     async def lost() -> None:
-        while body.away_since_s is None or now.now_s() - body.away_since_s < SILENT_S:
+        while body.away_since_s is None or now.now_s() - body.away_since_s < SILENT_S * speed:
             await asyncio.wait((running,), timeout=1.0)
             if running.done():
                 running.result()
+            log.look(body.away or held())
         _log.error("%s: %s", name, body.away)
 
-    wall, said = asyncio.get_running_loop(), ""
-    again_s = wall.time() + REMIND_EVERY_S
     try:
         while body.away_since_s is not None:
             await asyncio.wait((running,), timeout=LOOK_S)
             if running.done():
                 running.result()
-            if body.away and (wall.time() >= again_s or (link.linked.is_set() and body.away != said)):
-                said, again_s = body.away, wall.time() + REMIND_EVERY_S
-                _log.warning("%s waits for its controller: %s", name, said)
+            log.look(body.away, is_heard=link.linked.is_set())
         yield Embodied(body, lost, (link.failures,))
     finally:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)
+
+
+class _AwayLog:
+    """Logs why a controller is away: a new reason after `SAY_EVERY_S` at the earliest, the same one again after `REMIND_EVERY_S`.
+
+    Args:
+        name: the agent's id.
+        wall_s: real seconds.
+    """
+
+    def __init__(self, name: str, wall_s: Callable[[], float]) -> None:
+        self._name, self._wall_s = name, wall_s
+        self._said, self._said_s, self._begun_s = "", -math.inf, wall_s()
+
+    def look(self, away: str, *, is_heard: bool = True) -> None:
+        """Log the reason, if it is time.
+
+        Args:
+            away: the reason; empty while the controller works.
+            is_heard: whether anything was heard of it yet; until then the reason is logged after `REMIND_EVERY_S` only.
+        """
+        wall_s = self._wall_s()
+        is_new = is_heard and away != self._said and wall_s >= self._said_s + SAY_EVERY_S
+        if away and (is_new or wall_s >= max(self._said_s, self._begun_s) + REMIND_EVERY_S):
+            self._said, self._said_s = away, wall_s
+            _log.warning("%s waits for its controller: %s", self._name, away)
