@@ -343,6 +343,16 @@ def test_pieces_are_counted_over_a_restart_of_the_agent() -> None:
     assert rig.state.stock[ITEM] == 100 - 4 * BILL[ITEM]
 
 
+def test_a_reset_that_was_heard_is_known_to_the_next_life() -> None:
+    rig = Rig()
+    tells((P, 3), (P, 0))(rig)
+    rig.begin()
+    tells((P, 0))(rig)
+    rig.body.on_link()
+    tells((P, 1))(rig)
+    assert (rig.state.broken, done(rig)) == ("", 4)
+
+
 def test_a_piece_that_an_earlier_life_has_begun_is_wanted_in_the_next() -> None:
     rig = Rig({**TWO_BITS, Signal.PRODUCT: Tag("product")})
     rig.start()

@@ -325,7 +325,8 @@ class SignalledWorkcell:
         doubt = f"{signal.value} {reading.doubt}" if reading.doubt else self._kept.doubt
         changes = {"bad": now} if is_bad else {"pieces": now}
         self._kept = replace(self._kept, doubt=doubt, **changes)
-        if reading.pieces or reading.doubt or last is None:
+        was_reset = last is not None and tag.edge is None and number < last.value
+        if reading.pieces or reading.doubt or last is None or was_reset:
             self._made(reading.pieces, bad=is_bad)
         return None
 
