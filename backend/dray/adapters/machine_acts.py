@@ -173,7 +173,11 @@ class Acts:
                 yield (
                     await self._container(body)
                     if self.wanted.dock
-                    else Step("container", None, "left out: give --dock, and it lets a container in")
+                    else Step(
+                        "container",
+                        None,
+                        "left out: give --dock before its agent begins for the first time, and it lets a container in",
+                    )
                 )
                 return
             yield (
@@ -230,7 +234,7 @@ class Acts:
             )
         label, begun_s = body.label, self.clock.now_s()
         body.instruct(Admit(label, CONTAINER))
-        is_gone = await self._until(lambda: not body.label or bool(body.away), DOCK_S)
+        is_gone = await self._until(lambda: body.label != label or bool(body.away), DOCK_S)
         body.instruct(Admit(label, 0))
         await asyncio.sleep(WRITTEN_S)
         if not is_gone:

@@ -16,7 +16,10 @@ from dray_sim.bodies.gate import Gate
 from dray_sim.controllers.dock import LOOK_S
 
 ASIDE_S = 600.0
-"""Time after which a container that is not admitted goes aside."""
+"""Time after which a container that is not admitted goes aside; time in which the agent is away does not count."""
+
+BEAT_S = 60.0
+"""Longest time between two values of `alive` that counts as the agent's presence. They come once a real second."""
 
 MODULUS = 2**16
 """Modulus of its counter."""
@@ -33,6 +36,7 @@ class GateController:
     Attributes:
         shows: values of its outputs, by signal.
         told: values of its inputs, by signal.
+        let_in: pieces that came in, by goal.
         aside: pieces that went aside, by goal.
     """
 
@@ -40,21 +44,33 @@ class GateController:
         self._clock, self._tell = clock, tell
         self.shows: dict[Signal, Value] = {Signal.PIECES: 0, Signal.GOAL: ""}
         self.told: dict[Signal, Value] = {Signal.ADMITTED: 0, Signal.ADMITTED_GOAL: "", Signal.ALIVE: 0}
+        self.let_in: Counter[str] = Counter()
         self.aside: Counter[str] = Counter()
         self._belt: deque[tuple[str, int]] = deque()
         """Containers that wait: goal and pieces."""
         self._brought: Counter[str] = Counter(gate.sense().arrived)
         self._pieces = self._made = 0
-        """Pieces of the container whose label is shown; pieces that were let in."""
-        self._since_s = clock.now_s()
+        """Pieces of the container whose label is shown; pieces that were let in since its counter was reset."""
+        self._waited_s, self._beat_s = 0.0, clock.now_s()
+        """Time for which the container has waited while the agent was there; the time of the last value of `alive`."""
         gate.is_open = True
         gate.attach(self._heard)
         clock.call_at(clock.now_s(), self._look)
 
     def on_write(self, signal: Signal, value: Value) -> None:
         """Store an input; the controller acts on it when it looks."""
-        if signal in self.told:
-            self.told[signal] = value
+        if signal not in self.told:
+            return
+        if signal is Signal.ALIVE and value != self.told[signal]:
+            now_s = self._clock.now_s()
+            self._waited_s += min(now_s - self._beat_s, BEAT_S)
+            self._beat_s = now_s
+        self.told[signal] = value
+
+    def reset_counters(self) -> None:
+        """Count from 0 on, as after somebody has pressed a button at its panel."""
+        self._made = 0
+        self._show(Signal.PIECES, 0)
 
     def _show(self, signal: Signal, value: Value) -> None:
         if self.shows[signal] != value:
@@ -76,12 +92,13 @@ class GateController:
             # The permit of the last container must have been taken back.
             if self._belt and not admitted:
                 goal, self._pieces = self._belt.popleft()
-                self._since_s = now_s
+                self._waited_s, self._beat_s = 0.0, now_s
                 self._show(Signal.GOAL, goal)
         elif self.told[Signal.ADMITTED_GOAL] == label and admitted >= self._pieces:
             self._made += self._pieces
+            self.let_in[label] += self._pieces
             self._show(Signal.PIECES, self._made % MODULUS)
             self._show(Signal.GOAL, "")
-        elif now_s - self._since_s > ASIDE_S:
+        elif self._waited_s > ASIDE_S:
             self.aside[label] += self._pieces
             self._show(Signal.GOAL, "")

@@ -43,8 +43,10 @@ def short(signal: str) -> str:
     return f"level.{signal.removeprefix(LEVEL)}" if signal.startswith(LEVEL) else str(signal)
 
 
-def shown(signal: S, value: Value, types: Types[S], status: ua.StatusCode | None = None) -> ua.DataValue:
-    """The value of a signal for its node, with the controller's status code."""
+def shown(
+    signal: S, value: Value | None, types: Types[S], status: ua.StatusCode | None = None
+) -> ua.DataValue:
+    """The value of a signal for its node, or none, with the controller's status code."""
     return ua.DataValue(ua.Variant(value, types[signal][1]), status or ua.StatusCode())
 
 

@@ -8,6 +8,7 @@ from typing import Self
 
 from asyncua import Node, Server, ua
 from asyncua.crypto.permission_rules import SimpleRoleRuleset, User, UserRole
+from asyncua.server.address_space import NodeData
 from asyncua.server.user_managers import UserManager
 
 from dray.adapters.signals.signal import Signal, Value
@@ -57,6 +58,7 @@ class Plc:
         user: whether it wants name and password.
         certificates: its own certificate and key, where it wants to be spoken to in secret.
         pieces: what its counter shows at the beginning.
+        types: of its nodes, where they differ from `TYPES`.
     """
 
     def __init__(
@@ -66,7 +68,9 @@ class Plc:
         user: bool = False,
         certificates: tuple[Path, Path] | None = None,
         pieces: int = 0,
+        types: dict[Signal, ua.VariantType] | None = None,
     ) -> None:
+        self._types = TYPES | {signal: (TYPES[signal][0], kind) for signal, kind in (types or {}).items()}
         self._shows: dict[Signal, Value] = {Signal.PIECES: pieces}
         self._server = Server(user_manager=OneUser() if user else None)
         self._port, self._certificates, self._user = port, certificates, user
@@ -86,7 +90,9 @@ class Plc:
         else:
             server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
         space = await server.register_namespace(NAMESPACE)
-        begins = {signal: (self._shows.get(signal, value), kind) for signal, (value, kind) in TYPES.items()}
+        begins = {
+            signal: (self._shows.get(signal, value), kind) for signal, (value, kind) in self._types.items()
+        }
         self.nodes = await add_controller(server, space, "Press", begins)
         for node in self.nodes.values():
             await node.set_writable()
@@ -106,9 +112,20 @@ class Plc:
     def port(self) -> int:
         return self._port
 
-    async def put(self, signal: Signal, value: Value, status: int = ua.StatusCodes.Good) -> None:
+    async def put(self, signal: Signal, value: Value | None, status: int = ua.StatusCodes.Good) -> None:
         """Show a value."""
-        await self.nodes[signal].write_value(shown(signal, value, TYPES, ua.StatusCode(status)))
+        await self.nodes[signal].write_value(shown(signal, value, self._types, ua.StatusCode(status)))
+
+    def refuse(self, signal: Signal, values: set[Value]) -> None:
+        """Refuse these values from now on, and take others."""
+
+        def write(node: NodeData, attribute: ua.AttributeIds, data: ua.DataValue) -> None:
+            if data.Value is not None and data.Value.Value in values:
+                raise ua.UaStatusCodeError(ua.StatusCodes.BadOutOfRange)
+            node.attributes[attribute].value = data
+
+        space = self._server.iserver.aspace
+        space.set_attribute_value_setter(self.nodes[signal].nodeid, ua.AttributeIds.Value, write)
 
     async def read(self, signal: Signal) -> Value:
         """What it was told, or shows."""

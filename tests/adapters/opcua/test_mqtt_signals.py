@@ -23,7 +23,7 @@ from dray.adapters.mqtt.commissioning import MqttCommissioning
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.mqtt.values import LARGEST_BYTES, message_of, sample_of
-from dray.adapters.signals.signal import Quality, Value
+from dray.adapters.signals.signal import Quality, Sample, Value
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.vda5050.link import BrokerAddress
@@ -95,6 +95,12 @@ def test_what_is_no_value_says_why(data: bytes, path: str, why: str) -> None:
     sample = sample_of(data, path)
     assert sample.quality is Quality.BAD
     assert why in sample.reason
+
+
+@pytest.mark.parametrize(("data", "path"), [(b"null", ""), (b"", ""), (b" ", ""), (b'{"a": null}', "a")])
+def test_no_text_is_an_empty_one_where_a_signal_is_always_a_text(data: bytes, path: str) -> None:
+    assert sample_of(data, path, text=True) == Sample("")
+    assert sample_of(data, path).quality is Quality.BAD
 
 
 def test_what_is_written_to_one_topic_is_one_message() -> None:

@@ -174,22 +174,23 @@ def of_the_gate(url: str, folder: Path, wanted: Wanted) -> Commissioning:
     return Commissioning(parsed, folder, "", GateSpec(), PLANT, clock, wanted)
 
 
-async def play_gate(plc: Plc) -> None:
-    """A container of four pieces stands there, and comes in when it may."""
+async def play_gate(plc: Plc, following: str) -> None:
+    """A container of four pieces stands there, and comes in when it may; then another label is shown, or none."""
     await plc.put(Signal.GOAL, "O-7-1.1")
     await plc.until(Signal.ADMITTED_GOAL, "O-7-1.1")
+    await plc.until(Signal.ADMITTED, CONTAINER)
     await plc.put(Signal.PIECES, 74)
-    await plc.until(Signal.ADMITTED, CONTAINER - 4)
-    await plc.put(Signal.GOAL, "")
+    await plc.put(Signal.GOAL, following)
 
 
-def test_a_gate_lets_a_container_in_and_counts_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize("following", ["", "O-8-1.1"])
+def test_a_gate_lets_a_container_in_and_counts_it(following: str, tmp_path: Path) -> None:
     async def story() -> None:
         async with Plc(pieces=70) as plc:
             only_read = await seen(of_the_gate(plc.url, tmp_path, Wanted()))
             assert only_read["gate"] == (True, "nothing keeps it from working")
             assert only_read["container"][0] is None
-            gate = asyncio.create_task(play_gate(plc))
+            gate = asyncio.create_task(play_gate(plc, following))
             done = of_the_gate(plc.url, tmp_path, Wanted(dock=True))
             steps = await seen(done)
             await gate

@@ -282,10 +282,13 @@ def test_the_examples_can_be_read() -> None:
     files = sorted(folder.glob("*.yaml"))
     assert [file.name for file in files] == [
         "counter.yaml",
+        "gate-mqtt.yaml",
         "gate.yaml",
         "mqtt.yaml",
         "opc-40001-1.yaml",
         "store.yaml",
     ]
     for file in files:
-        load_mapping(file, OpcUaMapping if has_address(file) else MqttMapping)
+        spec = load_mapping(file, OpcUaMapping if has_address(file) else MqttMapping)
+        if file.name.startswith("gate"):
+            spec.check_gate()

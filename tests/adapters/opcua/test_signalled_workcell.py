@@ -222,6 +222,20 @@ ODD = (
     Odd("a value of bad quality", tells((P, 7), quality=Quality.BAD), 0, "no value for pieces: its controller says that it is bad"),
     Odd("a value that is uncertain", tells((P, 7), quality=Quality.UNCERTAIN), 0, "it is uncertain"),
     Odd("a bad value that becomes good", lambda rig: (tells((P, 0), quality=Quality.BAD)(rig), tells((P, 1))(rig)), 1),
+    Odd(
+        "reset while it had no value",
+        lambda rig: (tells((P, 3))(rig), tells((P, 3), quality=Quality.BAD)(rig), tells((P, 1))(rig)),
+        4,
+        "pieces made before that may be missing",
+    ),
+    Odd(
+        "pulses without a value",
+        lambda rig: (tells((P, False), quality=Quality.UNCERTAIN)(rig), tells((P, True))(rig)),
+        0,
+        "pieces may be missing",
+        PULSE,
+    ),
+    Odd("words without an end", tells((Signal.FAULT, "jam " * 20_000)), 0, "jam jam...", FAULTS),
     Odd("away, and pieces were made meanwhile", away_and_back(5, 20 * PIECE_S), 5),
     Odd("away, and more than can have been made", away_and_back(500, PIECE_S), 0, "pieces at most can have been made"),
     Odd(
@@ -327,6 +341,16 @@ def test_pieces_are_counted_over_a_restart_of_the_agent() -> None:
     rig.body.on_link()
     assert done(rig) == 3
     assert rig.state.stock[ITEM] == 100 - 4 * BILL[ITEM]
+
+
+def test_a_reset_that_was_heard_is_known_to_the_next_life() -> None:
+    rig = Rig()
+    tells((P, 3), (P, 0))(rig)
+    rig.begin()
+    tells((P, 0))(rig)
+    rig.body.on_link()
+    tells((P, 1))(rig)
+    assert (rig.state.broken, done(rig)) == ("", 4)
 
 
 def test_a_piece_that_an_earlier_life_has_begun_is_wanted_in_the_next() -> None:

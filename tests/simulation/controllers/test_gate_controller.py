@@ -7,7 +7,7 @@ from controller_stand import ControllerStand
 
 from dray.adapters.signals.signal import Signal
 from dray_sim.bodies.gate import Gate
-from dray_sim.controllers.gate import ASIDE_S, GateController
+from dray_sim.controllers.gate import ASIDE_S, BEAT_S, GateController
 
 
 class Stand(ControllerStand[GateController]):
@@ -46,5 +46,18 @@ def test_containers_come_in_one_by_one_each_with_a_permit_of_its_own(stand: Stan
 def test_a_container_that_nobody_admits_goes_aside(stand: Stand) -> None:
     stand.gate.enter("a", 3)
     stand.gate.enter("b", 1)
-    assert stand.wait(2 * ASIDE_S)[:3] == [(Signal.GOAL, "a"), (Signal.GOAL, ""), (Signal.GOAL, "b")]
+    shown: list[tuple[Signal, Value]] = []
+    for beat in range(int(1.5 * ASIDE_S / BEAT_S)):
+        stand.controller.on_write(Signal.ALIVE, beat + 1)
+        shown += stand.wait(BEAT_S)
+    assert shown == [(Signal.GOAL, "a"), (Signal.GOAL, ""), (Signal.GOAL, "b")]
     assert stand.controller.aside == {"a": 3}
+
+
+def test_nothing_goes_aside_while_the_agent_is_away(stand: Stand) -> None:
+    stand.gate.enter("a", 3)
+    stand.controller.on_write(Signal.ALIVE, 1)
+    assert stand.wait(2 * ASIDE_S) == [(Signal.GOAL, "a")]
+    # It is there again.
+    stand.controller.on_write(Signal.ALIVE, 2)
+    assert stand.wait(BEAT_S) == []

@@ -11,7 +11,7 @@ from dray.adapters.machine_acts import LINK_S, Spec, Wanted, after
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.mqtt.values import sample_of
-from dray.adapters.signals.signal import Quality, Signal, Tag, is_told
+from dray.adapters.signals.signal import TEXTS, Quality, Signal, Tag, is_told
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink
 from dray.plant import Plant
 from dray.ports import Clock
@@ -121,7 +121,7 @@ def _heard(name: str, tag: Tag, ear: _Ear, hear_s: float) -> Step:
         # A sensor that publishes only changes may have been silent, but a count must be seen once.
         passed = False if name in (Signal.PIECES, Signal.BAD) else None
         return Step(name, passed, f"{where}: nothing was said within {hear_s:g} s{kept}")
-    sample = sample_of(ear.said[tag.topic], tag.path)
+    sample = sample_of(ear.said[tag.topic], tag.path, text=name in TEXTS)
     if sample.quality is not Quality.GOOD:
         return Step(name, False, f"{where}: {sample.reason}")
     return Step(name, True, f"{where}, shows {sample.value!r}")

@@ -12,7 +12,7 @@ from contextlib import suppress
 
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.mqtt.values import message_of, sample_of
-from dray.adapters.signals.signal import LinkListener, Signal, Tag, Value, is_told
+from dray.adapters.signals.signal import TEXTS, LinkListener, Signal, Tag, Value, is_told
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink
 from dray.supervision import Failures
 
@@ -96,13 +96,13 @@ class SignalsOverMqtt:
         if not self._there:
             self._begin()
         for name, tag in self._told.get(topic, ()):
-            self._listener.on_sample(name, sample_of(data, tag.path))
+            self._listener.on_sample(name, sample_of(data, tag.path, text=name in TEXTS))
 
     def _on_retained(self, topic: str, data: bytes) -> None:
         """A message of unknown age."""
         for name, tag in self._told.get(topic, ()):
             if name in CAREFUL:
-                self._listener.on_sample(name, sample_of(data, tag.path))
+                self._listener.on_sample(name, sample_of(data, tag.path, text=name in TEXTS))
 
     def _begin(self) -> None:
         self._there = True

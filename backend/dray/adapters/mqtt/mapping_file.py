@@ -30,3 +30,11 @@ class MqttMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_d
             (told if is_told(name) else written).add(tag.topic)
         if both := sorted(told & written):
             raise ValueError(f"{both[0]}: what is written there would be heard as its controller's word")
+
+    def check_gate(self) -> None:
+        """See `SignalMapping.check_gate`."""
+        super().check_gate()
+        if self.silent_after_s is None:
+            raise ValueError(
+                "silent_after_s is missing: a gate must know when its reader of labels is silent"
+            )

@@ -13,13 +13,16 @@ LARGEST_BYTES = 65_536
 """Maximum size of a message; no sensor sends more."""
 
 
-def sample_of(data: bytes, path: str) -> Sample:
+def sample_of(data: bytes, path: str, *, text: bool = False) -> Sample:
     """The value of one signal in a message.
 
     Args:
         data: the message: JSON, or a plain word where there is no path.
         path: to the value in it, as `count.good` or `channels.0.value`; empty for the whole message.
+        text: whether the value is always a text: null, or an empty message without a path, is an empty one.
     """
+    if text and not path and not data.strip():
+        return Sample("")
     if len(data) > LARGEST_BYTES:
         return _nothing(f"a message of {len(data):,} bytes is none of a sensor")
     try:
@@ -35,6 +38,8 @@ def sample_of(data: bytes, path: str) -> Sample:
             value = value[int(chunk)] if isinstance(value, list) else value[chunk]
         except (LookupError, TypeError, ValueError):
             return _nothing(f"its message has nothing at {path!r}")
+    if text and value is None:
+        return Sample("")
     if isinstance(value, bool | int | float | str):
         return Sample(value)
     return _nothing("it is empty" if value is None else "it is no single value")

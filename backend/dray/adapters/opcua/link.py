@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import struct
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -56,7 +57,8 @@ _INTEGERS = {
 }
 """Bits of a counter of each type: a signed one restarts at 0, or continues below it."""
 
-_FLOATS = frozenset({ua.VariantType.Float, ua.VariantType.Double})
+LARGEST_FLOAT = 3.4e38
+"""Of 32 bits, nearly."""
 
 # It logs each request at INFO, and at WARNING what its caller is told anyway.
 logging.getLogger("asyncua").setLevel(logging.ERROR)
@@ -177,7 +179,8 @@ class _Session:
         """Signals by node; one node may carry several."""
         self._outputs: dict[str, tuple[Node, ua.VariantType]] = {}
         self._written: dict[str, Value] = {}
-        self._again_s: dict[str, float] = {}
+        self._refused: dict[str, tuple[Value, float]] = {}
+        """Refused values by signal, and when each is written again (time of the loop)."""
         self._beat = 0
         self.was_linked = False
 
@@ -247,24 +250,36 @@ class _Session:
                     if signal == Signal.ALIVE
                     else self._listener.outputs.get(signal)
                 )
-                if (
-                    value is None
-                    or self._written.get(signal) == value
-                    or clock.time() < self._again_s.get(signal, 0.0)
-                ):
+                refused, again_s = self._refused.get(signal, (None, 0.0))
+                is_early = clock.time() < again_s
+                if value is None or (is_early and (value == refused or signal == Signal.ALIVE)):
+                    continue
+                if self._written.get(signal) == value:
+                    if refused is not None and not is_early:
+                        self._accept(signal)
                     continue
                 try:
                     await node.write_value(ua.DataValue(ua.Variant(_as(value, kind), kind)))
-                except (UaStatusCodeError, ValueError, TypeError) as error:
-                    self._again_s[signal] = clock.time() + REFUSED_AGAIN_S
+                except (UaStatusCodeError, ValueError, TypeError, OverflowError, struct.error) as error:
+                    self._refused[signal] = value, clock.time() + REFUSED_AGAIN_S
+                    # What is wanted next is written, also if that was written before the refused value.
+                    self._written.pop(signal, None)
                     self._tell(signal, self._listener.on_refused, signal, words(error))
                     continue
                 self._written[signal] = value
-                self._again_s.pop(signal, None)
-                self._tell(signal, self._listener.on_refused, signal, "")
+                if value == refused or not is_early:
+                    self._accept(signal)
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(LOOK_S):
                     await self._changed.wait()
+
+    def _accept(self, signal: str) -> None:
+        """Tell that nothing is refused any more.
+
+        After a refusal another value is written at once, and this is told later: a listener may want the refused value again then.
+        """
+        self._refused.pop(signal, None)
+        self._tell(signal, self._listener.on_refused, signal, "")
 
     async def _find_all(self, client: Client) -> list[Node]:
         """Find every node of the mapping; return those to be read."""
@@ -299,6 +314,8 @@ def sample_of(data: ua.DataValue) -> Sample:
     value = None if data.Value is None else data.Value.Value
     if isinstance(value, ua.LocalizedText):
         value = value.Text or ""
+    if value is None and data.Value is not None and data.Value.VariantType is ua.VariantType.String:
+        value = ""  # The protocol has an empty text and none, and controllers use both.
     if isinstance(value, bool | int | float | str):
         return Sample(value)
     return Sample(
@@ -318,7 +335,7 @@ def words(error: BaseException) -> str:
 
 
 def _as(value: Value, kind: ua.VariantType) -> Value:
-    """Convert a value to its node's type.
+    """Convert a value to its node's type; a number beyond its range becomes the nearest one in it.
 
     Raises:
         ValueError: conversion is impossible.
@@ -326,8 +343,12 @@ def _as(value: Value, kind: ua.VariantType) -> Value:
     if kind is ua.VariantType.Boolean:
         return bool(value)
     if kind in _INTEGERS:
-        return round(float(value))
-    if kind in _FLOATS:
+        bits = _INTEGERS[kind]
+        lowest, highest = (0 if len(bits) == 1 else -(1 << bits[0])), (1 << bits[0]) - 1
+        return min(max(round(float(value)), lowest), highest)
+    if kind is ua.VariantType.Float:
+        return min(max(float(value), -LARGEST_FLOAT), LARGEST_FLOAT)
+    if kind is ua.VariantType.Double:
         return float(value)
     if kind is ua.VariantType.String:
         return str(value)

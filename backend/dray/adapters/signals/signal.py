@@ -44,7 +44,7 @@ class Signal(StrEnum):
     DOCK_VEHICLE = "dock_vehicle"
     """The vehicle at the dock; empty for none."""
     ADMITTED = "admitted"
-    """Pieces of the container at the gate that may come in."""
+    """Pieces of the container at the gate that may come in, from the beginning of the permit on; 0 for no permit."""
     ADMITTED_GOAL = "admitted_goal"
     """The label for which `ADMITTED` is said."""
     ALIVE = "alive"
@@ -61,6 +61,9 @@ READ = (
     Signal.GOAL,
 )
 """Signals that the controller writes."""
+
+TEXTS = (Signal.FAULT_TEXT, Signal.GOAL)
+"""Signals that are always texts: nothing is an empty one."""
 
 AT_A_DOCK = (Signal.DOCK_READY, Signal.DOCK_PERMIT, Signal.DOCK_VEHICLE, Signal.ALIVE)
 """Signals of a dock alone."""
@@ -142,7 +145,7 @@ LEVEL = "level of "
 class Checked(Struct, frozen=True, forbid_unknown_fields=True):
     """People's count at a gate whose count was in doubt."""
 
-    doubt: Annotated[int, Meta(ge=0)]
+    doubt: Annotated[int, Meta(ge=1)]
     """The number of the doubt, as the agent's log has it: an old count settles no new doubt."""
     arrived: dict[str, Count] = field(default_factory=dict)
     """Pieces that are in, by goal; those of other goals stay as they were counted."""
@@ -174,6 +177,8 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
                 raise ValueError(
                     f"signals.{signal}: to count at the other change of a pulse, say `edge: falling`"
                 )
+            if signal in OF_A_GATE and (tag.invert or tag.scale != 1.0):
+                raise ValueError(f"signals.{signal}: it is neither inverted nor scaled")
         if Signal.DOCK_READY in self.signals and Signal.DOCK_PERMIT not in self.signals:
             raise ValueError(
                 "signals: `dock_ready` needs `dock_permit`: the controller must hear that somebody waits"
@@ -250,6 +255,21 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
         for signal in OF_A_GATE:
             if signal in self.signals:
                 raise ValueError(f"signals.{signal}: only the gate has it, and this is {what}")
+
+
+BRIEF = 200
+"""Maximum characters of a controller's text that are shown or logged."""
+
+
+def brief(text: str, most: int = BRIEF) -> str:
+    """A controller's text in one line, cut where it is too long."""
+    line = " ".join(text[: 4 * most].split())
+    return line if len(line) <= most else f"{line[:most].rstrip()}..."
+
+
+def quoted(value: Value) -> str:
+    """A controller's value for people who are to find it there."""
+    return brief(repr(value), BRIEF // 2)
 
 
 def fault_words(value: Value, *, inverted: bool) -> str:

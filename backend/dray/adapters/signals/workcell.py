@@ -18,7 +18,17 @@ from msgspec.structs import replace
 
 from dray.adapters.signals.counting import CounterState, Reading, count, count_pulse
 from dray.adapters.signals.dock import DockHandshake, DockState
-from dray.adapters.signals.signal import Quality, Sample, Signal, SignalMapping, Tag, Value, fault_words
+from dray.adapters.signals.signal import (
+    Quality,
+    Sample,
+    Signal,
+    SignalMapping,
+    Tag,
+    Value,
+    brief,
+    fault_words,
+    quoted,
+)
 from dray.adapters.vehicles_words import name_of, with_word
 from dray.body import (
     Book,
@@ -242,9 +252,11 @@ class SignalledWorkcell:
         if value is None:
             self._silent[signal] = sample.reason or f"its controller says that it is {sample.quality.value}"
         elif understood is not None:
-            self._silent[signal] = understood
+            self._silent[signal] = brief(understood)
         else:
             self._silent.pop(signal, None)
+        if signal in self._silent and signal in (Signal.PIECES, Signal.BAD):
+            self._gaps.add(signal)
         if signal is Signal.DOCK_READY and signal in self._silent:
             self._dock.ready(is_ready=False)
         self._settle()
@@ -268,18 +280,18 @@ class SignalledWorkcell:
                 return self._take_count(signal, tag, value)
             case Signal.DOCK_READY:
                 if not isinstance(value, bool | int):
-                    return f"{value!r} is neither true nor false"
+                    return f"{quoted(value)} is neither true nor false"
                 self._dock.ready(is_ready=bool(value) is not tag.invert)
             case Signal.FAULT:
-                self._fault = fault_words(value, inverted=tag.invert)
+                self._fault = brief(fault_words(value, inverted=tag.invert))
                 self._resets = self._resets and bool(self._fault)
                 self._put(Signal.RESET, self._resets)
             case Signal.FAULT_TEXT:
-                self._fault_text = str(value).strip()
+                self._fault_text = brief(str(value))
             case Signal.STATE:
                 word = value.replace(" ", "").lower() if isinstance(value, str) else value
                 if word not in STANDS and word not in WORKS:
-                    return f"{value!r} is no state that is known"
+                    return f"{quoted(value)} is no state that is known"
                 self._standing = STANDS.get(word, "")
             case _:
                 return "the controller is told this, and does not tell it"
@@ -290,16 +302,16 @@ class SignalledWorkcell:
         moduli = self._moduli.get(signal, ())
         if tag.edge is not None:
             if not isinstance(value, bool):
-                return f"{value!r} is no pulse"
+                return f"{quoted(value)} is no pulse"
             number = int(value)
         elif isinstance(value, bool | str) or not math.isfinite(value):
-            return f"{value!r} is no count"
+            return f"{quoted(value)} is no count"
         else:
             number = round(value / tag.scale)
             if number < 0 and moduli:
                 number %= max(moduli)  # A signed counter continues below 0.
             if number < 0:
-                return f"{value!r} is no count"
+                return f"{quoted(value)} is no count"
         is_bad, gap = signal is Signal.BAD, signal in self._gaps
         self._gaps.discard(signal)
         last = self._kept.bad if is_bad else self._kept.pieces
@@ -313,7 +325,8 @@ class SignalledWorkcell:
         doubt = f"{signal.value} {reading.doubt}" if reading.doubt else self._kept.doubt
         changes = {"bad": now} if is_bad else {"pieces": now}
         self._kept = replace(self._kept, doubt=doubt, **changes)
-        if reading.pieces or reading.doubt or last is None:
+        was_reset = last is not None and tag.edge is None and number < last.value
+        if reading.pieces or reading.doubt or last is None or was_reset:
             self._made(reading.pieces, bad=is_bad)
         return None
 

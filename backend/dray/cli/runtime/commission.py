@@ -111,7 +111,7 @@ async def commission_machine(
     elif name == GATE:
         if cycle:
             raise SettingsError("--cycle", "the gate makes nothing")
-        controller = RealController.of(where.settings, SignalMapping.check_gate)
+        controller = RealController.of(where.settings, lambda mapping: mapping.check_gate())
     else:
         controller = RealController.of(where.settings, SignalMapping.check_machine)
     choices: dict[str, Spec] = {**plant.machines, **plant.stores, GATE: GateSpec()}

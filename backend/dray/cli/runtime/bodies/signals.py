@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -36,15 +37,19 @@ from dray.settings import Settings
 from dray.supervision import Failures
 
 FIRST_S = 10.0
-"""Longest wait of a machine for its controller before it begins without, and reports that."""
+"""Longest wait of a machine or the gate for its controller before it begins without, and reports that."""
 
 
 SILENT_S = 10.0
-"""Silence after which the controller of a storage or the gate is lost: its agent ends, so that nobody relies on it, and restarts."""
+"""Real seconds of silence after which the controller of a storage is lost: its agent ends, so that nobody relies on it, and restarts."""
 
 
 LOOK_S = 0.1
 """Seconds between looks whether such a controller is there."""
+
+
+SAY_EVERY_S = 5.0
+"""Shortest time between two lines of the log about such a controller, however often the reason changes."""
 
 _log = logging.getLogger(__name__)
 
@@ -176,11 +181,7 @@ def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embo
         body = SignalledWorkcell(spec, surroundings.plant, real.mapping, surroundings.clock(), world, kept)
         running = asyncio.create_task(link.run(body))
         try:
-            await asyncio.wait(
-                (running, asyncio.ensure_future(link.linked.wait())),
-                timeout=FIRST_S,
-                return_when=asyncio.FIRST_COMPLETED,
-            )
+            await _first(running, link)
             if broken := body.sense().broken:
                 _log.warning("%s begins all the same: %s", name, broken)
             yield Embodied(body, lambda: asyncio.shield(running), (link.failures,))
@@ -213,7 +214,7 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
         link, world, kept = real.surroundings(name, "store", KeptStore, DAMAGED_STORE)
         now, rest_s = clock(), rests_s(settings.plant_speed)
         body = SignalledStore(spec, real.mapping, now, world, kept, rests_s=rest_s)
-        async with _waited_for(name, body, link, now) as embodied:
+        async with waited_for(name, body, link, now, settings.plant_speed) as embodied:
             yield embodied
 
     return embody
@@ -222,7 +223,7 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
 def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
     """The gate of the delivery warehouses, with a counter and a reader of labels.
 
-    Its agent waits while its controller is away, has a fault or no values, or its count is in doubt, and ends when that has lasted for `SILENT_S`.
+    A controller that is away or has a fault, and a count in doubt, are the gate's problem, and do not end its agent.
 
     Args:
         surroundings: the process's surroundings.
@@ -232,17 +233,39 @@ def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
         SettingsError: the mapping is missing or unusable.
     """
     settings, clock = surroundings.settings, surroundings.clock
-    real = RealController.of(settings, SignalMapping.check_gate)
+    real = RealController.of(settings, lambda mapping: mapping.check_gate())
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
         link, world, kept = real.surroundings(name, "signals", KeptSignals, DAMAGED_SIGNALS)
         now, rest_s = clock(), settle_s(settings.plant_speed)
         body = SignalledGate(real.mapping, now, world, kept, settle_s=rest_s)
-        async with _waited_for(name, body, link, now) as embodied:
-            yield embodied
+        running = asyncio.create_task(link.run(body))
+        log = _AwayLog(name, asyncio.get_running_loop().time)
+
+        async def ends() -> None:
+            while not running.done():
+                log.look(body.away or body.held, is_heard=link.linked.is_set())
+                await asyncio.wait((running,), timeout=LOOK_S)
+            running.result()
+
+        try:
+            await _first(running, link)
+            yield Embodied(body, ends, (link.failures,))
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
 
     return embody
+
+
+async def _first(running: asyncio.Task[None], link: SignalsLink) -> None:
+    """Wait until a controller is linked, for `FIRST_S` at most."""
+    linked = asyncio.create_task(link.linked.wait())
+    try:
+        await asyncio.wait((running, linked), timeout=FIRST_S, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        linked.cancel()
 
 
 class _Awaited(LinkListener, Body, Protocol):
@@ -256,28 +279,62 @@ class _Awaited(LinkListener, Body, Protocol):
 
 
 @asynccontextmanager
-async def _waited_for(name: str, body: _Awaited, link: SignalsLink, now: Clock) -> AsyncIterator[Embodied]:
-    """Begin once the controller works, and end when it has not for `SILENT_S`."""
+async def waited_for(
+    name: str, body: _Awaited, link: SignalsLink, now: Clock, speed: float
+) -> AsyncIterator[Embodied]:
+    """Begin once the controller works, and end when it has not for `SILENT_S`.
+
+    Args:
+        name: the agent's id.
+        body: its body.
+        link: the link to its controller.
+        now: the plant's clock.
+        speed: seconds of that clock per second.
+    """
     running = asyncio.create_task(link.run(body))
+    log = _AwayLog(name, asyncio.get_running_loop().time)
 
     async def lost() -> None:
-        while body.away_since_s is None or now.now_s() - body.away_since_s < SILENT_S:
+        while body.away_since_s is None or now.now_s() - body.away_since_s < SILENT_S * speed:
             await asyncio.wait((running,), timeout=1.0)
             if running.done():
                 running.result()
+            log.look(body.away)
         _log.error("%s: %s", name, body.away)
 
-    wall, said = asyncio.get_running_loop(), ""
-    again_s = wall.time() + REMIND_EVERY_S
     try:
         while body.away_since_s is not None:
             await asyncio.wait((running,), timeout=LOOK_S)
             if running.done():
                 running.result()
-            if body.away and (wall.time() >= again_s or (link.linked.is_set() and body.away != said)):
-                said, again_s = body.away, wall.time() + REMIND_EVERY_S
-                _log.warning("%s waits for its controller: %s", name, said)
+            log.look(body.away, is_heard=link.linked.is_set())
         yield Embodied(body, lost, (link.failures,))
     finally:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)
+
+
+class _AwayLog:
+    """Logs why a controller is away: a new reason after `SAY_EVERY_S` at the earliest, the same one again after `REMIND_EVERY_S`.
+
+    Args:
+        name: the agent's id.
+        wall_s: real seconds.
+    """
+
+    def __init__(self, name: str, wall_s: Callable[[], float]) -> None:
+        self._name, self._wall_s = name, wall_s
+        self._said, self._said_s, self._begun_s = "", -math.inf, wall_s()
+
+    def look(self, away: str, *, is_heard: bool = True) -> None:
+        """Log the reason, if it is time.
+
+        Args:
+            away: the reason; empty while the controller works.
+            is_heard: whether anything was heard of it yet; until then the reason is logged after `REMIND_EVERY_S` only.
+        """
+        wall_s = self._wall_s()
+        is_new = is_heard and away != self._said and wall_s >= self._said_s + SAY_EVERY_S
+        if away and (is_new or wall_s >= max(self._said_s, self._begun_s) + REMIND_EVERY_S):
+            self._said, self._said_s = away, wall_s
+            _log.warning("%s waits for its controller: %s", self._name, away)
