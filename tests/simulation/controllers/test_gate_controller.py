@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from controller_stand import ControllerStand
 
-from dray.adapters.signals.signal import Signal
+from dray.adapters.signals.signal import Signal, Value
 from dray_sim.bodies.gate import Gate
 from dray_sim.controllers.gate import ASIDE_S, BEAT_S, GateController
 
