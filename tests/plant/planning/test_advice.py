@@ -87,19 +87,34 @@ def test_as_many_dwell_points_as_vehicles_are_enough(small_text: str) -> None:
     assert of_kind(change(small_text, (FIRST_FLEET, fleet("middle", "west"))), "dwell_points") == []
 
 
+CHARGER = "  - {id: CH1, node: west, box: {x_m: 5, y_m: 5, width_m: 2, depth_m: 2}}"
+
+
+def with_battery(text: str, battery_wh: float, *more: tuple[str, str]) -> Plant:
+    light = "{id: light, name: Light carrier}"
+    return change(text, (light, f"{light[:-1]}, battery_wh: {battery_wh}}}"), *more)
+
+
 def test_a_battery_too_small_for_a_transport(small_text: str) -> None:
-    small = "{id: light, name: Light carrier, battery_wh: 2}"
-    [reach] = of_kind(change(small_text, ("{id: light, name: Light carrier}", small)), "range")
+    nodes = ("west", "east", "north", "south")
+    more = "\n".join(
+        CHARGER.replace("1, node: west", f"{n}, node: {node}") for n, node in enumerate(nodes, 1)
+    )
+    [reach] = of_kind(with_battery(small_text, 2.0, (CHARGER, more)), "range")
     assert re.search(r"takes \d+% of a battery of which 80% can be used", reach.text)
     assert reach.level == "warning"
 
 
-def test_a_battery_that_lasts_for_no_transport_is_an_error(small_text: str) -> None:
-    small = "{id: light, name: Light carrier, battery_wh: 1.8}"
-    [reach] = of_kind(change(small_text, ("{id: light, name: Light carrier}", small)), "range")
-    assert reach.level == "error"
-    assert reach.text.startswith("no vehicle ever carries gear from M1 to DELIVERY, even with a full battery")
-    assert reach.load_frac == 0.0
+def test_a_battery_that_never_lasts_for_a_transport_is_an_error_and_one_that_just_does_is_not(
+    small_text: str,
+) -> None:
+    [never] = of_kind(with_battery(small_text, 3.9), "range")
+    assert never.level == "error"
+    assert never.text.startswith(
+        "no vehicle ever carries gear from M1 to DELIVERY: with the way from a charger"
+    )
+    assert "it takes 103% of a full battery" in never.text
+    assert of_kind(with_battery(small_text, 4.1), "range") == []
 
 
 def test_a_storage_that_cannot_feed_its_machine(small_text: str) -> None:

@@ -193,8 +193,8 @@ ADVICE_TEXTS: Mapping[str, str] = {
     "{nodes}, where `max_vehicle` is smaller: its ways lead round them",
     "range": "one transport of {item} from {source} to {destination} takes "
     "{takes_pct:.0f}% of a battery of which {usable_pct:.0f}% can be used: a larger battery, or shorter ways",
-    "range_never": "no vehicle ever carries {item} from {source} to {destination}, even with a full battery: it takes "
-    "{takes_pct:.0f}% of one of which {usable_pct:.0f}% can be used: a larger battery, or shorter ways",
+    "range_never": "no vehicle ever carries {item} from {source} to {destination}: with the way from a charger, and what must be "
+    "left for the way back and the queue there, it takes {takes_pct:.0f}% of a full battery: a larger battery, or shorter ways",
     "charger_queue": "{chargers} for {vehicles} vehicles: {type} stops working with {left_pct:.0f}% "
     "left, for it may wait {wait_s:.0f} s while {ahead} charge; more chargers, or a larger battery",
     "limit_no_energy": "{name}: they use more than can be charged, without any work; {remedy}",

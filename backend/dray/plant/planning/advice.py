@@ -163,19 +163,30 @@ def _large(plant: Plant) -> Iterator[Advice]:
 
 
 def _ranges(flow: Flow) -> Iterator[Advice]:
-    """A transport that takes more than a battery holds; an error if no vehicle can carry it even from its source."""
-    far = [stream for stream in flow.streams if stream.dearest_frac > stream.usable_frac]
-    if far:
-        stream = min(far, key=lambda each: each.is_possible)
+    """A transport that takes more than a battery holds; an error if no vehicle can ever carry it."""
+    never = next((stream for stream in flow.streams if stream.least_frac > 1.0), None)
+    if never is not None:
         text = Reason(
-            "range" if stream.is_possible else "range_never",
-            item=stream.item,
-            source=stream.source,
-            destination=stream.destination,
-            takes_pct=100.0 * stream.dearest_frac,
-            usable_pct=100.0 * stream.usable_frac,
+            "range_never",
+            item=never.item,
+            source=never.source,
+            destination=never.destination,
+            takes_pct=100.0 * never.least_frac,
         )
-        yield Advice("range", "vehicle_types", text, 0.0, level="warning" if stream.is_possible else "error")
+        yield Advice("range", "vehicle_types", text, 0.0, level="error")
+        return
+    for stream in flow.streams:
+        if stream.dearest_frac > stream.usable_frac:
+            text = Reason(
+                "range",
+                item=stream.item,
+                source=stream.source,
+                destination=stream.destination,
+                takes_pct=100.0 * stream.dearest_frac,
+                usable_pct=100.0 * stream.usable_frac,
+            )
+            yield Advice("range", "vehicle_types", text, 0.0)
+            return
 
 
 def _queue(plant: Plant) -> Iterator[Advice]:

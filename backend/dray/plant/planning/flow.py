@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from dray.errors import NoWay
 from dray.plant.charger_queue import CHANGEOVER_S
 from dray.plant.file.reasons import Reason, counted, joined
 from dray.plant.model import VehicleType
@@ -78,8 +79,9 @@ class Stream:
     """Largest use of a vehicle's battery by it, relative to the usable part."""
     usable_frac: float
     """Usable part of that vehicle's battery."""
-    is_possible: bool = True
-    """Whether some vehicle with a full battery that stands at a source can carry one."""
+    least_frac: float
+    """Part of a full battery for one from a charger over a source to a destination, with what must be left there. The
+    first that is 1 at most; where there is none, the least of all vehicles and places."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -333,18 +335,40 @@ class Flow:
             can_frac = min(USABLE_FRAC, kind.charging.up_to_frac - plant.charger_queue.base_frac(kind.id))
             if one_frac * usable_frac > dearest_frac * can_frac:
                 dearest_frac, usable_frac = one_frac, can_frac
-        is_possible = dearest_frac <= usable_frac or any(
-            self._lasts(kind, source, there) for kind in able for source in sources for there in destinations
-        )
-        return Stream(item, *ends, per_s, took_s, lead_s, energy_wh, dearest_frac, usable_frac, is_possible)
+        least_frac = self._least_frac(able, sources, destinations)
+        return Stream(item, *ends, per_s, took_s, lead_s, energy_wh, dearest_frac, usable_frac, least_frac)
 
-    def _lasts(self, kind: VehicleType, source: str, there: str) -> bool:
-        """Whether a full battery lasts for a load from a dock to another, and what must be left then."""
-        plant = self.plant
-        way = plant.routes(kind.id).way(plant.node_of(source), plant.node_of(there))
-        took_s = kind.load_s + way.duration_s + kind.unload_s
-        used_wh = way.length_m * kind.loaded_wh_per_m + took_s * kind.idle_w / 3600.0
-        return used_wh / kind.battery_wh + plant.charger_queue.base_frac(kind.id) <= 1.0
+    def _least_frac(
+        self, able: Iterable[VehicleType], sources: Sequence[str], destinations: Sequence[str]
+    ) -> float:
+        """See `Stream.least_frac`."""
+        least_frac = float("inf")
+        for kind in able:
+            for source in sources:
+                for there in destinations:
+                    least_frac = min(least_frac, self._round_frac(kind, source, there))
+                    if least_frac <= 1.0:
+                        return least_frac
+        return least_frac
+
+    def _round_frac(self, kind: VehicleType, source: str, there: str) -> float:
+        """Part of a battery for a load from the nearest charger, and for what must be left at its destination."""
+        plant, routes = self.plant, self.plant.routes(kind.id)
+        begin, end = plant.node_of(source), plant.node_of(there)
+        try:
+            comes = min(
+                (routes.way(plant.node_of(charger), begin) for charger in plant.chargers),
+                key=lambda way: way.length_m * kind.drive_wh_per_m + way.duration_s * kind.idle_w / 3600.0,
+            )
+            loaded, (_, back) = routes.way(begin, end), routes.nearest(end, plant.chargers)
+        except NoWay:
+            return 0.0  # Another check names it.
+        took_s = comes.duration_s + kind.load_s + loaded.duration_s + kind.unload_s
+        used_wh = comes.length_m * kind.drive_wh_per_m + loaded.length_m * kind.loaded_wh_per_m
+        used_wh += took_s * kind.idle_w / 3600.0
+        return used_wh / kind.battery_wh + plant.charger_queue.needed_frac(
+            kind.id, back.length_m, back.duration_s
+        )
 
     def _approach(self, kind: str, source: str) -> tuple[float, float]:
         """Mean seconds and metres of the empty way to a source."""

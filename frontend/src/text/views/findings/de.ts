@@ -161,7 +161,7 @@ export const findings: Catalogue<typeof en> = {
   "finding.uncounted": "{count} von {machines} Maschinen zählen nicht, was Fahrzeuge bringen und holen ({names}): deren Wort wird dort geglaubt; den Docks einen Zähler geben",
   "finding.large": "{type} misst mit seiner Last {length_m} m × {width_m} m und kommt nicht zu {nodes}, wo `max_vehicle` kleiner ist: seine Wege führen darum herum",
   "finding.range": "ein Transport von {item} von {source} nach {destination} kostet {takes_pct} % einer Batterie, von der {usable_pct} % nutzbar sind: eine größere Batterie oder kürzere Wege",
-  "finding.range_never": "kein Fahrzeug trägt je {item} von {source} nach {destination}, auch nicht mit voller Batterie: es kostet {takes_pct} % einer, von der {usable_pct} % nutzbar sind: eine größere Batterie oder kürzere Wege",
+  "finding.range_never": "kein Fahrzeug trägt je {item} von {source} nach {destination}: mit dem Weg von einer Ladestelle und dem, was für den Rückweg und die Warteschlange dort bleiben muss, kostet es {takes_pct} % einer vollen Batterie: eine größere Batterie oder kürzere Wege",
   "finding.charger_queue": "{chargers} für {vehicles} Fahrzeuge: {type} hört bei {left_pct} % auf zu arbeiten, denn es wartet unter Umständen {wait_s} s, während {ahead}; mehr Ladestationen oder eine größere Batterie",
   "finding.limit_no_energy": "{name}: sie verbrauchen schon ohne Arbeit mehr, als geladen werden kann; {remedy}",
   "finding.limit_machine": "{name} ist bei {load_pct} % der Maschinenzeit voll, wenn alle Produkte gleich oft bestellt werden: {remedy}",

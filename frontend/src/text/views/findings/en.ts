@@ -158,7 +158,7 @@ export const findings = {
   "finding.uncounted": "{count} of {machines} machines do not count what vehicles bring and take ({names}): their word is believed there; give the docks a counter",
   "finding.large": "{type} is {length_m} m x {width_m} m with its load, and does not come to {nodes}, where `max_vehicle` is smaller: its ways lead round them",
   "finding.range": "one transport of {item} from {source} to {destination} takes {takes_pct}% of a battery of which {usable_pct}% can be used: a larger battery, or shorter ways",
-  "finding.range_never": "no vehicle ever carries {item} from {source} to {destination}, even with a full battery: it takes {takes_pct}% of one of which {usable_pct}% can be used: a larger battery, or shorter ways",
+  "finding.range_never": "no vehicle ever carries {item} from {source} to {destination}: with the way from a charger, and what must be left for the way back and the queue there, it takes {takes_pct}% of a full battery: a larger battery, or shorter ways",
   "finding.charger_queue": "{chargers} for {vehicles} vehicles: {type} stops working with {left_pct}% left, for it may wait {wait_s} s while {ahead} charge; more chargers, or a larger battery",
   "finding.limit_no_energy": "{name}: they use more than can be charged, without any work; {remedy}",
   "finding.limit_machine": "{name} is full at {load_pct}% of the machines' time if all products are ordered equally often: {remedy}",

@@ -161,7 +161,7 @@ export const findings: Catalogue<typeof en> = {
   "finding.uncounted": "{count} de {machines} máquinas no cuentan lo que los vehículos traen y llevan ({names}): ahí se cree su palabra; dé un contador a los muelles",
   "finding.large": "{type} mide {length_m} m × {width_m} m con su carga y no llega a {nodes}, donde `max_vehicle` es menor: sus caminos los rodean",
   "finding.range": "un transporte de {item} de {source} a {destination} gasta el {takes_pct} % de una batería de la que se puede usar el {usable_pct} %: una batería mayor, o caminos más cortos",
-  "finding.range_never": "ningún vehículo lleva nunca {item} de {source} a {destination}, ni con la batería llena: gasta el {takes_pct} % de una de la que se puede usar el {usable_pct} %: una batería mayor, o caminos más cortos",
+  "finding.range_never": "ningún vehículo lleva nunca {item} de {source} a {destination}: con el camino desde un cargador y lo que debe quedar para volver y esperar allí, gasta el {takes_pct} % de una batería llena: una batería mayor, o caminos más cortos",
   "finding.charger_queue": "{chargers} para {vehicles} vehículos: {type} deja de trabajar con un {left_pct} %, pues puede esperar {wait_s} s mientras {ahead}; más cargadores, o una batería mayor",
   "finding.limit_no_energy": "{name}: ya sin trabajo gastan más de lo que se puede cargar; {remedy}",
   "finding.limit_machine": "{name} está llena con el {load_pct} % del tiempo de las máquinas si todos los productos se piden por igual: {remedy}",
