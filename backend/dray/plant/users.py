@@ -27,7 +27,7 @@ class Users:
     def __init__(self, products: Mapping[str, Product], before: Users | None = None) -> None:
         known: Mapping[str, Product] = {} if before is None else before.products
         old: Mapping[str, frozenset[str]] = {} if before is None else before.by_item
-        self.products = products
+        self.products: Mapping[str, Product] = products
         gone = [product for id_, product in known.items() if products.get(id_) is not product]
         new = [product for id_, product in products.items() if known.get(id_) is not product]
         changed = {item: set(old.get(item, _NOTHING)) for item in {*_items(gone), *_items(new)}}
@@ -37,7 +37,10 @@ class Users:
         for product in new:
             for item in _items([product]):
                 changed[item].add(product.id)
-        self.by_item = {**old, **{item: frozenset(users) for item, users in changed.items()}}
+        self.by_item: Mapping[str, frozenset[str]] = {
+            **old,
+            **{item: frozenset(users) for item, users in changed.items()},
+        }
 
     def of(self, item: str) -> frozenset[str]:
         """The products in whose bills an item stands; none for an unknown item."""

@@ -300,7 +300,8 @@ export class Vehicle implements Bed {
 
   #beat(): void {
     const { state } = this.body;
-    this.#beats_s = this.now_s() + (this.#job ? WORKING_BEAT_S : IDLE_BEAT_S);
+    const isReliedOn = this.#job !== undefined || this.#problem !== '';
+    this.#beats_s = this.now_s() + (isReliedOn ? WORKING_BEAT_S : IDLE_BEAT_S);
     this.#seq += 1;
     this.#bus.publish(`${this.plant.id}/hb/atv/${this.atv}`, {
       type: 'AtvHeartbeat',

@@ -17,7 +17,7 @@ from fake_injector import FakeInjector
 from gateway_kit import BEARER, PRODUCT, House, gateway
 from heartbeats import atv_heartbeat
 from largest_inputs import LARGEST, hostile, large_draft, orders_file
-from loop_monitor import Asked, ask, be, loop_monitor
+from loop_monitor import SLOWEST, YARDSTICK_S, Asked, Tries, ask, be, loop_monitor
 from msgspec.structs import replace
 from stream_sockets import opened
 from wall_clock import NOW_S
@@ -102,7 +102,7 @@ async def longest_ms(
     house: House, method: str, template: str, body: bytes, query: str = "", **more: str
 ) -> tuple[float, int]:
     """The longest step of a request, and its status."""
-    least_ms, status = float("inf"), 0
+    tries, status = Tries(), 0
     for _ in range(TRIES):
         headers = HEADERS | more
         if "{draft}" in template and method == "PUT":
@@ -112,11 +112,11 @@ async def longest_ms(
         asked = Asked(method, path_of(template), body, tuple(headers.items()), query)
         with loop_monitor() as monitor:
             status, _ = await ask(house.app, asked, template)
-        least_ms = min(least_ms, 1e3 * monitor.longest_s[template])
+        tries.note(monitor.longest_s[template], monitor.yardstick_s)
         # The least counts: another try would change nothing.
-        if least_ms <= STEP_MS:
+        if tries.least_ms <= STEP_MS:
             break
-    return least_ms, status
+    return tries.least_ms, status
 
 
 def inputs_of(house: House, method: str, template: str) -> list[tuple[str, bytes]]:
@@ -237,13 +237,13 @@ async def test_no_step_of_the_stream_is_long_however_much_there_is_to_tell(
     headers = (await fullest.key(*scopes))[1] if scopes else BEARER
     projection, loop = fullest.projection, asyncio.get_running_loop()
     expected = MAX_OPEN + (0 if scopes else MAX_OPEN_ORDERS)
-    least_ms = [float("inf")] * 2
+    tries = [Tries(), Tries()]
     be("the gateway")
     gateways = copy_context()
     for attempt in range(TRIES):
         projection.discard_changes()
         async with opened(fullest, **headers) as socket:
-            for turn in range(len(least_ms)):
+            for turn, each in enumerate(tries):
                 if turn:
                     projection.orders.cut_off([f"{attempt}"])
                     for task in projection.tasks.ids():
@@ -253,21 +253,19 @@ async def test_no_step_of_the_stream_is_long_however_much_there_is_to_tell(
                     be("the test")
                     while len(told) < expected:
                         frame = await socket.read()
-                        told |= {each["id"] for name in MANY for each in frame[name]}
+                        told |= {view["id"] for name in MANY for view in frame[name]}
                         loop.call_soon(fullest.hub.tick, context=gateways)
                     be("the gateway")
-                least_ms[turn] = min(
-                    least_ms[turn],
-                    1e3 * max(took_s for whose, took_s in monitor.longest_s.items() if whose != "the test"),
-                )
+                each.note(monitor.but("the test"), monitor.yardstick_s)
         # The least counts: another try would change nothing.
-        if max(least_ms) <= STEP_MS:
+        if max(each.least_ms for each in tries) <= STEP_MS:
             break
+    least_ms = [each.least_ms for each in tries]
     print(f"\nWS /api/stream | {least_ms}")  # noqa: T201 - for who runs pytest with -s
     assert max(least_ms) <= STEP_MS
 
 
-async def recorded_ms(house: House) -> list[float]:
+async def note_recorded(house: House, tries: list[Tries]) -> None:
     """The longest steps while all of it is taken in, while it is kept whole again and read unwritten, and while it is asked for as it is now."""
     projection, loop = house.projection, asyncio.get_running_loop()
     recorder = Recorder(projection, house.store, lambda: NOW_S, name="g.1", kept_s=1e6)
@@ -293,20 +291,19 @@ async def recorded_ms(house: House) -> list[float]:
     async def ask_now() -> None:
         told.append(await reader.snapshot_now(MANAGER, NOW_S))
 
-    found = []
-    for step in (learn_all, keep_again, ask_now):
+    for step, each in zip((learn_all, keep_again, ask_now), tries, strict=True):
         with loop_monitor() as monitor:
             await asyncio.create_task(step())
-        found.append(1e3 * max(took_s for whose, took_s in monitor.longest_s.items() if whose != "the test"))
+        each.note(monitor.but("the test"), monitor.yardstick_s)
     assert len(json.loads(told[0])["orders"]) == MAX_OPEN_ORDERS
-    return found
 
 
 @pytest.mark.slow
 async def test_no_step_of_the_recording_is_long_however_much_there_is_to_keep(fullest: House) -> None:
-    least_ms = [float("inf")] * 3
+    tries = [Tries(), Tries(), Tries()]
     for _ in range(TRIES):
-        least_ms = list(map(min, least_ms, await recorded_ms(fullest)))
+        await note_recorded(fullest, tries)
+        least_ms = [each.least_ms for each in tries]
         # The least counts: another try would change nothing.
         if max(least_ms) <= STEP_MS:
             break
@@ -321,20 +318,48 @@ async def test_no_step_is_long_that_shows_the_present_before_anything_is_recorde
 ) -> None:
     """The recorder has not taken all of it in yet, or there is none."""
     assert fullest.recorder.now() is None
-    least_ms, body = float("inf"), b""
+    tries, body = Tries(), b""
     headers = BEARER | {"Accept-Encoding": encoding}
     for _ in range(TRIES):
         with loop_monitor() as monitor:
             status, body = await ask(fullest.app, Asked("GET", path, b"", tuple(headers.items())), path)
         assert status == 200
-        least_ms = min(least_ms, 1e3 * monitor.longest_s[path])
-        if least_ms <= STEP_MS:
+        tries.note(monitor.longest_s[path], monitor.yardstick_s)
+        if tries.least_ms <= STEP_MS:
             break
     told = json.loads(gzip.decompress(body) if encoding == "gzip" else body)
     shown = told.get("snapshot", told)
     assert (len(shown["orders"]), len(shown["tasks"])) == (MAX_OPEN_ORDERS, MAX_OPEN)
-    print(f"\nGET {path} without a recording | {least_ms}")  # noqa: T201 - for who runs pytest with -s
-    assert least_ms <= STEP_MS
+    print(f"\nGET {path} without a recording | {tries.least_ms}")  # noqa: T201 - for who runs pytest with -s
+    assert tries.least_ms <= STEP_MS
+
+
+@pytest.mark.slow
+async def test_no_step_is_long_that_shows_a_recorded_moment(fullest: House) -> None:
+    """All of it is recorded: the picture of a moment is as large as one may be, and a film begins with one."""
+    while fullest.recorder.now() is None:
+        fullest.recorder.note(Delta(number=0, at_s=NOW_S))
+    moment = datetime.fromtimestamp(NOW_S, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    headers = tuple((BEARER | {"Accept-Encoding": "gzip"}).items())
+    least_ms = {}
+    for path, query in (
+        ("/api/replay", f"at={moment}"),
+        ("/api/replay/film", f"since={moment}&until={moment}"),
+    ):
+        tries = Tries()
+        for _ in range(TRIES):
+            with loop_monitor() as monitor:
+                status, body = await ask(fullest.app, Asked("GET", path, b"", headers, query), path)
+            assert status == 200
+            tries.note(monitor.longest_s[path], monitor.yardstick_s)
+            if tries.least_ms <= STEP_MS:
+                break
+        least_ms[path] = tries.least_ms
+        told = json.loads(gzip.decompress(body))
+        shown = told.get("snapshot", told)
+        assert (len(shown["orders"]), len(shown["tasks"])) == (MAX_OPEN_ORDERS, MAX_OPEN)
+    print(f"\nGET recorded moments | {least_ms}")  # noqa: T201 - for who runs pytest with -s
+    assert max(least_ms.values()) <= STEP_MS
 
 
 @pytest.mark.slow
@@ -365,4 +390,25 @@ async def test_the_monitor_sees_a_long_step_and_whose_it_was(full_house: House) 
     with loop_monitor() as monitor:
         await ask(app, Asked("GET", "/"), "long")  # type: ignore[arg-type]
         await ask(full_house.app, Asked("GET", "/healthz"), "short")
-    assert monitor.longest_s["long"] > STEP_MS / 1e3 > monitor.longest_s["short"]
+    took_ms = {}
+    for whose in ("long", "short"):
+        tries = Tries()
+        tries.note(monitor.longest_s[whose], monitor.yardstick_s)
+        took_ms[whose] = tries.least_ms
+    assert took_ms["long"] > STEP_MS > took_ms["short"]
+
+
+def test_of_several_tries_the_one_whose_yardstick_was_disturbed_is_not_favoured() -> None:
+    tries = Tries()
+    tries.note(0.030, YARDSTICK_S)
+    tries.note(0.030, 3 * YARDSTICK_S)
+    assert tries.least_ms == pytest.approx(30.0)
+    tries.note(0.012, 2 * YARDSTICK_S)
+    assert tries.least_ms == pytest.approx(12.0)
+
+
+def test_a_slow_computer_gets_an_allowance_up_to_a_bound() -> None:
+    for slower, told_ms in ((0.5, 40.0), (2.0, 20.0), (SLOWEST, 10.0), (3 * SLOWEST, 10.0)):
+        tries = Tries()
+        tries.note(0.040, slower * YARDSTICK_S)
+        assert tries.least_ms == pytest.approx(told_ms)

@@ -11,7 +11,7 @@ import pytest
 from databases import Files
 from gateway_kit import BEARER, PRODUCT, House, gateway
 from heartbeats import events
-from loop_monitor import Asked, ask, loop_monitor
+from loop_monitor import Asked, Tries, ask, loop_monitor
 from msgspec.structs import replace
 from wall_clock import NOW_S
 
@@ -96,22 +96,22 @@ async def longest_ms(
     query: str,
     headers: dict[str, str],
     body: bytes = b"",
-    tries: int = TRIES,
+    tried: Tries | None = None,
 ) -> float:
-    least_ms = float("inf")
-    for _ in range(tries):
+    """The longest step of a request in milliseconds; with those that were `tried` before, one try more."""
+    tries = tried or Tries()
+    for _ in range(1 if tried else TRIES):
         asked = Asked(method, path, body, tuple((BEARER | GZIP | headers).items()), query)
         at_first_sight(house)
         with loop_monitor() as monitor:
             status, _ = await ask(house.app, asked, path)
-        assert status in (200, 403, 404, 409), (
-            status
-        )  # what this caller may not see, or a real plant has not, is refused
-        least_ms = min(least_ms, 1e3 * monitor.longest_s[path])
+        # What this caller may not see, a real plant has not, or there are too many of is refused.
+        assert status in (200, 403, 404, 409, 503), status
+        tries.note(monitor.longest_s[path], monitor.yardstick_s)
         # The least counts: another try would change nothing.
-        if least_ms <= STEP_MS:
+        if tries.least_ms <= STEP_MS:
             break
-    return least_ms
+    return tries.least_ms
 
 
 def work() -> Transport:
@@ -299,13 +299,11 @@ async def test_no_step_of_defining_a_product_is_long_however_many_there_are(full
         "machines": dict.fromkeys(plant.machines, 12.5),
     }
     path, headers = f"/api/products/X{0:031d}", {"Content-Type": "application/json"}
-    took_ms = float("inf")
+    tries = Tries()
     for revision in range(1, TRIES + 1):
         body = json.dumps(fields | {"name": f"Bracket {revision}"}).encode()
-        took_ms = min(
-            took_ms,
-            await longest_ms(fullest, "PUT", path, "", headers | {"If-Match": f'"{revision}"'}, body, 1),
-        )
+        match = {"If-Match": f'"{revision}"'}
+        took_ms = await longest_ms(fullest, "PUT", path, "", headers | match, body, tries)
         assert (await fullest.get(path))["revision"] == revision + 1
         if took_ms <= STEP_MS:
             break
@@ -328,12 +326,12 @@ async def test_no_step_of_removing_products_is_long_however_many_there_are(
 ) -> None:
     """The last test here: afterwards there are fewer."""
     path, headers = "/api/products/remove", {"Content-Type": "application/json"}
-    took_ms = float("inf")
+    tries = Tries()
     # Four times 500 are all that there are.
     for _ in range(3):
         there = [id_ for id_ in sorted(fullest.projection.site.products) if id_.startswith("X")][:count]
         body = json.dumps({"products": there}).encode()
-        took_ms = min(took_ms, await longest_ms(fullest, "POST", path, "", headers, body, 1))
+        took_ms = await longest_ms(fullest, "POST", path, "", headers, body, tries)
         assert not set(there) & fullest.projection.site.products
         if took_ms <= STEP_MS:
             break
