@@ -88,8 +88,9 @@ class Wired:
     # --- the wire ---
 
     def cut(self) -> None:
-        """Nothing is heard of the controller any more, and it hears nothing."""
+        """Nothing is heard of the controller any more, and it hears nothing: `alive` stands still, so it begins no other piece."""
         self.linked = False
+        self.controller.on_write(Signal.RUN, False)
         if self.body is not None:
             self.body.on_link_lost("cut")
 

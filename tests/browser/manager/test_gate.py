@@ -12,12 +12,10 @@ from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 
 from dray.messages.keys import GATE
-from dray.plant import default_plant
 
-from gateway_kit import House  # isort: skip - their folder is on the path since `manager_kit` is
+from fake_bus import PLANT  # isort: skip - their folder is on the path since `manager_kit` is
+from gateway_kit import House  # isort: skip
 from heartbeats import station_heartbeat  # isort: skip
-
-PLANT = default_plant()
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -46,11 +44,9 @@ def test_the_card_of_the_gate_and_an_alert_say_why_no_container_comes_in(
 
     house.do(lambda inside: beat(inside, 1, WHY))
     page = as_manager(house, open_page, locale=LOCALES[language])
-    page.goto(f"{house.url}/#plant?place={GATE}")
-    box = next(each.box for each in PLANT.file.warehouses if each.kind == "delivery")
-    expect(page.locator("#plant-map")).to_be_visible()
-    page.wait_for_function("() => document.querySelector('#plant-map').width > 0")
-    page.mouse.click(*on_map(page, PLANT.file, box.x_m, box.y_m))
+    box = next(each.box for each in PLANT.warehouses if each.kind == "delivery")
+    expect(page.locator("#plant-map canvas").first).to_be_visible()
+    page.mouse.click(*on_map(page, PLANT, box.x_m, box.y_m))
     said = page.locator(".card.place .problem")
     expect(said).to_have_text(WORDS[language])
     screenshot(page, f"gate-card-{language}")

@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 from msgspec.structs import replace
 
-from dray.adapters.signals.gate import SignalledGate
+from dray.adapters.signals.workcell import SignalledWorkcell
 from dray.messages.keys import GATE
 from dray_sim.explore.bodies import LONGEST_CUT_S
 from dray_sim.explore.play import play
@@ -48,14 +48,14 @@ def test_every_piece_is_counted_once_over_cut_wires_and_reset_counters(seed: int
 
 
 @pytest.mark.slow
-def test_the_search_finds_a_gate_that_forgets_its_counter_when_its_wire_is_cut(
+def test_the_search_finds_a_machine_that_forgets_its_counter_when_its_wire_is_cut(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    lost = SignalledGate.on_link_lost
+    lost = SignalledWorkcell.on_link_lost
 
-    def forget(self: SignalledGate, reason: str) -> None:
+    def forget(self: SignalledWorkcell, reason: str) -> None:
         lost(self, reason)
         self._kept = replace(self._kept, pieces=None)
 
-    monkeypatch.setattr(SignalledGate, "on_link_lost", forget)
+    monkeypatch.setattr(SignalledWorkcell, "on_link_lost", forget)
     assert any(play(draw(seed, "bodies", traffic=True)).broken for seed in range(6))
