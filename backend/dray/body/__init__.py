@@ -28,6 +28,7 @@ from dray.body.documents import (
 )
 from dray.body.gate import (
     Admit,
+    GateProblem,
     GateState,
     GoodsArrived,
     HoldOrder,
@@ -106,6 +107,7 @@ __all__ = [
     "Drop",
     "DutyChanged",
     "DutyState",
+    "GateProblem",
     "GateState",
     "GoodsArrived",
     "Hold",

@@ -7,6 +7,7 @@ from typing import TypeVar
 import msgspec
 
 from dray.body.any_body import BodyState, Report
+from dray.body.gate import GateProblem, GateState
 from dray.body.operator import DutyChanged, DutyState
 from dray.body.storage import StorageState
 from dray.body.vehicle import ActionFailed, NodePassed, ProblemRaised, VehicleState
@@ -48,6 +49,8 @@ def bounded(said: Said) -> Said:
             return msgspec.structs.replace(said, battery_frac=max(0.0, _between(said.battery_frac, 1.0)))
         case WorkcellState():
             return msgspec.structs.replace(said, broken=_words(said.broken), stock=_stock(said.stock))
+        case GateState() | GateProblem():
+            return msgspec.structs.replace(said, problem=_words(said.problem))
         case StorageState():
             return msgspec.structs.replace(said, stock=_stock(said.stock))
         case DutyState():

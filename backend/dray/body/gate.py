@@ -1,6 +1,6 @@
 """The gate of the delivery warehouses: its instructions and reports (see `dray.body`).
 
-The gate itself (`Admit`, `GoodsArrived`, its `GateState`) is the body of its agent. A strategist uses the gate, too: it holds orders
+The gate itself (`Admit`, `GoodsArrived`, `GateProblem`, its `GateState`) is the body of its agent. A strategist uses the gate, too: it holds orders
 there (`HoldOrder`, `OrderHeld`), and senses which ones it holds.
 """
 
@@ -55,6 +55,13 @@ class GoodsArrived(Part, frozen=True):
     """Whether people count, later than goods arrive. See also `GateState.late`."""
 
 
+class GateProblem(Part, frozen=True):
+    """Why the gate counts nothing, or does not let a container in that may come in: reported at each change."""
+
+    problem: str
+    """In words for people, without goals; empty while all is well."""
+
+
 class GateState(Part, frozen=True):
     """The gate's counts since it was built."""
 
@@ -66,3 +73,5 @@ class GateState(Part, frozen=True):
     """Whether it is operated by people, who report with `dray.body.Word`."""
     late: bool = False
     """Whether it counts later than goods arrive, as people do: containers wait there until their label was read."""
+    problem: str = ""
+    """See `GateProblem`."""

@@ -414,6 +414,8 @@ class StationHeartbeat(Message, said_by=STATIONS | GATES, signed="station", froz
     """Left out while its dock gets ready in time."""
     people: PeopleAsBody | UnsetType = UNSET
     """Left out when its body is not people."""
+    problem: Text = ""
+    """For the gate: why it counts nothing or does not let a container in, in words; empty otherwise."""
 
 
 class MachineHeartbeat(Message, said_by=MACHINES, signed="machine", frozen=True, omit_defaults=True):

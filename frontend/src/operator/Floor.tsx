@@ -16,6 +16,7 @@ import { GoodsCards } from "./goods/GoodsCards";
 import { heldOf } from "./goods/held";
 import { HeldCards } from "./goods/HeldCards";
 import { strandedOf } from "./goods/stranded";
+import { GateCard, needingGate } from "./machines/GateCard";
 import { MachineCards } from "./machines/MachineCards";
 import { needsSomebody } from "./machines/need";
 import { moment, placeName, plant, plantFailed } from "./state";
@@ -73,7 +74,8 @@ export function Floor() {
   const name = placeName.value;
   const goods = strandedOf(world.value?.tasks.values() ?? []).length;
   const disputed = heldOf(world.value?.tasks.values() ?? []).length;
-  const count = needing.length + goods + disputed + needsSomebody(world.value?.machines.values() ?? [], moment.value);
+  const gate = needingGate(world.value?.stations, moment.value) === null ? 0 : 1;
+  const count = needing.length + goods + disputed + gate + needsSomebody(world.value?.machines.values() ?? [], moment.value);
   return (
     <>
       <main ref={page} id="vehicles" tabIndex={-1}>
@@ -87,6 +89,7 @@ export function Floor() {
         <GoodsCards />
         <HeldCards />
         <MachineCards />
+        <GateCard />
         <WordsCard />
         <Place />
         <Cards class="well" ids={well} all={all.value} tooSoon={tooSoon.value} label={t("cards.well", { name })} />

@@ -5,12 +5,19 @@ import { format, t, word } from "./index";
 import { factoryTime } from "./plant-time";
 import { waitText } from "./wait";
 
-/** Words of vehicles in which something is filled in. */
+/** Words of vehicles and controllers in which something is filled in. */
 const FILLED = [
   { says: /^cannot carry an? (?<ability>.+)$/, key: "failure.carry" },
   { says: /^(?<left>-?\d+)% would be left, (?<needed>\d+)% are needed$/, key: "failure.left" },
   { says: /^(?<time>\d+) s too late$/, key: "failure.late" },
   { says: /^(?<count>\d+) tasks$/, key: "failure.tasks" },
+  { says: /^its controller is not heard: (?<why>.+)$/, key: "failure.notHeard" },
+  { says: /^its controller has a fault: (?<what>.+)$/, key: "failure.fault" },
+  { says: /^its controller has no value for (?<signal>\w+): (?<why>.+)$/, key: "failure.noValue" },
+  { says: /^its controller does not take (?<signal>\w+): (?<why>.+)$/, key: "failure.notTaken" },
+  { says: /^its controller refuses a permit \((?<signal>\w+)\): (?<why>.+)$/, key: "failure.permit" },
+  { says: /^its count is in doubt: (?<why>.+)$/, key: "failure.doubt" },
+  { says: /^its count is in doubt \((?<number>\d+)\): (?<why>.+)$/, key: "failure.doubtOf" },
 ] as const;
 
 /** What somebody reports in words of their own; some of them are known here. */

@@ -44,7 +44,7 @@ from dray.adapters.signals.signal import (
     Value,
 )
 from dray.adapters.vda5050.link import BrokerAddress
-from dray.body import Admit, GateState, GoodsArrived, OpenDock, Report
+from dray.body import Admit, GateProblem, GateState, GoodsArrived, OpenDock, Report
 from dray.errors import UnavailableError
 from dray_sim.vda5050.local_broker import local_broker
 
@@ -610,6 +610,28 @@ def test_a_permit_that_is_taken_later_lets_the_container_in() -> None:
     assert (rig.body.held, rig.body.away, rig.arrived) == ("", "", {SHAFTS: 4})
 
 
+def test_problems_are_reported_at_each_change_and_without_labels() -> None:
+    rig = GateRig()
+    rig.tell(Signal.FAULT, True)
+    rig.tell(Signal.FAULT, True)
+    rig.tell(Signal.FAULT, False)
+    rig.show(SHAFTS)
+    refuse(rig, Signal.ADMITTED)
+    rig.show("")
+    rig.counter(9_000)
+    assert [report.problem for report in rig.reports if isinstance(report, GateProblem)] == [
+        "its controller has a fault: a fault",
+        "",
+        "its controller does not take admitted: BadOutOfRange",
+        "its controller refuses a permit (admitted): BadOutOfRange",
+        "",
+        f"its count is in doubt ({rig.doubt}): pieces went from 500 to 9,000: 0 pieces at most can have been let in since",
+    ]
+    assert rig.body.sense().problem == rig.body.problem
+    rig.begin()
+    assert rig.body.sense().problem.startswith("its count is in doubt")
+
+
 def test_a_goal_is_forgotten_after_thousands_and_a_finished_one_first() -> None:
     kept = KeptSignals({"a": SignalledGoal(4, 1), "b": SignalledGoal(4, 4), "c": SignalledGoal(4)})
     rig = GateRig()
@@ -839,29 +861,59 @@ def test_a_container_comes_in_over_a_broker() -> None:
         asyncio.run(asyncio.wait_for(story(broker), 3 * PATIENCE_S))
 
 
-def test_the_gate_of_a_real_controller_begins_and_a_doubt_ends_it_and_is_said(tmp_path: Path) -> None:
+@asynccontextmanager
+async def agent(folder: Path, url: str) -> AsyncIterator[asyncio.subprocess.Process]:
+    """The gate's agent, once it is ready."""
+    file = folder / "gate.yaml"
+    file.write_bytes(msgspec.yaml.encode({"url": url, "signals": mapping(NODES)}))
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "dray", "agent", "gate"),
+        *("--body", "opcua", "--mapping", str(file)),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "DRAY_BUS_PLAIN": "true", "DRAY_JOURNAL_FOLDER": str(folder)},
+        cwd=folder,
+    )
+    try:
+        assert process.stdout is not None
+        assert (await process.stdout.readline()).decode() == "gate is ready\n"
+        yield process
+        assert process.returncode is None
+    finally:
+        if process.returncode is None:
+            process.terminate()
+        await process.communicate()
+
+
+async def logged(process: asyncio.subprocess.Process, what: str) -> str:
+    """The next line of its log with these words."""
+    assert process.stderr is not None
+    while line := (await process.stderr.readline()).decode():
+        if what in line:
+            return line
+    raise AssertionError(f"it has ended, and did not say {what!r}")
+
+
+def test_a_doubt_does_not_end_the_gate_of_a_real_controller_and_is_said(tmp_path: Path) -> None:
     async def story() -> None:
-        async with Plc(pieces=70) as plc:
-            file = tmp_path / "gate.yaml"
-            file.write_bytes(msgspec.yaml.encode({"url": plc.url, "signals": mapping(NODES)}))
-            process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-m", "dray", "agent", "gate"),
-                *("--body", "opcua", "--mapping", str(file)),
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                env={**os.environ, "DRAY_BUS_PLAIN": "true", "DRAY_JOURNAL_FOLDER": str(tmp_path)},
-                cwd=tmp_path,
-            )
-            assert process.stdout is not None
-            assert (await process.stdout.readline()).decode() == "gate is ready\n"
+        async with Plc(pieces=70) as plc, agent(tmp_path, plc.url) as process:
             # Nobody has admitted it.
             await plc.put(Signal.GOAL, SHAFTS)
             await plc.put(Signal.PIECES, 75)
-            _, told = await asyncio.wait_for(process.communicate(), PATIENCE_S)
-            assert process.returncode == 1
-            assert "pieces went from 70 to 75: 0 pieces at most can have been let in" in told.decode()
+            line = await logged(process, "in doubt")
+            assert "pieces went from 70 to 75: 0 pieces at most can have been let in" in line
             kept = msgspec.json.decode((tmp_path / "gate.signals.json").read_bytes(), type=KeptSignals)
             assert (kept.pieces.value if kept.pieces else None) == 75
-            assert f"its count is in doubt ({kept.doubt_number}): " in told.decode()
+            assert f"its count is in doubt ({kept.doubt_number}): " in line
+
+    asyncio.run(asyncio.wait_for(story(), 3 * PATIENCE_S))
+
+
+def test_the_gate_begins_without_its_controller_and_says_so(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc(pieces=70) as plc:
+            url = plc.url
+        async with agent(tmp_path, url) as process:
+            await logged(process, "waits for its controller: its controller is not heard")
 
     asyncio.run(asyncio.wait_for(story(), 3 * PATIENCE_S))

@@ -138,6 +138,8 @@ def test_a_body_that_does_not_answer_is_a_problem_by_its_name() -> None:
     assert seen(bodies(WORKSHOP, answers(told)), Verdict.MISSING, "SAW (no answer of opc.tcp://saw)")
     assert bodies(WORKSHOP, answers(picture(machines=(), atvs=()))).verdict is Verdict.UNKNOWN
     assert seen(bodies(WORKSHOP, answers()), Verdict.OK, "5 machines and vehicles report no problem")
+    told = picture(stations=(heard(GATE, problem="its controller is not heard: cut"),))
+    assert seen(bodies(WORKSHOP, answers(told)), Verdict.MISSING, "gate (its controller is not heard: cut)")
     silent = replace(heard("CART1"), seen_at_s=NOW_S - 60.0)
     told = picture(atvs=(silent, heard("CART2")))
     assert seen(bodies(WORKSHOP, answers(told)), Verdict.OK, "4 machines and vehicles report no problem")

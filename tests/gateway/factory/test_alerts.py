@@ -222,6 +222,21 @@ def test_a_delivery_gate_that_is_silent_is_an_alarm_until_it_speaks_again(projec
     assert alerts(projection, 23.0) == []
 
 
+def test_a_gate_that_counts_nothing_is_an_alarm_that_says_why(projection: Projection) -> None:
+    projection.fold(station_heartbeat("gate", problem="its count is in doubt (7): pieces went from 70 to 75"))
+    alert = the_alert(projection)
+    assert (alert.kind, alert.level, alert.response, alert.agent) == (
+        "gate_error",
+        "alarm",
+        "see_to_gate",
+        "gate",
+    )
+    assert alert.cause is not None
+    assert alert.cause.detail == "its count is in doubt (7): pieces went from 70 to 75"
+    projection.fold(station_heartbeat("gate", 2))
+    assert alerts(projection) == []
+
+
 def test_a_vehicle_that_keepers_of_books_await_is_one_alarm_that_names_them(projection: Projection) -> None:
     def say(seq: int, at_s: float, *awaits: str) -> None:
         for machine in ("M4", "M3"):

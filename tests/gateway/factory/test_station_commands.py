@@ -189,6 +189,13 @@ async def test_the_gate_is_seen_and_is_missed_where_a_delivery_warehouse_lies_an
     gate = house.projection.stations.view(GATE)
     assert gate is not None
     assert {area for area, view in views.items() if view.station(gate)} == {AT_GATE}
+    house.projection.fold(station_heartbeat(GATE, 3, problem="its controller is not heard: cut"))
+    gate = house.projection.stations.view(GATE)
+    assert gate is not None
+    seen = {area: station for area, view in views.items() if (station := view.station(gate))}
+    assert {area: station.problem for area, station in seen.items()} == {
+        AT_GATE: "its controller is not heard: cut"
+    }
     lost = AlertView(
         id="gate_lost-gate",
         kind="gate_lost",

@@ -8,7 +8,7 @@ from msgspec import UNSET
 from rigs import Rig
 from seals import granted, trusts_seals
 
-from dray.body import Admit, GateState, GoodsArrived, Word, WordTaken
+from dray.body import Admit, GateProblem, GateState, GoodsArrived, Word, WordTaken
 from dray.memory import Memory
 from dray.messages import (
     AdmissionAsked,
@@ -105,3 +105,31 @@ def test_a_controller_before_which_containers_wait_counts_late_as_people_do_and_
     [answer] = sent(rig.on_message("gateway", granted(GATE, ARRIVED)), CommandAnswered)
     assert answer.reason == CommandRefusal.NOT_SUPPORTED
     assert all(beat.people is UNSET for beat in published(rig.run(rig.now_s + 6.0), StationHeartbeat))
+
+
+def test_a_gate_with_a_problem_says_why_and_goes_on() -> None:
+    rig, why = GateRig(people=False, late=True), "its controller is not heard: cut"
+    rig.report(GateProblem(why))
+    [beat] = published(rig.run(rig.now_s), StationHeartbeat)
+    assert beat.problem == why
+    assert instructed(rig.on_message("strategist", AdmissionAsked(GOAL, 13, 1, 2)), Admit) == [
+        Admit(GOAL, 13)
+    ]
+    [counted] = sent(rig.report(GoodsArrived(GOAL, 4, 13)), GoodsCounted)
+    assert (counted.arrived, counted.admitted) == (4, 13)
+    # Another reason comes with the next heartbeat, however often it changes.
+    rig.report(GateProblem("its controller has a fault: jam"))
+    assert published(rig.run(rig.now_s), StationHeartbeat) == []
+    rig.report(GateProblem(""))
+    [beat] = published(rig.run(rig.now_s), StationHeartbeat)
+    assert beat.problem == ""
+
+
+def test_a_gate_may_begin_with_a_problem() -> None:
+    class Away(GateRig):
+        def sense(self) -> GateState:
+            return GateState({}, late=True, problem="its controller is not heard: cut")
+
+    rig = Away(people=False, late=True)
+    [beat] = published(rig.all, StationHeartbeat) or published(rig.run(rig.now_s), StationHeartbeat)
+    assert beat.problem == "its controller is not heard: cut"

@@ -18,6 +18,7 @@ from dray.body import (
     Admit,
     CloseDock,
     DockReady,
+    GateProblem,
     GateState,
     GoodsArrived,
     HoldOrder,
@@ -35,7 +36,7 @@ _KINDS: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
         *(OpenDock, CloseDock, DockReady, Refill, StockChanged, StorageState),
-        *(Admit, HoldOrder, GoodsArrived, OrderHeld, GateState),
+        *(Admit, HoldOrder, GoodsArrived, GateProblem, OrderHeld, GateState),
     )
 }
 

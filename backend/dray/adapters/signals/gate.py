@@ -40,7 +40,7 @@ from dray.adapters.signals.signal import (
     fault_words,
     quoted,
 )
-from dray.body import Admit, GateState, GoodsArrived, Instruction, Report
+from dray.body import Admit, GateProblem, GateState, GoodsArrived, Instruction, Report
 from dray.messages.base import COUNT_MAX
 from dray.ports import Clock
 
@@ -128,6 +128,7 @@ class SignalledGate:
         away: why the gate is shut: its controller is away, has a fault or no values, or its count is in doubt; empty while it works.
         away_since_s: since when; None while it works.
         held: why the container that stands there is not let in though it may; empty if nothing is wrong with its permit.
+        problem: the last reported one: that of `away` or `held`, without labels.
     """
 
     def __init__(
@@ -162,7 +163,7 @@ class SignalledGate:
         outdated call of the clock is recognised."""
         self._base: int | None = None
         """Pieces of the goal that were in when the present permit began; None without a permit."""
-        self.away = self._link
+        self.away = self.problem = self._link
         self.away_since_s: float | None = clock.now_s()
         self.outputs: dict[str, Value] = {Signal.ADMITTED: 0, Signal.ADMITTED_GOAL: self._kept.permit}
         checked = mapping.checked
@@ -196,7 +197,8 @@ class SignalledGate:
 
     def sense(self) -> GateState:
         """See `dray.ports.Body`."""
-        return GateState(arrived={name: goal.arrived for name, goal in self._kept.goals.items()}, late=True)
+        arrived = {name: goal.arrived for name, goal in self._kept.goals.items()}
+        return GateState(arrived=arrived, late=True, problem=self.problem)
 
     def attach(self, report: Callable[[Report], None]) -> None:
         """See `dray.ports.Body`."""
@@ -294,10 +296,7 @@ class SignalledGate:
             return None
         kept = replace(self._kept, pieces=now)
         if reading.doubt and not kept.doubt:
-            doubt = f"{Signal.PIECES} {reading.doubt}"
-            if kept.permit:
-                doubt += f"; the last permit was for {kept.permit}"
-            kept = self._doubted(kept, doubt)
+            kept = self._doubted(kept, f"{Signal.PIECES} {reading.doubt}")
         if not reading.pieces:
             self._keep(kept)
             return None
@@ -376,6 +375,7 @@ class SignalledGate:
         if outputs != self.outputs:
             self.outputs = outputs
             self._world.write()
+        self._tell()
 
     def _bar(self, signal: Signal, admitted: int, reason: str) -> None:
         """Give the present permit again after a while: longer after each refusal."""
@@ -401,9 +401,20 @@ class SignalledGate:
             return ""
         return f"its controller refuses a permit for {refusal.admitted} of {refusal.label} ({refusal.signal}): {refusal.reason}"
 
+    def _tell(self) -> None:
+        """Report a changed problem. Labels are left out: they name orders, which not everybody sees who sees the gate."""
+        problem, refusal = self._problem(), self._refusal
+        if not problem and refusal is not None and self.held:
+            problem = f"its controller refuses a permit ({refusal.signal}): {refusal.reason}"
+        if problem != self.problem:
+            self.problem = problem
+            self._report(GateProblem(problem))
+
     def _judge(self) -> None:
         """Shut the gate while anything is wrong."""
         away = self._problem()
+        if self._kept.doubt and self._kept.permit and away == self._doubt():
+            away += f"; the last permit was for {self._kept.permit}"
         if away and not self.away:
             self.away_since_s = self._clock.now_s()
         self.away = away
@@ -425,8 +436,11 @@ class SignalledGate:
         for refused, reason in self._refused.items():
             return f"its controller does not take {refused}: {reason}"
         if self._kept.doubt:
-            return f"its count is in doubt ({self._kept.doubt_number}): {self._kept.doubt}"
+            return self._doubt()
         return ""
+
+    def _doubt(self) -> str:
+        return f"its count is in doubt ({self._kept.doubt_number}): {self._kept.doubt}"
 
     # --- memory ---
 

@@ -268,10 +268,10 @@ class AreaVisibility:
         )
 
     def station(self, view: StationView) -> StationView | None:
-        """A station inside the areas; or the gate, if its people confirm arrivals by the labels."""
-        if not self.has(view.id) or (view.id == GATE and view.unconfirmed is None):
+        """A station inside the areas; the gate only if its people confirm arrivals by the labels, or if it has a problem."""
+        if not self.has(view.id) or (view.id == GATE and view.unconfirmed is None and not view.problem):
             return None
-        return replace(view, shut_out=self._shut_out(view.shut_out))
+        return replace(view, problem=self.words(view.problem), shut_out=self._shut_out(view.shut_out))
 
     def task(self, view: TaskView) -> TaskView | None:
         """A transport from, to or on board of something inside the areas."""

@@ -9,7 +9,8 @@ for a process. The agent adds what a strategist relies on:
 - an order is held by one strategist, with an epoch, over all lives of the gate.
 
 If its body is people, it passes on their reports, with a grant for the area of a delivery warehouse.
-If goods wait before its body (`GateState.late`) they count late, as with people.
+If goods wait before its body (`GateState.late`) they count late, as with people. A body with a problem keeps the agent: what it admits and
+what has arrived is told as ever, and its heartbeats give the reason.
 
 It coordinates no transport. Pieces of a shut goal stay with their carrier.
 """
@@ -21,7 +22,7 @@ from itertools import islice
 from msgspec import UNSET
 from msgspec.structs import replace
 
-from dray.body import Admit, BodyState, GateState, GoodsArrived, WordTaken
+from dray.body import Admit, BodyState, GateProblem, GateState, GoodsArrived, WordTaken
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, GateGoal, GateMemory, Memory, Note
 from dray.messages import (
@@ -97,6 +98,7 @@ class DeliveryGate(AgentBase):
         self._holders = Retransmitter(HOLDER, self._life)
         self._places_m = tuple(plant.position_of(each) for each in plant.delivery_warehouses)
         self._people = self._late = False
+        self._problem = ""
         granted = GrantedCommands[MachineCommand](
             CommandAuthorisation(agent, plant, trusts), _refuse, _detail, self._life
         )
@@ -112,6 +114,7 @@ class DeliveryGate(AgentBase):
         }
         self._report_handlers = {
             GoodsArrived: self._on_arrived,
+            GateProblem: self._on_problem,
             WordTaken: lambda report, _now_s: self._words.on_taken(report),
         }
         self._alarm_handlers = {BEAT: self._beat, COUNT: self._counts.wake, HOLDER: self._holders.wake}
@@ -122,6 +125,7 @@ class DeliveryGate(AgentBase):
         if not isinstance(body, GateState):
             raise ProtocolViolation(f"{self.id}: the delivery gate needs a gate, not {body!r}")
         self._people, self._late = body.people, body.people or body.late
+        self._problem = body.problem
         note = memory.get(WHOLE)
         if isinstance(note, GateMemory):
             self._since = note.since
@@ -164,6 +168,7 @@ class DeliveryGate(AgentBase):
             software=self._software,
             draining=self._shutdown.begun,
             people=PeopleAsBody(goals=self._to_come()) if self._people else UNSET,
+            problem=self._problem,
         )
         self._life.publish(self._beat_key, said)
 
@@ -198,6 +203,13 @@ class DeliveryGate(AgentBase):
         if self._people:
             self._life.beat_soon(now_s)
         self._tell(goal, report.admitted, now_s)
+
+    def _on_problem(self, report: GateProblem, now_s: float) -> None:
+        """Tell at once that there is one, or none any more; a new reason with the next heartbeat."""
+        is_news = bool(report.problem) is not bool(self._problem)
+        self._problem = report.problem
+        if is_news:
+            self._life.beat_soon(now_s)
 
     def _count(self, goal: GateGoal, arrived: int, vehicle: str) -> GateGoal:
         if goal.of is not None:

@@ -35,11 +35,11 @@ from dray.settings import Settings
 from dray.supervision import Failures
 
 FIRST_S = 10.0
-"""Longest wait of a machine for its controller before it begins without, and reports that."""
+"""Longest wait of a machine or the gate for its controller before it begins without, and reports that."""
 
 
 SILENT_S = 10.0
-"""Real seconds of silence after which the controller of a storage or the gate is lost: its agent ends, so that nobody relies on it, and restarts."""
+"""Real seconds of silence after which the controller of a storage is lost: its agent ends, so that nobody relies on it, and restarts."""
 
 
 LOOK_S = 0.1
@@ -166,11 +166,7 @@ def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embo
         body = SignalledWorkcell(spec, surroundings.plant, real.mapping, surroundings.clock(), world, kept)
         running = asyncio.create_task(link.run(body))
         try:
-            await asyncio.wait(
-                (running, asyncio.ensure_future(link.linked.wait())),
-                timeout=FIRST_S,
-                return_when=asyncio.FIRST_COMPLETED,
-            )
+            await _first(running, link)
             if broken := body.sense().broken:
                 _log.warning("%s begins all the same: %s", name, broken)
             yield Embodied(body, lambda: asyncio.shield(running), (link.failures,))
@@ -217,7 +213,7 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
 def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
     """The gate of the delivery warehouses, with a counter and a reader of labels.
 
-    Its agent waits while its controller is away, has a fault or no values, or its count is in doubt, and ends when that has lasted for `SILENT_S`.
+    A controller that is away or has a fault, and a count in doubt, are the gate's problem, and do not end its agent.
 
     Args:
         surroundings: the process's surroundings.
@@ -239,10 +235,32 @@ def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
         link = real.link(f"dray-{name}")
         world, rest_s = _World(link.write, file.write), settle_s(settings.plant_speed)
         body = SignalledGate(real.mapping, now, world, kept, settle_s=rest_s)
-        async with waited_for(name, body, link, now, settings.plant_speed, lambda: body.held) as embodied:
-            yield embodied
+        running = asyncio.create_task(link.run(body))
+        log = _AwayLog(name, asyncio.get_running_loop().time)
+
+        async def ends() -> None:
+            while not running.done():
+                log.look(body.away or body.held, is_heard=link.linked.is_set())
+                await asyncio.wait((running,), timeout=LOOK_S)
+            running.result()
+
+        try:
+            await _first(running, link)
+            yield Embodied(body, ends, (link.failures,))
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
 
     return embody
+
+
+async def _first(running: asyncio.Task[None], link: SignalsLink) -> None:
+    """Wait until a controller is linked, for `FIRST_S` at most."""
+    linked = asyncio.create_task(link.linked.wait())
+    try:
+        await asyncio.wait((running, linked), timeout=FIRST_S, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        linked.cancel()
 
 
 class _Awaited(LinkListener, Body, Protocol):
@@ -257,7 +275,7 @@ class _Awaited(LinkListener, Body, Protocol):
 
 @asynccontextmanager
 async def waited_for(
-    name: str, body: _Awaited, link: SignalsLink, now: Clock, speed: float, held: Callable[[], str] = str
+    name: str, body: _Awaited, link: SignalsLink, now: Clock, speed: float
 ) -> AsyncIterator[Embodied]:
     """Begin once the controller works, and end when it has not for `SILENT_S`.
 
@@ -267,7 +285,6 @@ async def waited_for(
         link: the link to its controller.
         now: the plant's clock.
         speed: seconds of that clock per second.
-        held: returns what else is wrong while the controller works, for the log; empty for nothing.
     """
     running = asyncio.create_task(link.run(body))
     log = _AwayLog(name, asyncio.get_running_loop().time)
@@ -277,7 +294,7 @@ async def waited_for(
             await asyncio.wait((running,), timeout=1.0)
             if running.done():
                 running.result()
-            log.look(body.away or held())
+            log.look(body.away)
         _log.error("%s: %s", name, body.away)
 
     try:

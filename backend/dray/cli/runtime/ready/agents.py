@@ -119,12 +119,12 @@ def _strategists(wanted: tuple[str, ...], answers: Answers, alerts: Iterable[Ale
 
 
 def bodies(plant: Plant, answers: Answers) -> Finding:
-    """Whether the bodies of machines and vehicles answer: a silent body is a problem of its agent."""
+    """Whether the bodies of machines, vehicles and the gate answer: a silent body is a problem of its agent."""
     name, heard = "bodies", answers.picture.agents()
     wanted = [each for each in (*plant.machines, *plant.fleet) if not _lack(heard.get(each), answers.picture)]
     broken = [
         f"{each} ({heard[each].problem or heard[each].status})"
-        for each in wanted
+        for each in (*wanted, *([] if _lack(heard.get(GATE), answers.picture) else [GATE]))
         if heard[each].problem or heard[each].status == "error"
     ]
     if broken:

@@ -37,6 +37,8 @@ class StationView(View, kw_only=True):
     """Set while it is shut out and ignored: all other fields are older."""
     clock: ClockView | None = None
     """None while unknown."""
+    problem: str = ""
+    """For the gate: why it counts nothing or does not let a container in; empty otherwise."""
     unconfirmed: tuple[LoadView, ...] | None = None
     """Where its body is people: loads that vehicles report as brought or taken and nobody has confirmed yet.
     Else None."""

@@ -6,6 +6,7 @@ import { Tag } from "../../../parts/Tag";
 import { GATE } from "../../../plant/places";
 import { isLost } from "../../../plant/silence";
 import { nowS, presentS, world } from "../../../stream/stream";
+import { failureText } from "../../../text/failure";
 import { sinceHeard } from "../../../text/heard";
 import { format, t } from "../../../text/manager";
 import { ClockMark } from "../agents/ClockMark";
@@ -33,6 +34,7 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
       scrolls
       foot={place.kind === "storage" ? <CallHere key={place.id} place={place.id} /> : undefined}
     >
+      {station?.problem && !station.shut_out && <p class="problem">{failureText(station.problem)}</p>}
       {station?.shut_out && <ShutOutNote agent={agent} kind="machine" out={station.shut_out} />}
       <Facts>
         {beats && (

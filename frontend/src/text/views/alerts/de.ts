@@ -52,6 +52,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.machine_error": "Maschinenstörung",
   "alertLog.is.station_lost": "Station stumm",
   "alertLog.is.gate_lost": "Versandtor stumm",
+  "alertLog.is.gate_error": "Störung am Versandtor",
   "alertLog.is.strategist_lost": "Stratege stumm",
   "alertLog.is.no_strategist": "Kein Stratege",
   "alertLog.is.atv_lost": "Fahrzeug stumm",

@@ -49,6 +49,7 @@ export const alerts = {
   "alertLog.is.machine_error": "Machine fault",
   "alertLog.is.station_lost": "Station silent",
   "alertLog.is.gate_lost": "Delivery gate silent",
+  "alertLog.is.gate_error": "Delivery gate fault",
   "alertLog.is.strategist_lost": "Strategist silent",
   "alertLog.is.no_strategist": "No strategist",
   "alertLog.is.atv_lost": "Vehicle silent",

@@ -52,6 +52,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.machine_error": "Avería de máquina",
   "alertLog.is.station_lost": "Estación en silencio",
   "alertLog.is.gate_lost": "Puerta de expedición en silencio",
+  "alertLog.is.gate_error": "Avería de la puerta de expedición",
   "alertLog.is.strategist_lost": "Estratega en silencio",
   "alertLog.is.no_strategist": "Ningún estratega",
   "alertLog.is.atv_lost": "Vehículo en silencio",

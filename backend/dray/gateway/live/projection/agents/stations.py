@@ -97,6 +97,7 @@ class Stations:
             draining=heartbeat.draining,
             shut_out=self._outsiders.view(heartbeat.station),
             clock=clock_of(self._clocks, heartbeat.station),
+            problem=heartbeat.problem,
             unconfirmed=loads_of(heartbeat.people),
             to_come=tuple(
                 ToComeView(goal=each.goal, product=self.product_of(each.goal), quantity=each.quantity)

@@ -184,6 +184,8 @@ def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator
         if now.is_lost(heard.station, heard):
             kind: AlertKind = "gate_lost" if heard.station == GATE else "station_lost"
             yield Condition(kind=kind, agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
+        elif heard.problem:
+            yield Condition(kind="gate_error", agent=heard.station, cause=detail_of(heard.problem))
         elif heard.dock_wait is not UNSET:
             yield _dock_not_ready(heard.station, heard.dock_wait, now)
         elif any(level.uncounted for level in heard.stocks):

@@ -28,6 +28,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "machine_lost": ("alarm", "look_at_machine"),
     "station_lost": ("alarm", "look_at_station"),
     "gate_lost": ("alarm", "look_at_gate"),
+    "gate_error": ("alarm", "see_to_gate"),
     "machine_error": ("alarm", "repair"),
     "machine_shut_out": ("warning", "put_right_and_readmit"),
     "station_shut_out": ("warning", "put_right_and_readmit"),
