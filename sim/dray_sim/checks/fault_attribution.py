@@ -121,8 +121,8 @@ class FaultAttribution:
         self._touched_s[agent] = float("inf")
 
     def restrict(self, until_s: float) -> None:
-        """Note that people close parts of the floor until then: work that is given back or late may be due to that."""
-        self._touched_s[FLOOR] = until_s
+        """Note that people close parts of the floor, or docks do not open, until then: work that is given back or late may be due to that."""
+        self._touched_s[FLOOR] = max(until_s, self._touched_s.get(FLOOR, until_s))
 
     def end(self, name: str, at_s: float) -> None:
         """A fault has ended."""

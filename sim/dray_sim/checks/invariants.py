@@ -312,7 +312,7 @@ class Invariants:
             HandedOverOnce(),
             EpochsRise(),
             OnePrimaryEach(factory.strategists),
-            DeliveredExactly(factory.gate.arrived),
+            DeliveredExactly(factory.arrived),
             OneHolderEach(),
             PartsCountedOnce(factory),
             BroughtOnce(abilities),

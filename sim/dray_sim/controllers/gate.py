@@ -36,6 +36,7 @@ class GateController:
     Attributes:
         shows: values of its outputs, by signal.
         told: values of its inputs, by signal.
+        let_in: pieces that came in, by goal.
         aside: pieces that went aside, by goal.
     """
 
@@ -43,12 +44,13 @@ class GateController:
         self._clock, self._tell = clock, tell
         self.shows: dict[Signal, Value] = {Signal.PIECES: 0, Signal.GOAL: ""}
         self.told: dict[Signal, Value] = {Signal.ADMITTED: 0, Signal.ADMITTED_GOAL: "", Signal.ALIVE: 0}
+        self.let_in: Counter[str] = Counter()
         self.aside: Counter[str] = Counter()
         self._belt: deque[tuple[str, int]] = deque()
         """Containers that wait: goal and pieces."""
         self._brought: Counter[str] = Counter(gate.sense().arrived)
         self._pieces = self._made = 0
-        """Pieces of the container whose label is shown; pieces that were let in."""
+        """Pieces of the container whose label is shown; pieces that were let in since its counter was reset."""
         self._waited_s, self._beat_s = 0.0, clock.now_s()
         """Time for which the container has waited while the agent was there; the time of the last value of `alive`."""
         gate.is_open = True
@@ -64,6 +66,11 @@ class GateController:
             self._waited_s += min(now_s - self._beat_s, BEAT_S)
             self._beat_s = now_s
         self.told[signal] = value
+
+    def reset_counters(self) -> None:
+        """Count from 0 on, as after somebody has pressed a button at its panel."""
+        self._made = 0
+        self._show(Signal.PIECES, 0)
 
     def _show(self, signal: Signal, value: Value) -> None:
         if self.shows[signal] != value:
@@ -89,6 +96,7 @@ class GateController:
                 self._show(Signal.GOAL, goal)
         elif self.told[Signal.ADMITTED_GOAL] == label and admitted >= self._pieces:
             self._made += self._pieces
+            self.let_in[label] += self._pieces
             self._show(Signal.PIECES, self._made % MODULUS)
             self._show(Signal.GOAL, "")
         elif self._waited_s > ASIDE_S:

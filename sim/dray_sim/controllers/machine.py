@@ -41,7 +41,7 @@ class MachineController:
     Attributes:
         shows: values of its outputs, by signal.
         told: values of its inputs, by signal.
-        made: pieces that it has counted since it was built, by counter.
+        made: pieces that it has counted since it was built or its counters were reset, by counter.
     """
 
     def __init__(
@@ -84,6 +84,12 @@ class MachineController:
         """Store an input; the controller acts on it when it looks."""
         if signal in self.told:
             self.told[signal] = value
+
+    def reset_counters(self) -> None:
+        """Count from 0 on, as after somebody has pressed a button at its panel."""
+        for signal in COUNTERS:
+            self.made[signal] = 0
+            self._show(signal, 0)
 
     # --- what it shows ---
 

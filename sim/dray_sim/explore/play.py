@@ -31,9 +31,12 @@ from dray_sim.checks.standing import Standing
 from dray_sim.checks.waiting import NobodyWaitsInVain
 from dray_sim.clock.loop import JUMP, clock
 from dray_sim.clock.loop import run as run_loop
+from dray_sim.controllers.wired import WiredBodies
+from dray_sim.explore.bodies import RESTS_S, check_counts, play_cuts
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.run import Run, draw
 from dray_sim.explore.story import Story
+from dray_sim.factory.installation import itself
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Fault, Faults, LaneBlocked, LoadDropped, describe, kind_of
 from dray_sim.faults import play as let_happen
@@ -118,15 +121,16 @@ class _Diary(Faults):
         name = super().begin(fault)
         self.begun[kind_of(fault)] += 1
         self._attribution.begin(name, fault, self._factory.clock.now_s())
-        self._note(f"--- {name} begins: {describe(fault)}")
+        self.note(f"--- {name} begins: {describe(fault)}")
         return name
 
     def end(self, name: str) -> None:
         super().end(name)
         self._attribution.end(name, self._factory.clock.now_s())
-        self._note(f"--- {name} ends")
+        self.note(f"--- {name} ends")
 
-    def _note(self, what: str) -> None:
+    def note(self, what: str) -> None:
+        """Write a line."""
         if self._story is not None:
             self._story.note(self._factory.clock.now_s(), what)
 
@@ -156,6 +160,7 @@ class _Game:
         self._tally = _Tally()
         self._ended_s = 0.0
         self._restarts = 0
+        self._bodies: WiredBodies | None = None
         self._faults: Counter[str] = Counter()
 
     @property
@@ -164,19 +169,30 @@ class _Game:
         insider = self._run.insider
         return owner_in(self._run.plant) if insider and BEHAVIOURS[insider].has_key else ""
 
-    async def play(self) -> None:
-        """Run it to its end."""
-        run, listeners = self._run, Listeners()
+    def _factory(self, listeners: Listeners) -> SimFactory:
+        run, now = self._run, clock()
+        bodies = self._bodies = WiredBodies(run.plant, now) if run.wired else None
         factory = SimFactory(
             run.plant,
-            clock(),
+            now,
             seed=run.seed,
             stock_frac=run.stock_frac,
             codec=run.codec,
             listener=listeners,
             traffic=run.traffic,
             strategists=run.strategists,
+            embody_machine=itself if bodies is None else bodies.embody_machine,
+            embody_store=itself if bodies is None else bodies.embody_store,
+            embody_gate=itself if bodies is None else bodies.embody_gate,
         )
+        if bodies is not None:
+            factory.arrived = bodies.arrived
+        return factory
+
+    async def play(self) -> None:
+        """Run it to its end."""
+        run, listeners = self._run, Listeners()
+        factory = self._factory(listeners)
         # A thief of another agent's name must change nothing for its owner.
         liar = INSIDER if run.insider and not BEHAVIOURS[run.insider].is_thief else ""
         attribution, liveness = (
@@ -208,6 +224,8 @@ class _Game:
         checks.add(NoCallIsLost(lambda agent: agent == liar))
         if run.closings:
             attribution.restrict(max(each.until_s for each in run.closings))
+        if run.cuts:
+            attribution.restrict(max(each.until_s for each in run.cuts))
             checks.add(ClosedLanes(factory))
         in_the_way = any(isinstance(timed.fault, LaneBlocked | LoadDropped) for timed in run.schedule)
         if in_the_way or factory.plant.doors:
@@ -262,7 +280,7 @@ class _Game:
     async def _live(
         self,
         factory: SimFactory,
-        faults: Faults,
+        faults: _Diary,
         office: FloorOffice | None,
         crew: tuple[Operator | Technician, ...],
         looker: LoadLooker,
@@ -291,6 +309,8 @@ class _Game:
                 group.create_task(self._meddle_with_machines(factory))
             if run.insider:
                 group.create_task(self._lie(factory, office))
+            if self._bodies is not None:
+                group.create_task(play_cuts(run.cuts, factory, self._bodies, faults.note))
 
     def _ask_for_work(self, factory: SimFactory, group: asyncio.TaskGroup) -> None:
         """Customers order, and think again; people have something brought."""
@@ -370,6 +390,9 @@ class _Game:
         liveness.start(factory.clock.now_s())
         await asyncio.sleep(self._run.duration_s - self._run.faults_until_s)
         await liveness.over.wait()
+        if self._bodies is not None:
+            await asyncio.sleep(RESTS_S)
+            check_counts(factory, self._bodies, factory.clock.now_s())
 
     def _verdict(self, checks: Invariants, life: asyncio.Task[None], end: asyncio.Task[None]) -> str:
         if checks.broken is not None:

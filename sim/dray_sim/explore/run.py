@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from random import Random
+from typing import Any
 
 from dray.messages.keys import strategists_of
 from dray.plant import Plant
 from dray.plant.file.check_levels import levels_of
 from dray.priorities import Priority
+from dray_sim.explore.bodies import Cut, draw_cuts
 from dray_sim.explore.closings import draw_closings, draw_outline
 from dray_sim.explore.levels import with_priorities
 from dray_sim.explore.profile import PROFILES, Profile
@@ -97,6 +99,8 @@ class Run:
         closings: closures by a manager, with their times.
         carryings: vehicles that people carry away and put back; only where vehicles drive with right of way.
         calls: transports that people ask for, and when they call them off.
+        wired: whether machines, stores and the gate are controllers.
+        cuts: of their wires, and resets of their counters.
         insider: the behaviour of an insider until the quiet phase (`dray_sim.insiders`); empty where there is none.
         traffic: whether vehicles drive with right of way; nothing but the carryings follows from it.
     """
@@ -122,11 +126,14 @@ class Run:
     traffic: bool = False
     random_answers: bool = False
     strategists: int = 1
+    wired: bool = False
+    cuts: tuple[Cut, ...] = field(repr=False, default=())
 
     @property
     def has_faults(self) -> bool:
         """Whether it has faults."""
-        return bool(self.schedule or self.random_operator or self.insider or self.closings or self.carryings)
+        people = self.random_operator or self.insider or self.closings or self.carryings
+        return bool(self.schedule or people or self.cuts)
 
     @property
     def has_scrap(self) -> bool:
@@ -156,6 +163,7 @@ class Run:
             *(("bad pieces",) if self.has_scrap else ()),
             *((f"{len(self.calls)} transports called",) if self.calls else ()),
             f"{len(self.schedule)} faults",
+            *((f"controllers ({len(self.cuts)} cuts and resets)",) if self.wired else ()),
             *((f"{len(self.closings)} closures",) if self.closings else ()),
             *((f"{len(self.carryings)} carried away",) if self.carryings else ()),
             "operators" if self.habits is not None else "no operators",
@@ -170,7 +178,7 @@ class Run:
         return [
             f"{timed.at_s:7.1f} to {timed.until_s or self.faults_until_s:7.1f} s  {describe(timed.fault)}"
             for timed in self.schedule
-        ]
+        ] + [str(cut) for cut in self.cuts]
 
 
 def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
@@ -215,6 +223,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         calls=_calls(plant, ranges, seed),
         insider=_insider(ranges, Random(f"{seed} insider"), Random(f"{seed} impostor"), traffic=traffic),
         traffic=traffic,
+        **_bodies(plant, ranges, Random(f"{seed} bodies")),
     )
     lies = BEHAVIOURS[run.insider] if run.insider else None
     if lies is not None and (lies.takes_replica or lies.leads_falsely):
@@ -223,6 +232,12 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         # A vehicle that has found its double stands until a person lets it go.
         return replace(run, habits=_habits(Random(f"{seed} who lets it go")))
     return run
+
+
+def _bodies(plant: Plant, ranges: Profile, random: Random) -> dict[str, Any]:
+    if random.random() >= ranges.bodies_frac:
+        return {}
+    return {"wired": True, "cuts": draw_cuts(plant, random, FAULTS_UNTIL_S)}
 
 
 def _of_vehicles(schedule: tuple[Timed, ...], plant: Plant) -> tuple[Timed, ...]:

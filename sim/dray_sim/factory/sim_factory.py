@@ -112,6 +112,7 @@ class SimFactory:
         journals: by agent id.
         gate, strategists: the gate of all delivery warehouses, and the ids of the strategists that share it.
         in_hands: pieces that people carry, by item.
+        arrived: how many pieces of a goal are in: by default those that the gate has; with a controller before it, others may wait there.
         has_levels: whether stations learn by the levels of controllers what lies in their storages.
     """
 
@@ -157,6 +158,7 @@ class SimFactory:
         self.traffic = TrafficMap(plant, self.request_keys.is_signed) if traffic else None
         self.floor = floor = Floor(plant, clock, seed=seed, stock_frac=stock_frac)
         self.source, self.gate, self.delivery = floor.source, floor.gate, floor.delivery
+        self.arrived: Callable[[str], int] = self.gate.arrived
         self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles
         self.in_hands = floor.in_hands
         self.workers: dict[str, Worker] = {}
