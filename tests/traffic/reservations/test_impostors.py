@@ -256,9 +256,9 @@ def test_after_a_persons_word_the_vehicle_is_heard_again_however_far_its_numbers
     replica.told("ATV1", own(HERE, life=FAR, seq=FAR, seen=replica.table.version), 101.0)
     replica.told("ATV1", own(groups=((HERE,),), life=2), 102.0)
     assert answers(list(replica.out)) == []
-    replica.told("gateway", Removals(removals=(word(atv="ATV1", heard=(FAR, FAR)),)), LATER_S)
+    replica.told("gateway", Removals(removals=(word(atv="ATV1", heard=(FAR, FAR)),)), LATER_S + 5.0)
     assert held(replica) == set()
-    (told,) = answers(replica.told("ATV1", own(groups=((HERE,),), life=2, seq=2, removal=1), LATER_S + 1.0))
+    (told,) = answers(replica.told("ATV1", own(groups=((HERE,),), life=2, seq=2, removal=1), LATER_S + 6.0))
     assert [line.place for line in told.grants] == [HERE]
 
 
