@@ -14,9 +14,10 @@ from sqlalchemy.exc import OperationalError
 from wall_clock import NOW_S
 
 from dray.errors import UnavailableError
+from dray.gateway.access.audit_log import AuditLog, Line
 from dray.gateway.access.principal import Role, Scope
 from dray.messages import CommandRefusal
-from dray.store.access.audit import Audit
+from dray.store.access.audit import Audit, AuditRow
 from dray.store.database.database import Database
 
 pytestmark = pytest.mark.anyio
@@ -147,6 +148,28 @@ async def test_a_stop_waits_for_no_disk_and_its_line_is_written_when_there_is_on
         ("ATV1", "done", NOW_S + 1.0),
         ("ATV1", "done", NOW_S),
     ]
+
+
+async def test_whoever_reads_waits_for_the_lines_of_stops_until_then_and_not_for_those_that_come_meanwhile(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, add, written = AuditLog(house.store, house.wall), Audit.add, 0
+    line = Line(who=None, address="", action="vehicle.command", target="ATV1", result="done", detail={})
+
+    async def and_another_comes(audit: Audit, row: AuditRow) -> int:
+        nonlocal written
+        written += 1
+        if written < 100:
+            log.write_later(line)
+        return await add(audit, row)
+
+    monkeypatch.setattr(Audit, "add", and_another_comes)
+    log.write_later(line)
+    await log.catch_up()
+    assert (written, log.waiting) == (1, 1)
+    log.write_later(line)
+    await log.catch_up()
+    assert (written, log.waiting) == (3, 2)
 
 
 async def test_an_action_that_cannot_be_written_down_is_done_and_said_so(

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
+
 from dray.body import Drive, ReleaseWay
+from dray.codec import decode, encode
+from dray.messages.base import COUNT_MAX
 from dray.messages.floor.traffic import (
     Blocked,
     HoldsAsked,
@@ -16,6 +20,7 @@ from dray.plant import load_plant
 from dray.protocol.runtime.events import Instruct, Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.numbers import ALONE_MAX, FAR
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
@@ -208,3 +213,17 @@ def test_an_answer_to_an_earlier_life_is_nobodys_word_under_this_name() -> None:
     stranger = PlaceGranted(district=DISTRICT, epoch=0, life=1, upto=10**6, grants=())
     vehicle.row.on_granted("M12", stranger, 1.0)
     assert not vehicle.row.is_doubled
+
+
+@pytest.mark.parametrize("upto", [ALONE_MAX, FAR, COUNT_MAX])
+def test_a_replica_that_lies_of_its_requests_does_not_bring_their_number_to_the_end(upto: int) -> None:
+    vehicle = Vehicle().placed()
+    for _ in range(3):
+        vehicle.row.is_doubled = False
+        vehicle.grant(upto=upto)
+        if upto > ALONE_MAX:
+            assert vehicle.row.is_doubled
+        assert ALONE_MAX < vehicle.said.seq < ALONE_MAX + 10
+        assert decode(encode("A", vehicle.said)) == ("A", vehicle.said)
+    vehicle.grant(HERE)
+    assert vehicle.row.is_placed

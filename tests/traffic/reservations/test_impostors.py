@@ -15,7 +15,8 @@ from dray.messages.fact import NameMisused
 from dray.messages.floor.traffic import HoldsAsked
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.throttle import TOLD_EVERY_S
-from dray.protocol.traffic.reservations.district import NOT_ON_THE_FLOOR
+from dray.protocol.traffic.numbers import FAR
+from dray.protocol.traffic.reservations.district import BEYOND_COUNT, INSISTS_S, NOT_ON_THE_FLOOR
 from dray.protocol.traffic.reservations.impostors import ANOTHERS_KEY
 from dray.protocol.traffic.reservations.recovery_poll import BESIDE_MAX, POLL_S
 from dray.protocol.traffic.reservations.reservation_handling import NOTE
@@ -198,3 +199,74 @@ def test_nor_does_it_hinder_people_who_put_it_back(replica: Replica) -> None:
     assert ignored(effects) == [NOT_ON_THE_FLOOR]
     replica.told("B", request(seq=2, seen=replica.table.version), LATER_S + 3.0)
     assert held(replica) == {HERE}
+
+
+AHEAD = 10**15
+"""A removal that a thief claims to know: people reach that number in ten thousand years."""
+
+
+def insist(replica: Replica, number: int = 1, until_s: float = LATER_S + INSISTS_S) -> None:
+    """A gateway repeats a person's word."""
+    now_s = LATER_S
+    while now_s <= until_s:
+        replica.told("gateway", Removals(removals=(word(number, atv="ATV1"),)), now_s)
+        now_s += 2.0
+
+
+def test_who_claims_to_know_of_a_later_removal_is_carried_away_by_a_word_that_people_repeat() -> None:
+    replica = Replica()
+    replica.told("ATV1", own(groups=((HERE,),), key=STOLEN, removal=AHEAD), 99.0)
+    replica.told("ATV1", beat(atv="ATV1", removal=AHEAD), 99.0)
+    assert held(replica) == {HERE}
+    insist(replica)
+    assert held(replica) == set()
+    replica.told("ATV2", request(groups=((HERE,),)), LATER_S + INSISTS_S + 1.0)
+    assert replica.holder(HERE) == "ATV2"
+
+
+def test_an_older_word_of_people_that_is_under_way_frees_nothing(replica: Replica) -> None:
+    """The vehicle knows of a removal that this table has not heard of yet."""
+    replica.told("ATV1", own(groups=((HERE,),), removal=5, life=2), 101.0)
+    assert held(replica) == {HERE}
+    insist(replica, 4, LATER_S + INSISTS_S - 2.0)
+    assert held(replica) == {HERE}
+    insist(replica, 5, LATER_S + 3.0 * INSISTS_S)
+    assert held(replica) == {HERE}, "the vehicle was granted it after this very removal"
+
+
+@pytest.mark.parametrize("claimed", [0, AHEAD])
+def test_people_end_a_recovery_poll_in_which_too_many_tell_under_one_name(claimed: int) -> None:
+    replica, epoch = called()
+    for number in range(BESIDE_MAX + 1):
+        key = VehicleKey("ATV1", bytes([number]) * 32)
+        replica.told("ATV1", own(HERE, key=key, epoch=epoch, removal=claimed), 1.0)
+    tell_all(replica, epoch)
+    tables = replica.reservations.tables
+    assert tables is not None
+    assert not tables.districts[DISTRICT].leads
+    insist(replica)
+    assert tables.districts[DISTRICT].leads
+    assert held(replica) == set()
+
+
+def test_after_a_persons_word_the_vehicle_is_heard_again_however_far_its_numbers_were_said_to_be(
+    replica: Replica,
+) -> None:
+    """A thief of the key, too, has said the last number of the last life."""
+    replica.told("ATV1", own(HERE, life=FAR, seq=FAR, seen=replica.table.version), 101.0)
+    replica.told("ATV1", own(groups=((HERE,),), life=2), 102.0)
+    assert answers(list(replica.out)) == []
+    replica.told("gateway", Removals(removals=(word(atv="ATV1", heard=(FAR, FAR)),)), LATER_S + 5.0)
+    assert held(replica) == set()
+    (told,) = answers(replica.told("ATV1", own(groups=((HERE,),), life=2, seq=2, removal=1), LATER_S + 6.0))
+    assert [line.place for line in told.grants] == [HERE]
+
+
+@pytest.mark.parametrize("number", [{"seq": FAR + 1}, {"life": FAR + 1}], ids=str)
+def test_a_number_that_no_vehicle_reaches_is_not_heard_and_costs_the_owner_nothing(
+    replica: Replica, number: dict[str, int]
+) -> None:
+    said = own(HERE, seen=replica.table.version, **number)
+    assert ignored(replica.told("ATV1", said, 101.0)) == [BEYOND_COUNT]
+    (told,) = answers(replica.told("ATV1", own(HERE, seq=3, seen=replica.table.version), 102.0))
+    assert told.upto == 3

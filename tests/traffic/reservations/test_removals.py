@@ -129,6 +129,13 @@ def test_one_that_stands_there_and_was_only_deaf_is_told_that_nothing_is_its_own
     assert (told.by, told.at, told.grants) == ("B", HERE, ())
 
 
+def test_one_that_has_started_again_and_does_not_know_its_removal_any_more_is_told(replica: Replica) -> None:
+    replica.remove()
+    replica.told("A", request(removal=1, life=2, groups=((HERE,),)), LATER_S + 1.0)
+    (told,) = answers(replica.told("A", request(life=3, groups=((HERE,),)), LATER_S + 2.0))
+    assert (told.life, told.removal) == (3, 1)
+
+
 def test_the_place_to_which_it_comes_back_is_kept_for_it(replica: Replica) -> None:
     replica.remove()
     effects = replica.told("gateway", Removals(removals=(word(2, node=ELSEWHERE),)), LATER_S + 1.0)

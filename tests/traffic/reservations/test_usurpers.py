@@ -203,3 +203,70 @@ def test_a_thief_that_says_anything_changes_nothing_while_both_others_hear_one_a
                 trio.replicas[name].ask()
                 trio.carry()
     assert any(trio.replicas[name].leads for name in HONEST)
+
+
+def forgetful(thief: str = "M2") -> Trio:
+    """All memories are lost at once, and the two honest ones have begun anew. The thief tells what it likes."""
+    trio = Trio()
+    trio.cut = {thief}
+    for name in set(NAMES) - {thief}:
+        trio.replicas[name] = Copies("M1", name, NAMES, None, trio.lives[name])
+        trio.replicas[name].ask()
+    trio.carry()
+    trio.cut = set()
+    return trio
+
+
+@pytest.mark.parametrize("epoch", [1, 4, 4 + 3 * LEAP_MAX, FAR - FAR % 3 + 1, COUNT_MAX - COUNT_MAX % 3 - 2])
+def test_after_the_loss_of_all_memories_what_a_thief_remembers_is_not_taken_and_vehicles_are_asked(
+    epoch: int,
+) -> None:
+    trio = forgetful()
+    for _ in range(3):
+        say(trio, forged(epoch), *HONEST)
+        for name in HONEST:
+            trio.replicas[name].ask()
+    assert tables(trio) == {()}
+    leader = trio.replicas["M1"]
+    assert leader.needs_recovery_poll
+    leader.end_recovery_poll(leader.next_turn(0))
+    leader.write(1, line("A", 1))
+    trio.carry()
+    assert tables(trio) <= {(), line("A", 1)}
+
+
+def forget(trio: Trio, thief: str, *to: str) -> None:
+    """The thief tells that it has lost its memory, too, and has asked the vehicles."""
+    epoch = next(epoch for epoch in range(1, 4) if NAMES[epoch % len(NAMES)] == thief)
+    told = TableReported(district="M1", epoch=epoch, lost=True, kept_epoch=0, version=0, reservations=())
+    forgery = TableReplicated(district="M1", epoch=epoch, version=1, reservations=line("B", 1))
+    say(trio, [told, forgery, forgery], *to, thief=thief)
+
+
+@pytest.mark.parametrize("thief", ["M2", "M3"])
+def test_after_the_loss_of_all_memories_nobody_takes_the_table_of_a_thief_that_is_not_the_first_of_them(
+    thief: str,
+) -> None:
+    """Whatever it says that the vehicles have told. The first one asks them, and is copied."""
+    trio = forgetful(thief)
+    honest = [name for name in NAMES if name != thief]
+    for _ in range(3):
+        forget(trio, thief, *honest)
+        for name in honest:
+            trio.replicas[name].ask()
+    assert {trio.replicas[name].kept.reservations for name in honest} == {()}
+    leader = trio.replicas["M1"]
+    assert leader.needs_recovery_poll
+    leader.end_recovery_poll(leader.next_turn(0))
+    leader.write(1, line("A", 1))
+    trio.carry()
+    assert {trio.replicas[name].kept.reservations for name in honest} == {line("A", 1)}
+
+
+@pytest.mark.xfail(
+    strict=True, reason="nothing shows what vehicles have told the first one: docs/security.md"
+)
+def test_after_the_loss_of_all_memories_nobody_takes_the_table_of_a_thief_that_asks_the_vehicles() -> None:
+    trio = forgetful("M1")
+    forget(trio, "M1", "M2", "M3")
+    assert {trio.replicas[name].kept.reservations for name in ("M2", "M3")} == {()}

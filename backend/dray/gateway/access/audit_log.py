@@ -98,6 +98,8 @@ class AuditLog:
     def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
         self._store, self._wall_s = store, wall_s
         self._later: deque[AuditRow] = deque()
+        self._written = 0
+        """Number of lines written later than their answers."""
         self._more = asyncio.Event()
         self._writing = asyncio.Lock()
 
@@ -130,18 +132,23 @@ class AuditLog:
                 await asyncio.sleep(AGAIN_S)
 
     async def catch_up(self) -> None:
-        """Write all waiting lines.
+        """Write all lines that wait now. Lines that come meanwhile are not waited for: they might come without end.
 
         Raises:
             UnavailableError: the database is away; the lines go on waiting.
         """
-        async with self._writing:
-            while self._later:
+        upto = self._written + len(self._later)
+        while self._written < upto:
+            async with self._writing:
+                if self._written >= upto:
+                    return  # Another one has written them.
                 rows = list(self._later)
                 await self._write(rows)
                 for _ in rows:
                     self._later.popleft()
-            self._more.clear()
+                self._written += len(rows)
+                if not self._later:
+                    self._more.clear()
 
     def row(self, line: Line) -> AuditRow:
         """A line as a row, for code that writes it in the action's own transaction."""

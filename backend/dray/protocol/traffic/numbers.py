@@ -1,4 +1,4 @@
-"""Limits on how far a single agent can raise numbers that only grow: epochs and versions of a reservation table.
+"""Limits on how far a single agent can raise numbers that only grow: epochs and versions of a reservation table, and vehicles' requests.
 
 Numbers end at `COUNT_MAX`. An agent that raised a table's number to that end, or beyond what others believe, would stop its
 district for good.
@@ -18,7 +18,7 @@ OUTBID_MAX = LEAP_MAX // 4
 copies follow the new epoch even when they have missed the one before."""
 
 FAR = COUNT_MAX // 2
-"""Highest believed epoch or version: at a thousand a second, it is not reached in 100,000 years."""
+"""Highest believed epoch, version, life or number of a request: at a thousand a second, it is not reached in 100,000 years."""
 
 ALONE_MAX = FAR // 2
 """Number up to which a single agent is believed. Honest agents that count on from there stay far below `FAR` for ever."""

@@ -202,6 +202,8 @@ class Atv(AgentBase):
         note = memory.get(WHOLE)
         if isinstance(note, AtvMemory):
             self._commands.restore(note)
+        else:
+            self._commands.forget()
         if isinstance(note, AtvMemory) and note.contract is not None:
             self._contracts.bind(note.contract)
             self._contracts.go_on(lambda job: job.resume(state.load, now_s), now_s)

@@ -209,6 +209,7 @@ export const de: Catalogue<typeof en> = {
   "failure.stopped by an operator": "von Hand angehalten",
   "failure.on the radio mesh": "nur über Funk erreichbar",
   "failure.out of service": "außer Betrieb genommen",
+  "failure.found itself stopped, and has lost its memory of why": "fand sich angehalten, und weiß nicht mehr, warum",
   "failure.its name is used by another": "ein anderer benutzt seinen Namen",
   "failure.reported as carried away while driving": "als weggetragen gemeldet, während es fuhr",
   "failure.started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all": "ohne Vorfahrt gestartet, und andere fahren mit Vorfahrt; DRAY_TRAFFIC für alle gleich setzen",

@@ -206,6 +206,7 @@ export const en = {
   "failure.stopped by an operator": "stopped by an operator",
   "failure.on the radio mesh": "on the radio mesh",
   "failure.out of service": "taken out of service",
+  "failure.found itself stopped, and has lost its memory of why": "found itself stopped, and has lost its memory of why",
   "failure.its name is used by another": "its name is used by another",
   "failure.reported as carried away while driving": "reported as carried away while it was driving",
   "failure.started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all": "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all",

@@ -209,6 +209,7 @@ export const es: Catalogue<typeof en> = {
   "failure.stopped by an operator": "parado por un operario",
   "failure.on the radio mesh": "solo por radio",
   "failure.out of service": "puesto fuera de servicio",
+  "failure.found itself stopped, and has lost its memory of why": "se encontró detenido y ha perdido la memoria del motivo",
   "failure.its name is used by another": "otro usa su nombre",
   "failure.reported as carried away while driving": "dado por retirado mientras circulaba",
   "failure.started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all": "iniciado sin prioridad de paso, y otros circulan con ella; DRAY_TRAFFIC debe ser igual para todos",

@@ -23,7 +23,7 @@ from dray.messages import (
 )
 from dray.messages.fact import BidRefused
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.people.command_handling import ALONE, DENIED, DOUBLED
+from dray.protocol.vehicle.people.command_handling import ALONE, DENIED, DOUBLED, FORGOTTEN
 from dray.protocol.vehicle.people.problem_handling import DOUBLED_S
 
 
@@ -114,6 +114,20 @@ def test_its_next_life_calls_too() -> None:
     rig.run(DOUBLED_S)
     assert calls(rig) == (DOUBLED, True)
     assert command(rig, CommandKind.ACKNOWLEDGE).done
+
+
+def test_its_next_life_calls_also_when_its_memory_is_lost() -> None:
+    """Its body stands, and it cannot know whether a person has stopped it."""
+    rig = VehicleRig(incarnation=2)
+    rig.held = True
+    rig.start()
+    rig.run(DOUBLED_S)
+    assert last_beat(rig).status is AtvStatus.STOPPED
+    assert calls(rig) == (FORGOTTEN, True)
+    assert command(rig, CommandKind.ACKNOWLEDGE).done
+    rig.run(rig.now_s + 1.0)
+    assert calls(rig) == (FORGOTTEN, False)
+    assert command(rig, CommandKind.RESUME).done
 
 
 def test_its_next_life_stands_also_where_its_body_has_not_heard_of_it() -> None:

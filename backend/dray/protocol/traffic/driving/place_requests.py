@@ -23,7 +23,7 @@ from dray.messages.floor.traffic import (
     Rank,
 )
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.numbers import OUTBID_MAX
+from dray.protocol.traffic.numbers import ALONE_MAX, OUTBID_MAX
 
 REQUEST_AGAIN = "request again"
 
@@ -353,7 +353,11 @@ class PlaceRequests:
         return granted.upto >= self._lines[granted.district].since
 
     def is_anothers(self, sender: str, granted: PlaceGranted) -> bool:
-        """Whether an answer is to a request of this life that was never sent: an impostor's. The next request gets a higher number."""
+        """Whether an answer is to a request of this life that was never sent: an impostor's.
+
+        The next request gets a higher number, or an honest table would take it for an overtaken one. A replica that lies cannot bring
+        it near the end of numbers, where the vehicle could say nothing more.
+        """
         replicas = self._replicas_of.get(granted.district, ())
         line = self._lines.get(granted.district)
         said = line.seq if line is not None else 0
@@ -361,7 +365,7 @@ class PlaceRequests:
             return False
         if not self._is_meant(granted):
             return False
-        self._lines.setdefault(granted.district, _Line()).seq = granted.upto
+        self._lines.setdefault(granted.district, _Line()).seq = max(said, min(granted.upto, ALONE_MAX))
         return True
 
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> tuple[str, ...] | None:

@@ -44,11 +44,17 @@ from dray.protocol.traffic.numbers import (
     is_version_believed,
     most_believed,
 )
+from dray.protocol.traffic.reservations.proofs import Proofs
 from dray.protocol.traffic.reservations.witness import Witness
 from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 
 PATIENT_ROUNDS = 2
 """Rounds of questions to all others before the answers of a majority suffice."""
+
+
+UNDER_WAY_MAX = 1_000
+"""Grants that a replica may have copied beyond the version that it has acknowledged: a minute of a busy district. A replica that was
+cut off for longer has none of the later ones, so the proofs that are kept for it are bounded, whatever a thief says meanwhile."""
 
 
 class Kept(msgspec.Struct, frozen=True):
@@ -105,8 +111,10 @@ class Copies:
         self._has: dict[str, int] = {}
         """Replica -> the version that it has under this epoch."""
         self._witness = Witness(district, is_signed)
-        self._given_back: dict[str, tuple[int, PlaceRequested]] = {}
-        """Vehicle -> first version without the lines it released while `me` led, and its request; until all have copied that version."""
+        self._proofs = Proofs()
+        """The requests that prove to other replicas what vehicles have given back while `me` led."""
+        self._led_from: int | None = None
+        """The first version that it has written under this epoch; None before that. Other replicas have copied lines of earlier ones."""
         self._copied = False
         """Whether it has copied a table since its start: later tables are checked against that copy."""
         self._began = 0
@@ -148,22 +156,21 @@ class Copies:
         """Send the present table to all replicas. It counts when `counted` reaches `version`."""
         self.kept = Kept(self.kept.epoch, self.kept.epoch, version, reservations, removed)
         self._has = {self._me: version, **{k: v for k, v in self._has.items() if k != self._me}}
+        self._led_from = version if self._led_from is None else self._led_from
         self.repeat()
         self._count()
 
-    def note_word(self, atv: str, request: PlaceRequested, *, struck: bool) -> None:
+    def note_word(self, atv: str, request: PlaceRequested, *, struck: bool, oldest: int = 0) -> None:
         """Keep a vehicle's request as proof for the replicas that have not copied the resulting table yet.
 
         Args:
             atv: the vehicle.
             request: what it has said that it holds.
             struck: whether it has struck lines out of the table.
+            oldest: the lowest grant number of these lines; 0 when it is unknown.
         """
-        version, before = self._given_back.get(atv, (0, None))
-        if not request.mark or not (struck or self.is_behind):
-            return
-        if before is None or (request.seen >= before.seen if request.mark == before.mark else struck):
-            self._given_back[atv] = (max(version, self.kept.version + struck), request)
+        if struck or self.is_behind:
+            self._proofs.note(atv, request, self.kept.version, struck=struck, oldest=oldest)
 
     def repeat(self) -> None:
         """Send the table to the replicas that have not acknowledged it."""
@@ -180,11 +187,15 @@ class Copies:
                 removed=kept.removed,
                 given_back=tuple(
                     GivenBack(atv=atv, request=msgspec.structs.replace(request, avoid=()))
-                    for atv, (version, request) in self._given_back.items()
-                    if version > has
+                    for atv, request in self._proofs.needed(has, self._may_have(other))
                 ),
             )
             self._life.send(other, replicated)
+
+    def _may_have(self, replica: str) -> int:
+        """The highest grant number of the lines that a replica may have copied, also if its acknowledgements are still under way."""
+        led_from = self.kept.version if self._led_from is None else self._led_from
+        return self._has.get(replica, led_from) + UNDER_WAY_MAX
 
     @property
     def is_behind(self) -> bool:
@@ -210,8 +221,7 @@ class Copies:
         if not self.leads or kept.epoch < self.kept.epoch:
             return False
         self._has[sender] = max(self._has.get(sender, -1), kept.version)
-        copied = min(self._has.get(other, -1) for other in self._others)
-        self._given_back = {atv: word for atv, word in self._given_back.items() if word[0] > copied}
+        self._proofs.drop([(self._has.get(other, -1), self._may_have(other)) for other in self._others])
         return self._count()
 
     def _count(self) -> bool:
@@ -317,12 +327,20 @@ class Copies:
     def _may_join(self, sender: str, replicated: TableReplicated) -> bool:
         """Whether a table restores a lost memory: its writer was lost, too, and all others have reported no later epoch since.
 
-        Its writer alone cannot raise the epoch near the end of numbers.
+        Its writer must be the one that polls vehicles, or another replica must follow it. So a liar that is not the first of those
+        without memory gets no forged table copied. Nor can a writer alone raise the epoch near the end of numbers.
         """
+        polls = next(
+            replica for replica in self._replicas if replica == self._me or replica in self._lost_too
+        )
+        is_followed = any(
+            self._words.get(other) == replicated.epoch for other in self._others if other != sender
+        )
         known = max((self._heard.get(other, 0) for other in self._others if other != sender), default=0)
         return (
             not self.needs_recovery_poll
             and sender in self._lost_too
+            and (sender == polls or is_followed)
             and replicated.epoch <= most_believed(known, LEAP_MAX)
             and all(
                 self._heard.get(other, replicated.epoch + 1) <= replicated.epoch for other in self._others
@@ -438,8 +456,8 @@ class Copies:
                 self.kept = msgspec.structs.replace(self.kept, epoch=self._sought)
                 self._sought = 0
                 self.leads = True
-                # `_given_back` stays: requests hold in every epoch, and a replica may not have copied their effect yet.
-                self._has = {}
+                # `_proofs` stays: requests hold in every epoch, and a replica may not have copied their effect yet.
+                self._has, self._led_from = {}, None
                 self.counted = 0
         elif self.lost and len(self._told) == len(self._others):
             remember = [told for told in self._told.values() if not told.lost]
@@ -490,7 +508,7 @@ class Copies:
         """
         self.lost, self.needs_recovery_poll, self.leads = False, False, True
         self.kept = Kept(epoch, epoch, 0, ())
-        self._has, self._given_back, self.counted = {}, {}, 0
+        self._has, self._led_from, self._proofs, self.counted = {}, None, Proofs(), 0
         return highest_believed(self._versions.values())
 
     def _telling(self) -> TableReported:

@@ -28,6 +28,7 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.throttle import Throttle
 from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.numbers import FAR
 from dray.protocol.traffic.reservations.allotment import FREE, Hindrance, allot
 from dray.protocol.traffic.reservations.carried import Carried, absent
 from dray.protocol.traffic.reservations.copies import Copies, Kept
@@ -43,11 +44,16 @@ from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 TABLE_TICK = "table tick"
 
 NEVER_GRANTED = "a request with a grant number that was never granted"
+BEYOND_COUNT = "a request with a number that no vehicle reaches"
 NOT_HEARD_THERE = "a request with places that were never granted, of a vehicle that is not heard there"
 NOT_ON_THE_FLOOR = "a request from before its vehicle was carried away, while that is being put back"
 
 OUTBID_S = 30.0
 """Shortest time between two epochs that the leader begins because a single agent reports a later one than its own."""
+
+INSISTS_S = 30.0
+"""Time for which people must repeat a removal before it frees the places of a key that claims to know a later one. An honest vehicle
+knows no removal that people have not reported, but their older word may be under way. Gateways repeat only the newest."""
 
 TICK_S = 1.0
 """Interval between two requests to one holder to make room, and between two sendings of an unacknowledged copy."""
@@ -125,8 +131,8 @@ class District:
         self._owed: set[str] = set()
         """Vehicles that get an answer once their lines of the table count."""
         self._spoke_s: dict[str, float] = {}
-        self._newest: dict[str, dict[bytes, tuple[int, int]]] = {}
-        """Vehicle -> key -> life and number of the newest request. Several keys only while each of them holds a place."""
+        self._newest: dict[str, dict[bytes, tuple[int, int, int]]] = {}
+        """Vehicle -> key -> removal, life and number of the newest request. Several keys only while each of them holds a place."""
         self._look_s = NEVER_S
         """When the alarm is due."""
         self._asked_s: dict[str, float] = {}
@@ -141,6 +147,8 @@ class District:
         self._led_epoch = -1
         """Epoch under which this replica last took the table over."""
         self._carried = Carried(life)
+        self._said_s: dict[str, tuple[int, float]] = {}
+        """Vehicle -> number of the newest removal that people have reported here, and since when they have."""
 
     # --- its life --------------------------------------------------------------------------------
 
@@ -265,8 +273,8 @@ class District:
                 self._spoke_s[sender] = now_s
             # An overtaken request gives nothing back: the vehicle may hold now what it did not hold then.
             if request.removal >= known:
-                struck = self._table.strike(request, sender)
-                self.copies.note_word(sender, said, struck=struck)
+                oldest = self._table.strike(request, sender)
+                self.copies.note_word(sender, said, struck=bool(oldest), oldest=oldest)
             self._requests[sender] = request
             self._owed.add(sender)
             if request.removal >= known:
@@ -274,7 +282,9 @@ class District:
 
     def _is_believed(self, sender: str, request: PlaceRequested, now_s: float) -> bool:
         """Whether a request may be the vehicle's own."""
-        if not self._late.on_request(sender, request, self._table, now_s):
+        if max(request.life, request.seq) > FAR:
+            self._life.ignore(BEYOND_COUNT)
+        elif not self._late.on_request(sender, request, self._table, now_s):
             self._life.ignore(NOT_HEARD_THERE)
         elif not self._table.hears(sender, request.mark):
             self._impostors.tell(sender, now_s)
@@ -287,11 +297,14 @@ class District:
     def _is_newest(self, atv: str, request: PlaceRequested) -> bool:
         """Whether a request is newer than all earlier ones under its key; if so, note it. Keys that hold nothing are forgotten."""
         by_key = self._newest.get(atv, {})
-        if (request.life, request.seq) <= by_key.get(request.mark, (0, 0)):
+        removal, *age = by_key.get(request.mark, (0, 0, 0))
+        # A vehicle that has started again may not know of a removal yet; one that people have put back may have been spoken for
+        # under the last number before.
+        if [request.life, request.seq] <= age and request.removal <= removal:
             return False
         holding = {line.mark for line in self._table.of(atv)}
         self._newest[atv] = {mark: newest for mark, newest in by_key.items() if mark in holding}
-        self._newest[atv][request.mark] = (request.life, request.seq)
+        self._newest[atv][request.mark] = (request.removal, request.life, request.seq)
         return True
 
     def spoke_s(self, atv: str) -> float:
@@ -301,8 +314,9 @@ class District:
     def remove(self, removal: Removal, place: str, now_s: float) -> None:
         """A person has carried a vehicle away: free what it held. If it is being put back, reserve `place` for it."""
         atv, known = removal.atv, self._table.removal_of(removal.atv)
+        insists = self._insists(removal, now_s)
         if self._poll is not None:
-            if self._poll.note(atv, self._absent(removal, place), now_s, by_person=True):
+            if self._poll.note(atv, self._absent(removal, place), now_s, by_person=True, insists=insists):
                 self._close_poll(now_s)
         if not self.leads or removal.number < known:
             if any(line.atv == atv for line in self.copies.kept.reservations) or place in self._inside:
@@ -313,11 +327,23 @@ class District:
             self._owed.discard(atv)
             places = self._table.remove(atv, removal.number)
             self._carried.free(removal, places, self._table.version)
+        if insists and (places := self._table.take_back(atv, removal.number)):
+            self._requests.pop(atv, None)
+            self._owed.discard(atv)
+            self._carried.free(removal, places, self._table.version)
         if place in self._inside and not self._carried.is_kept(removal, place):
             self._requests[atv] = self._absent(removal, place)
             self._carried.keep(removal, place)
         self._settle(now_s)
         self._look_within(NEWS_S, now_s)
+
+    def _insists(self, removal: Removal, now_s: float) -> bool:
+        """Whether people have repeated this removal for `INSISTS_S`, and no later one."""
+        number, since_s = self._said_s.get(removal.atv, (-1, now_s))
+        if number < removal.number:
+            since_s = now_s
+            self._said_s[removal.atv] = (removal.number, since_s)
+        return number <= removal.number and now_s - since_s >= INSISTS_S
 
     def on_vehicle(self, atv: str, life: int, removal: int | None, now_s: float, *, is_news: bool) -> None:
         """A heartbeat has come. If the vehicle does not know that it was carried away, tell it: it then requests where it stands."""
@@ -451,7 +477,8 @@ class District:
         }
         self._hindrances, self._owed = {}, set(self._requests)
         self._newest = {
-            atv: {request.mark: (request.life, request.seq)} for atv, request in poll.told.items()
+            atv: {request.mark: (request.removal, request.life, request.seq)}
+            for atv, request in poll.told.items()
         }
         self._carried.take_over(one.atv for one in self._table.removed)
         self._write()

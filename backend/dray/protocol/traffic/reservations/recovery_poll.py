@@ -74,8 +74,24 @@ class RecoveryPoll:
             self._asks[atv] = (now_s + then_s, min(2.0 * then_s, AGAIN_AT_MOST_S))
             self._life.send(atv, asked)
 
-    def note(self, atv: str, request: PlaceRequested, now_s: float, *, by_person: bool = False) -> bool:
-        """Note the answer of a vehicle, or of a person in its place; True when it counts."""
+    def note(
+        self,
+        atv: str,
+        request: PlaceRequested,
+        now_s: float,
+        *,
+        by_person: bool = False,
+        insists: bool = False,
+    ) -> bool:
+        """Note the answer of a vehicle, or of a person in its place; True when it counts.
+
+        Args:
+            atv: the vehicle.
+            request: the answer.
+            now_s: the present time.
+            by_person: whether a person gives it.
+            insists: whether people have repeated it for so long that later removals, which only the vehicle claims, are lies.
+        """
         if request.epoch > FAR or request.seen > FAR:
             # A lie: no reservation table reaches such numbers.
             return False
@@ -102,6 +118,10 @@ class RecoveryPoll:
         )
         if is_beside:
             return self._note_beside(atv, request)
+        if insists:
+            if atv in self._by_people and before is not None and before.removal >= request.removal:
+                return False
+            before = None
         if before is not None and before.mark in (request.mark, b"") and request.removal < before.removal:
             self._life.send(
                 atv,
@@ -123,6 +143,14 @@ class RecoveryPoll:
             self._news_s = now_s
         self.told[atv] = request
         (self._by_people.add if by_person else self._by_people.discard)(atv)
+        if by_person:
+            # Of the other keys only one that knows of this removal holds anything.
+            beside = self._beside.pop(atv, {})
+            self._beside[atv] = {
+                mark: one
+                for mark, one in beside.items()
+                if one.removal == request.removal or (one.removal > request.removal and not insists)
+            }
         return True
 
     def _note_beside(self, atv: str, request: PlaceRequested) -> bool:

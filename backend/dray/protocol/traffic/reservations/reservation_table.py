@@ -41,6 +41,8 @@ class ReservationTable:
     ) -> None:
         self._lines: dict[str, PlaceReservation] = {}
         self._by_atv: dict[str, dict[str, PlaceReservation]] = {}
+        self._since: dict[str, int] = {}
+        """Place whose line has got a new number (`begin_life`) -> the number under which its holder was granted it first."""
         self.version = version
         self.lives: dict[str, tuple[bytes, int]] = {}
         self._removed = {(one.atv, one.mark): one.number for one in removed}
@@ -82,15 +84,20 @@ class ReservationTable:
         for place in places:
             self._write(PlaceReservation(place=place, number=self.version, atv=atv, mark=mark))
 
-    def strike(self, request: PlaceRequested, atv: str) -> bool:
-        """Strike out the lines that a vehicle has given back; True when there were any."""
+    def strike(self, request: PlaceRequested, atv: str) -> int:
+        """Strike out the lines that a vehicle has given back.
+
+        Returns:
+            The lowest number under which it was granted one of them; 0 when there were none.
+        """
         gone = [
-            line.place
+            line
             for line in self.of_key(atv, request.mark)
             if line.number <= request.seen and line.place not in request.holds
         ]
-        self._rub_out(atv, gone)
-        return bool(gone)
+        oldest = min((self._since.get(line.place, line.number) for line in gone), default=0)
+        self._rub_out(atv, [line.place for line in gone])
+        return oldest
 
     def claim(self, atv: str, request: PlaceRequested) -> bool:
         """Enter the free ones of the places that a vehicle reports to hold in a recovery poll; True when there were any."""
@@ -118,6 +125,8 @@ class ReservationTable:
         self.lives[atv] = (request.mark, max(request.life, life) if request.mark == mark else request.life)
         if all(line.number <= request.seen and line.mark == request.mark for line in lines):
             return False
+        for line in lines:
+            self._since.setdefault(line.place, line.number)
         self.grant(atv, [line.place for line in lines], request.mark)
         return True
 
@@ -160,6 +169,25 @@ class ReservationTable:
         self._removed[atv, PEOPLE if mark is None else mark or UNSIGNED] = number
         return places
 
+    def take_back(self, atv: str, number: int) -> tuple[str, ...]:
+        """Strike out what is held under keys that claim a later removal than people's newest, which people insist on.
+
+        Returns:
+            The freed places.
+        """
+        claims = {one: claim for one, claim in self._removed.items() if one[0] == atv and one[1] != PEOPLE}
+        places = tuple(
+            line.place for line in self.of(atv) if claims.get((atv, line.mark or UNSIGNED), 0) > number
+        )
+        if not places:
+            return ()
+        self.version += 1
+        self._rub_out(atv, places)
+        for one, claim in claims.items():
+            if claim > number:
+                del self._removed[one]
+        return places
+
     def _forget_words(self, atv: str) -> None:
         """Forget removals under keys that hold nothing: their number is unbounded, and the owner of such a key reports again."""
         holding = {PEOPLE, *(line.mark or UNSIGNED for line in self.of(atv))}
@@ -182,3 +210,4 @@ class ReservationTable:
     def _rub_out(self, atv: str, places: Iterable[str]) -> None:
         for place in places:
             del self._lines[place], self._by_atv[atv][place]
+            self._since.pop(place, None)

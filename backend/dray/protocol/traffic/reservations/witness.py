@@ -45,7 +45,9 @@ class Witness:
             Lines of the copy that are struck out without their vehicle's release, and new lines with an old number: an old request
             would seem to release these.
         """
-        words = {(one.atv, one.request.mark): one.request for one in replicated.given_back}
+        words: dict[tuple[str, bytes], list[PlaceRequested]] = {}
+        for one in replicated.given_back:
+            words.setdefault((one.atv, one.request.mark), []).append(one.request)
         new = {line.place: line for line in replicated.reservations}
         before = {line.place: line for line in own}
         gone = [
@@ -54,7 +56,7 @@ class Witness:
             if line.mark
             and not _is_its_own(new.get(line.place), line)
             and line.number > self._carried.get(line.atv, -1)
-            and not self._gives_back(words.get((line.atv, line.mark)), line)
+            and not any(self._gives_back(request, line) for request in words.get((line.atv, line.mark), ()))
         ]
         odd = [
             line
@@ -63,10 +65,9 @@ class Witness:
         ]
         return gone + odd
 
-    def _gives_back(self, request: PlaceRequested | None, line: PlaceReservation) -> bool:
+    def _gives_back(self, request: PlaceRequested, line: PlaceReservation) -> bool:
         return (
-            request is not None
-            and request.district == self._district
+            request.district == self._district
             and line.number <= request.seen
             and line.place not in request.holds
             and self._is_signed(line.atv, request)

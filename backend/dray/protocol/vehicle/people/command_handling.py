@@ -21,6 +21,7 @@ from dray.protocol.vehicle.people.assistance import Assistance
 DOUBLED = "its name is used by another"
 DENIED = "reported as carried away while driving"
 ALONE = "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all"
+FORGOTTEN = "found itself stopped, and has lost its memory of why"
 """Why a vehicle stops itself, in words: the reason of its call, and of its refusals. Panels know them (`failure.` in their
 texts)."""
 
@@ -87,6 +88,11 @@ class CommandHandling:
         self.service.out = memory.out_of_service
         self._charging.is_sent = memory.sent_to_charge
         self._granted.restore(memory.answered)
+
+    def forget(self) -> None:
+        """Start without a memory. If the body is held, it may have stopped itself before: it calls a person once more."""
+        if self.stopped:
+            self.stop_itself(FORGOTTEN)
 
     def take_back(self) -> bool:
         """Revoke the acknowledgement after a new fault.
