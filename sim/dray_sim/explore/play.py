@@ -224,9 +224,9 @@ class _Game:
         checks.add(NoCallIsLost(lambda agent: agent == liar))
         if run.closings:
             attribution.restrict(max(each.until_s for each in run.closings))
+            checks.add(ClosedLanes(factory))
         if run.cuts:
             attribution.restrict(max(each.until_s for each in run.cuts))
-            checks.add(ClosedLanes(factory))
         in_the_way = any(isinstance(timed.fault, LaneBlocked | LoadDropped) for timed in run.schedule)
         if in_the_way or factory.plant.doors:
             checks.add(MindsObstacles(factory))
