@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from typing import cast
+from typing import TypeVar, cast
 
 import msgspec
 from msgspec.structs import replace
@@ -25,6 +25,8 @@ from dray.gateway.live.views.base import View
 from dray.store import Store
 from dray.store.replay.recordings import PIECES_READ, Outline, Piece
 from dray.store.replay.spells import Spell
+
+Told = TypeVar("Told")
 
 FRAMES_BYTES = 4 * 2**20
 """Maximum bytes of frames per answer: some seconds of a browser's time. Clients ask on from its end."""
@@ -142,17 +144,32 @@ class ReplayReader:
 
         return await asyncio.to_thread(look)
 
-    async def film(self, who: Principal, since_s: float, until_s: float, every_s: float) -> FilmView | None:
+    async def film(
+        self,
+        who: Principal,
+        since_s: float,
+        until_s: float,
+        every_s: float,
+        tell: Callable[[FilmView], Told],
+    ) -> Told | None:
         """A moment and the changes after it, as a caller may see them; None where nothing is stored.
+
+        The film stays in its thread: freeing a large one takes 0.1 s.
 
         Args:
             who: the caller.
             since_s: the moment.
             until_s: end of the changes.
             every_s: minimum seconds between frames; closer changes are joined.
+            tell: makes of the film what is wanted of it, in that thread.
         """
         pieces = await self._pieces(since_s, until_s)
-        return await asyncio.to_thread(self._film, who, pieces, since_s, until_s, every_s)
+
+        def look() -> Told | None:
+            film = self._film(who, pieces, since_s, until_s, every_s)
+            return None if film is None else tell(film)
+
+        return await asyncio.to_thread(look)
 
     def _film(
         self, who: Principal, pieces: Sequence[Piece], since_s: float, until_s: float, every_s: float

@@ -137,10 +137,10 @@ async def get_picture(
     if at is None:
         return in_turns(await replay.snapshot_now(caller, now_s))
     at_s = at.timestamp()
-    film = await replay.film(caller, at_s, at_s, 0.0)
-    if film is None:
+    picture = await replay.film(caller, at_s, at_s, 0.0, lambda film: msgspec.json.encode(film.snapshot))
+    if picture is None:
         raise _not_kept()
-    return in_turns(await asyncio.to_thread(msgspec.json.encode, film.snapshot))
+    return in_turns(picture)
 
 
 @router.get("/replay/film", responses={200: described(FilmView, "The film"), **NOT_KEPT}, response_class=Json)
@@ -167,10 +167,10 @@ async def get_film(
         raise unusable(
             FieldError("until", f"give a moment from since on, {FILM_MOST_S:g} s after it at most")
         )
-    film = await replay.film(caller, since_s, until_s, every_s)
+    film = await replay.film(caller, since_s, until_s, every_s, msgspec.json.encode)
     if film is None:
         raise _not_kept()
-    return in_turns(await asyncio.to_thread(msgspec.json.encode, film))
+    return in_turns(film)
 
 
 @router.get(
