@@ -37,6 +37,7 @@ from dray.gateway.factory.scenario_play import ScenarioPlay, ScenarioPlayer
 from dray.gateway.factory.shift_player import ShiftPlayer
 from dray.gateway.factory.shift_reporter import ShiftReporter
 from dray.gateway.http.assets import Panels
+from dray.gateway.http.renderings import Renderings
 from dray.gateway.http.side_work import SideWork
 from dray.gateway.inbox import Inbox
 from dray.gateway.live.backfill import backfill_news
@@ -127,6 +128,7 @@ class Services:
     dxf_plans: DxfPlans
     panels: Panels
     side_work: SideWork
+    renderings: Renderings
     supervisor: Supervisor
 
     def by_type(self) -> dict[type[Any], object]:
@@ -137,6 +139,7 @@ class Services:
             Access: self.access,
             Panels: self.panels,
             SideWork: self.side_work,
+            Renderings: self.renderings,
             Projection: self.projection,
             Hub: self.hub,
             ReplayReader: self.replay,
@@ -281,6 +284,7 @@ def open_services(
         dxf_plans=DxfPlans(),
         panels=panels or Panels(),
         side_work=side_work,
+        renderings=Renderings(side_work),
         supervisor=Supervisor(),
     )
 

@@ -13,13 +13,16 @@ from typing import Any
 
 import pytest
 
+from dray.adapters.crossing import Crossing
 from dray.adapters.security.signing import SigningKey
+from dray.cli.runtime.gateway import stop_path
 from dray.cli.runtime.gateway.stop_path import StopPath, listen_for_stops
 from dray.cli.runtime.listener import listen
 from dray.gateway.app import create_app
 from dray.gateway.http.provided import provided
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
+from dray.gateway.stop.endpoint import StopEndpoint
 from dray.messages import CommandAnswered, Message, VehicleCommand
 from dray.plant import default_plant
 from dray.ports import Receive
@@ -33,7 +36,7 @@ LONG_S = 60.0
 
 
 class Bus:
-    """A bus on which every vehicle obeys at once."""
+    """A bus on which every vehicle obeys, with the next turn of the loop."""
 
     context = ""
 
@@ -46,7 +49,8 @@ class Bus:
 
     def send(self, to: str, message: Message) -> None:
         if isinstance(message, VehicleCommand):
-            self._receive(to, CommandAnswered(command=message.command, done=True))
+            answer = CommandAnswered(command=message.command, done=True)
+            asyncio.get_running_loop().call_soon(self._receive, to, answer)
 
     def publish(self, key: str, message: Message) -> None:
         """Nobody listens."""
@@ -114,6 +118,36 @@ async def test_a_stop_passes_while_the_gateways_own_loop_is_held(tmp_path: Path)
         await asyncio.sleep(0)
         (shown,) = projection.commands.views()
         assert (shown.atv, shown.kind, shown.by) == ("ATV1", "stop", "Administrator")
+
+
+async def test_the_gateways_thread_is_woken_only_when_the_stop_and_its_answer_have_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[str] = []
+
+    class Watched(Crossing):
+        def order(self, call: Any, *args: Any) -> None:
+            done.append("the gateway is told")
+            super().order(call, *args)
+
+    send, answer = Bus.send, StopEndpoint.__call__
+
+    def sent(bus: Bus, to: str, message: Message) -> None:
+        if isinstance(message, VehicleCommand):
+            done.append("the vehicle is told")
+        send(bus, to, message)
+
+    async def answered(endpoint: StopEndpoint, *asgi: Any) -> None:
+        await answer(endpoint, *asgi)
+        done.append("answered")
+
+    monkeypatch.setattr(stop_path, "Crossing", Watched)
+    monkeypatch.setattr(Bus, "send", sent)
+    monkeypatch.setattr(StopEndpoint, "__call__", answered)
+    async with running(tmp_path) as (port, _, _):
+        status, _ = await asyncio.to_thread(stop, port)
+        assert status == 200
+    assert done == ["the vehicle is told", "the gateway is told", "answered", "the gateway is told"]
 
 
 async def test_the_port_for_stops_is_the_next_one_or_any_that_is_free(

@@ -19,11 +19,12 @@ import pytest
 from answers import problem
 from gateway_kit import House
 
-from dray.gateway.access.principal import Role
+from dray.gateway.access.principal import Role, Scope
 from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
 from dray.gateway.factory.plant_drafts import as_file, findings
 from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
 from dray.gateway.http.problems import Problem
+from dray.gateway.http.side_work import SideWork
 from dray.gateway.routes.factory.plant_draft_work import draft_view
 from dray.plant import default_plant, load_plant, plant_yaml
 from dray.plant.exchange.dxf import MAX_BYTES
@@ -65,6 +66,38 @@ async def test_a_draft_begins_with_the_running_plant_and_is_kept_with_its_versio
     assert [(each["id"], each["version"]) for each in listed["items"]] == [(draft["id"], 2)]
     running = await house.get("/api/plant-drafts/running")
     assert running["nodes"] == draft["data"]["nodes"]
+
+
+async def test_many_who_read_one_draft_cost_one_rendering_of_each_version(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    outcome, pieces = SideWork._outcome, []
+
+    async def counted(side: SideWork, piece: bytes) -> Any:
+        pieces.append(piece)
+        return await outcome(side, piece)
+
+    draft = await begin(house)
+    readers = [(await house.key(Scope.FACTORY_READ))[1] for _ in range(6)]
+    monkeypatch.setattr(SideWork, "_outcome", counted)
+
+    async def read(tail: str = "") -> set[str]:
+        path = f"/api/plant-drafts/{draft['id']}{tail}"
+        answers = await asyncio.gather(*(house.client.get(path, headers=reader) for reader in readers))
+        assert {answer.status_code for answer in answers} == {200}
+        return {answer.text for answer in answers}
+
+    [file], [view] = await read("/file"), await read()
+    assert file == plant_yaml(default_plant())
+    assert json.loads(view) == draft
+    # The answer to whoever has made it is kept for the others.
+    assert len(pieces) == 1
+    changed = (await change(house, draft, data={**draft["data"], "name": "Line 5"})).json()
+    pieces.clear()
+    [file], [view] = await read("/file"), await read()
+    assert "Line 5" in file
+    assert json.loads(view) == changed
+    assert len(pieces) == 1
 
 
 async def test_of_two_who_change_one_draft_the_second_is_told(house: House) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import resource
 from collections.abc import AsyncIterator
 from contextlib import suppress
 from pathlib import Path
@@ -14,6 +15,7 @@ from gateway_kit import PRODUCT, House
 
 from dray.errors import PlantError, PlantErrors
 from dray.gateway.access.principal import Scope
+from dray.gateway.http.bounded_process import NICE, NICEST
 from dray.gateway.http.problems import Problem
 from dray.gateway.http.provided import provided
 from dray.gateway.http.request_bodies import RowsFile
@@ -50,6 +52,28 @@ async def test_work_is_done_in_another_process_which_is_kept(side: SideWork) -> 
     first = await side.do("a", os.getpid)
     assert first != os.getpid()
     assert await side.do("b", os.getpid) == first
+
+
+async def test_side_work_stands_back_for_the_gateway_also_where_sessions_share_the_processor(
+    side: SideWork,
+) -> None:
+    process = await side.do("a", os.getpid)
+    # In a session of its own its niceness would count among its own processes only.
+    assert os.getsid(process) == os.getsid(0)
+    assert os.getpgid(process) == process
+    nice = min(os.getpriority(os.PRIO_PROCESS, 0) + NICE, NICEST)
+    assert os.getpriority(os.PRIO_PROCESS, process) == nice
+
+
+async def test_memory_has_its_bound_also_where_the_priority_cannot_be_set(
+    side: SideWork, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_all: int) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr(os, "setpriority", refused)
+    process = await side.do("a", os.getpid)
+    assert resource.prlimit(process, resource.RLIMIT_AS) == (MOST_BYTES, MOST_BYTES)
 
 
 async def test_what_work_raises_comes_whole_out_of_its_process(side: SideWork) -> None:

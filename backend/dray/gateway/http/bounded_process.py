@@ -9,6 +9,12 @@ import signal
 from asyncio.subprocess import DEVNULL, PIPE, STDOUT, Process
 from contextlib import suppress
 
+NICE = 10
+"""How much nicer such a process is than the gateway: people on the panels come first."""
+
+NICEST = 19
+"""The end of the scale."""
+
 
 async def run_bounded(command: tuple[str, ...], most_s: float, most_bytes: int) -> tuple[int, str]:
     """Run a program to its end.
@@ -50,13 +56,15 @@ async def start_bounded(
         stdout=PIPE,
         stderr=stderr,
         # A group of its own: it ends with all its children, and ignores the terminal's signals to the
-        # gateway.
-        start_new_session=True,
+        # gateway. It stays in the gateway's session: Linux shares the processor among sessions first
+        # (autogroups, sched(7)), and being nice counts within one only.
+        process_group=0,
     )
-    # Low priority: people on the panels come first.
     with suppress(OSError, AttributeError):
-        os.setpriority(os.PRIO_PROCESS, process.pid, 10)
         resource.prlimit(process.pid, resource.RLIMIT_AS, (most_bytes, most_bytes))
+    with suppress(OSError, AttributeError):
+        own = os.getpriority(os.PRIO_PROCESS, 0)
+        os.setpriority(os.PRIO_PROCESS, process.pid, min(own + NICE, NICEST))
     return process
 
 

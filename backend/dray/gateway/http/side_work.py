@@ -11,7 +11,8 @@ import pickle
 import sys
 from asyncio.subprocess import PIPE, Process
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from http import HTTPStatus
 from typing import TypeVar, TypeVarTuple, cast
 
@@ -73,6 +74,16 @@ class SideWork:
                 time or memory.
             Exception: any exception of `work`.
         """
+        async with self.turn(caller):
+            return await self.run(work, *given)
+
+    @asynccontextmanager
+    async def turn(self, caller: str) -> AsyncIterator[None]:
+        """Have a place as long as the context lasts, for `run`.
+
+        Raises:
+            Problem: 429, the caller has too many pieces; 503, there are too many in all.
+        """
         if self._given[caller] >= EACH:
             raise _too_many(HTTPStatus.TOO_MANY_REQUESTS, f"{EACH} of yours are; wait for their answers")
         if self._given.total() >= WAITING:
@@ -80,11 +91,20 @@ class SideWork:
         self._given[caller] += 1
         try:
             async with self._turns.setdefault(caller, asyncio.Lock()), self._places:
-                result, error = await self._outcome(framed((work, given)))
+                yield
         finally:
             self._given[caller] -= 1
             if not self._given[caller]:
                 del self._given[caller], self._turns[caller]
+
+    async def run(self, work: Callable[[*Ts], T], *given: *Ts) -> T:
+        """Run a function in another process now. Only within a `turn`.
+
+        Raises:
+            Problem: 422, it exceeds its time or memory.
+            Exception: any exception of `work`.
+        """
+        result, error = await self._outcome(framed((work, given)))
         if error is not None:
             raise error
         return cast(T, result)

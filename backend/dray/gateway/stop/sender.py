@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from dray.adapters.security.signing import SigningKey
-from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal
 from dray.gateway.factory.awaited import Awaited
 from dray.gateway.factory.commands import STOP_VALID_S, granted, name_used, not_confirmed
@@ -49,10 +48,29 @@ Ended = Callable[[Stop, CommandAnswered | None], None]
 """Called with a stop and the vehicle's answer."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Sent:
+    """A stop that was sent.
+
+    Attributes:
+        stop: the stop.
+        answer: the vehicle's answer; None before it.
+        is_over: whether nobody waits any more: it was answered, or given up.
+        waiters: set when it is over, one for each caller: each has its own, so that an answer passes one turn
+            of the loop and no more, and a caller that goes takes only its own.
+    """
+
     stop: Stop
-    answer: asyncio.Future[CommandAnswered]
+    answer: CommandAnswered | None = None
+    is_over: bool = False
+    waiters: list[asyncio.Future[None]] = field(default_factory=list)
+
+    def end(self) -> None:
+        """Wake all who wait."""
+        self.is_over = True
+        for waiter in self.waiters:
+            if not waiter.done():
+                waiter.set_result(None)
 
 
 class StopSender:
@@ -123,7 +141,7 @@ class StopSender:
         self._sent.refuse_too_many(_who(stop.by))
         valid_s = STOP_VALID_S * self._time.speed
         until_s = self._time.to_plant_s(stop.at_s) + valid_s + self._ahead_s(stop.atv)
-        sent = self._sent.keep(stop.name, _Sent(stop, asyncio.get_running_loop().create_future()))
+        sent = self._sent.keep(stop.name, _Sent(stop))
         self._tell_sent(stop)
         self._session.send(stop.atv, granted(self._authority, stop.atv, stop.said, stop.by, until_s))
         asyncio.get_running_loop().call_later(self._timeout_s, self._give_up, sent)
@@ -131,27 +149,30 @@ class StopSender:
 
     async def _wait(self, sent: _Sent) -> CommandAnswered:
         with self._sent.waiting(_who(sent.stop.by)):
-            try:
-                return await asyncio.shield(sent.answer)
-            except UnavailableError:
-                raise not_confirmed(sent.stop.atv, self._timeout_s) from None
+            if not sent.is_over:
+                waiter = asyncio.get_running_loop().create_future()
+                sent.waiters.append(waiter)
+                try:
+                    await waiter
+                finally:
+                    sent.waiters.remove(waiter)
+        if sent.answer is None:
+            raise not_confirmed(sent.stop.atv, self._timeout_s)
+        return sent.answer
 
     def _on_message(self, sender: str, message: Message) -> None:
         if not isinstance(message, CommandAnswered):
             return
         sent = self._sent.get(message.command)
-        if sent is None or sent.stop.atv != sender:
+        if sent is None or sent.stop.atv != sender or sent.answer is not None:
             return
-        if not sent.answer.done():
-            sent.answer.set_result(message)
-        elif sent.answer.exception() is None:
-            return  # An earlier answer came already.
+        sent.answer = message
+        sent.end()
         self._tell_ended(sent.stop, message)
 
     def _give_up(self, sent: _Sent) -> None:
-        if not sent.answer.done():
-            sent.answer.set_exception(UnavailableError(sent.stop.atv, "has not answered", "look at it"))
-            sent.answer.exception()  # Mark it as retrieved: the caller may be gone.
+        if not sent.is_over:
+            sent.end()
             self._tell_ended(sent.stop, None)
 
 

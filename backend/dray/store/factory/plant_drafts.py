@@ -88,6 +88,12 @@ class PlantDrafts:
         query = select(func.count()).select_from(plant_drafts).where(plant_drafts.c.owner == owner)
         return (await self._connection.execute(query)).scalar_one()
 
+    async def state(self, draft: str) -> tuple[int, str] | None:
+        """Version of a draft and media type of its floor plan, without its content; None without such a draft."""
+        query = select(plant_drafts.c.version, plant_drafts.c.plan_type).where(plant_drafts.c.id == draft)
+        row = (await self._connection.execute(query)).one_or_none()
+        return None if row is None else (row[0], row[1])
+
     async def get(self, draft: str) -> DraftRow | None:
         """A draft, or None."""
         query = select(*_ROW).where(plant_drafts.c.id == draft)

@@ -177,10 +177,18 @@ class _Thread:
                 sender.leave()
 
     def _sent(self, stop: Stop) -> None:
-        self._tell(stop, self._recorder.sent, stop)
+        self._tell_next(stop, self._recorder.sent, stop)
 
     def _ended(self, stop: Stop, answer: CommandAnswered | None) -> None:
-        self._tell(stop, self._recorder.ended, stop, answer)
+        self._tell_next(stop, self._recorder.ended, stop, answer)
+
+    def _tell_next(self, stop: Stop, call: Callable[..., None], *args: object) -> None:
+        """Record a stop with the next turn of the loop, in the order of these calls.
+
+        Waking the gateway's thread may hand it the interpreter, and under load it takes some time to get that
+        back. So the stop leaves first, and so does its answer.
+        """
+        asyncio.get_running_loop().call_soon(self._tell, stop, call, *args)
 
     def _tell(self, stop: Stop, call: Callable[..., None], *args: object) -> None:
         """Record a stop that is already sent; a failure to record changes nothing."""

@@ -96,6 +96,11 @@ def draft_view(row: DraftRow) -> bytes:
     return msgspec.json.encode(view)
 
 
+def plant_file(data: str) -> bytes:
+    """The plant file of a draft as the answer has it."""
+    return as_yaml(data).encode()
+
+
 def playable(data: str) -> str:
     """The plant file of a draft without faults.
 

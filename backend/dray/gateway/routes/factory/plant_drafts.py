@@ -14,10 +14,10 @@ from starlette.responses import Response
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
-from dray.gateway.factory.plant_drafts import as_yaml
 from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
 from dray.gateway.http.problems import FieldError, Problem, not_found, unusable
 from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.renderings import Key, Renderings
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.http.shares import share_of, share_used
@@ -42,6 +42,7 @@ from dray.gateway.routes.factory.plant_draft_work import (
     draft_view,
     floor_plan,
     new_draft,
+    plant_file,
     playable,
 )
 from dray.plant.model import PlantFile
@@ -101,6 +102,7 @@ async def begin(
     store: Provided[Store],
     projection: Provided[Projection],
     side_work: Provided[SideWork],
+    renderings: Provided[Renderings],
     caller: Caller,
     note: Noted,
     now_s: Now,
@@ -125,6 +127,7 @@ async def begin(
                 f"{MAX_DRAFTS} are kept: remove one ({LISTED} lists them)",
             )
         await work.plant_drafts.put(row)
+    renderings.keep(_view_key(row.id, row.version, row.plan_type), view)
     note.target = row.id
     return Json(
         view, HTTPStatus.CREATED, headers={"Location": f"/api/plant-drafts/{row.id}", "ETag": version_tag(1)}
@@ -153,12 +156,16 @@ async def get_running(projection: Provided[Projection]) -> Json:
     response_class=Json,
 )
 async def get_draft(
-    store: Provided[Store], side_work: Provided[SideWork], caller: Caller, draft: DraftId
+    store: Provided[Store], renderings: Provided[Renderings], caller: Caller, draft: DraftId
 ) -> Json:
     """A draft with its content, faults and warnings."""
-    row = await _row(store, draft)
-    view = await side_work.do(caller.key, draft_view, row)
-    return Json(view, headers={"ETag": version_tag(row.version)})
+    version, plan_type = await _state(store, draft)
+    view = renderings.get(_view_key(draft, version, plan_type))
+    if view is None:
+        row = await _row(store, draft)
+        version, key = row.version, _view_key(draft, row.version, row.plan_type)
+        view = await renderings.of(key, caller.key, draft_view, row)
+    return Json(view, headers={"ETag": version_tag(version)})
 
 
 @router.put(
@@ -178,6 +185,7 @@ async def get_draft(
 async def change(
     store: Provided[Store],
     side_work: Provided[SideWork],
+    renderings: Provided[Renderings],
     caller: Caller,
     note: Noted,
     now_s: Now,
@@ -208,6 +216,7 @@ async def change(
     async with store.write() as work:
         if not await work.plant_drafts.change(row):
             raise _changed(before)
+    renderings.keep(_view_key(row.id, row.version, row.plan_type), view)
     return Json(view, headers={"ETag": version_tag(row.version)})
 
 
@@ -238,12 +247,16 @@ async def remove(store: Provided[Store], note: Noted, draft: DraftId) -> Respons
     response_class=Response,
 )
 async def get_file(
-    store: Provided[Store], side_work: Provided[SideWork], caller: Caller, draft: DraftId
+    store: Provided[Store], renderings: Provided[Renderings], caller: Caller, draft: DraftId
 ) -> Response:
     """The draft's plant file (YAML) without closed lanes, for `dray plant check` and `dray up --plant`."""
-    row = await _row(store, draft)
+    version, _ = await _state(store, draft)
+    file = renderings.get(_file_key(draft, version))
+    if file is None:
+        row = await _row(store, draft)
+        file = await renderings.of(_file_key(draft, row.version), caller.key, plant_file, row.data)
     return Response(
-        await side_work.do(caller.key, as_yaml, row.data),
+        file,
         media_type="application/yaml",
         headers={"Content-Disposition": f'attachment; filename="{draft}.yaml"'},
     )
@@ -359,6 +372,24 @@ async def play(
 async def get_play(player: Provided[ShiftPlayer], draft: DraftId) -> Json:
     """The result of the last shift played, with the version of its draft."""
     return Json(player.result(draft))
+
+
+def _view_key(draft: str, version: int, plan_type: str) -> Key:
+    """The key of a draft's answer. A floor plan is laid without a new version."""
+    return ("draft", draft, version, plan_type)
+
+
+def _file_key(draft: str, version: int) -> Key:
+    return ("plant file", draft, version)
+
+
+async def _state(store: Store, draft: str) -> tuple[int, str]:
+    """Version and floor plan's media type."""
+    async with store.read() as work:
+        state = await work.plant_drafts.state(draft)
+    if state is None:
+        raise not_found("draft", draft, LISTED)
+    return state
 
 
 async def _row(store: Store, draft: str) -> DraftRow:
