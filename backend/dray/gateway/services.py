@@ -43,6 +43,7 @@ from dray.gateway.inbox import Inbox
 from dray.gateway.live.backfill import backfill_news
 from dray.gateway.live.database_sync import DatabaseSync
 from dray.gateway.live.health import Health
+from dray.gateway.live.joinings import Joinings
 from dray.gateway.live.peer import Peer
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.replay.reader import ReplayReader
@@ -94,6 +95,7 @@ class Services:
     peer: Peer
     strategist_probe: StrategistProbe
     projection: Projection
+    joinings: Joinings
     hub: Hub
     recorder: Recorder | None
     """None where nothing is recorded."""
@@ -141,6 +143,7 @@ class Services:
             SideWork: self.side_work,
             Renderings: self.renderings,
             Projection: self.projection,
+            Joinings: self.joinings,
             Hub: self.hub,
             ReplayReader: self.replay,
             Recorder: self.recorder,
@@ -239,6 +242,7 @@ def open_services(
         peer=peer,
         strategist_probe=strategist_probe,
         projection=projection,
+        joinings=Joinings(projection),
         hub=Hub(
             projection,
             wall_s=wall_s,
@@ -367,6 +371,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 services.closings,
                 services.carrying,
                 services.duty,
+                services.joinings,
                 services.hub,
                 access,
                 access.watch,

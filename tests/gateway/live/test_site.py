@@ -10,6 +10,8 @@ from gateway_kit import gateway
 from joining_kit import BEFORE, SPEC, introduction
 from wall_clock import NOW_S
 
+from dray.gateway.http.provided import provided
+from dray.gateway.live.joinings import Joinings
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection import site as site_module
 from dray.gateway.live.timescale import TimeScale
@@ -81,6 +83,7 @@ async def test_the_plant_over_rest_has_the_joining_machine_and_so_has_a_preview(
     async with gateway(url, plant=BEFORE) as house:
         client = house.client
         house.bus.say(introduction())
+        await provided(house.app, Joinings).waiting.join()
         file = (await client.get("/api/plant")).json()
         assert SPEC.id in {machine["id"] for machine in file["machines"]}
         items = [{"product": SPEC.makes[0].product, "quantity": 1}]
