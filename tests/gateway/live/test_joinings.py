@@ -43,7 +43,7 @@ async def test_no_step_of_the_loop_is_long_when_a_machine_joins_the_largest_plan
                 await asyncio.create_task(_join(house, spec))
             assert house.projection.site.plant.machines[spec.id] == spec
             tries.note(max(monitor.longest_s.values()), monitor.yardstick_s)
-    print(f"a machine joins the plant large | {tries.least_ms:.1f} ms")
+    print(f"a machine joins the plant large | {tries.least_ms:.1f} ms")  # noqa: T201 - for `pytest -s`
     assert tries.least_ms <= STEP_MS
 
 
@@ -55,7 +55,7 @@ async def test_a_machine_joins_and_products_stay_that_people_define_meanwhile(
         site, loop, left = house.projection.site, asyncio.get_running_loop(), changes
         joined = joinings_module.joined
 
-        def define() -> None:
+        async def define() -> None:
             # The same products again: a new plant all the same.
             site.plant = site.plant.with_products(site.plant.file)
 
@@ -63,7 +63,7 @@ async def test_a_machine_joins_and_products_stay_that_people_define_meanwhile(
             nonlocal left
             if left:
                 left -= 1
-                asyncio.run_coroutine_threadsafe(_called(define), loop).result()
+                asyncio.run_coroutine_threadsafe(define(), loop).result()
             return joined(plant, spec)
 
         monkeypatch.setattr(joinings_module, "joined", judged)
@@ -71,11 +71,6 @@ async def test_a_machine_joins_and_products_stay_that_people_define_meanwhile(
         await provided(house.app, Joinings).waiting.join()
         assert site.plant.machines[SPEC.id] == SPEC
         assert left == max(0, changes - TRIES)
-
-
-async def _called(define: object) -> None:
-    assert callable(define)
-    define()
 
 
 async def test_a_machine_that_does_not_fit_changes_nothing_and_the_next_one_joins(url: str) -> None:
