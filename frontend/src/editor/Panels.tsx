@@ -83,20 +83,20 @@ export function Properties() {
   const chosen = state.chosen.value;
   const data = state.data.value;
   const entry = chosen && model.entries<Entry>(data, chosen.section)[chosen.index];
-  const list = useSignal("nodes");
   if (!chosen || !entry) {
-    const options = model.entries<Entry>(data, list.value);
+    const kind = state.kind.value;
+    const options = model.entries<Entry>(data, kind);
     return (
       <section class="card ed-side" aria-labelledby="ed-chosen">
         <h2 id="ed-chosen">{t("chosen.none")}</h2>
         <p class="muted">{t("chosen.how")}</p>
-        <label>{t("chosen.kind")}
-          <select value={list.value} onChange={(event) => { list.value = event.currentTarget.value; }}>
+        <label data-at="kind">{t("chosen.kind")}
+          <select value={kind} onChange={(event) => { state.kind.value = event.currentTarget.value; }}>
             {Object.keys(FIELDS).map((section) => <option key={section} value={section}>{word("section", section)}</option>)}
           </select>
         </label>
         <label>{t("chosen.which")}
-          <select value="" onChange={(event) => { state.chosen.value = { section: list.value as "nodes", index: Number(event.currentTarget.value) }; }}>
+          <select value="" onChange={(event) => { state.chosen.value = { section: kind as "nodes", index: Number(event.currentTarget.value) }; }}>
             <option value="" />
             {options.map((each, index) => <option key={index} value={index}>{nameOf(each)}</option>)}
           </select>
@@ -292,18 +292,20 @@ function Sections() {
 
 /** Whether there is a form for what a finding is about. */
 function leads({ field }: state.Finding): boolean {
-  const { chosen, listed } = whereOf(field);
-  return (chosen ?? listed) !== null;
+  const { chosen, listed, whole } = whereOf(field);
+  return (chosen ?? listed ?? whole) !== null;
 }
 
 export function Checks() {
   const all = state.findings.value;
   const show = ({ field }: state.Finding): void => {
-    const { chosen: about, listed, steps } = whereOf(field);
+    const { chosen: about, listed, steps, whole } = whereOf(field);
+    const list = model.LISTS.find((each) => each === whole);
     state.tool.value = "choose";
     state.chosen.value = about;
-    if (listed) state.listed.value = listed;
-    state.wanted.value = about ? steps : ["lists", ...steps];
+    if (listed ?? list) state.listed.value = listed ?? { section: list ?? "materials", index: 0 };
+    else if (whole) state.kind.value = whole;
+    state.wanted.value = about ? steps : whole && !list ? ["kind"] : ["lists", ...steps];
     const spot = about && model.spotOf(state.data.value, about);
     if (spot) state.cursor.value = spot;
   };

@@ -30,6 +30,8 @@ export const findings = signal<readonly Finding[]>([]);
 export const running = signal<Data>({});
 export const tool = signal<Tool>("choose");
 export const chosen = signal<Chosen | null>(null);
+/** The kind of drawn things of which one can be chosen by its name. */
+export const kind = signal<string>("nodes");
 /** The list that is filled in, and which of its entries. */
 export const listed = signal<{ readonly section: (typeof LISTS)[number]; readonly index: number }>({ section: "materials", index: 0 });
 /** The steps to the field that somebody was led to; null once it has been reached. */

@@ -30,7 +30,15 @@ test.each([
 });
 
 test("a way leads to what is drawn, to an entry of a list, or nowhere", () => {
-  expect(whereOf("machines[1].makes[0].product")).toEqual({ chosen: { section: "machines", index: 1 }, listed: null, steps: ["makes", "0", "product"] });
-  expect(whereOf("products[0].lot")).toEqual({ chosen: null, listed: { section: "products", index: 0 }, steps: ["lot"] });
-  expect(whereOf("width_m")).toEqual({ chosen: null, listed: null, steps: ["width_m"] });
+  expect(whereOf("machines[1].makes[0].product")).toEqual({ chosen: { section: "machines", index: 1 }, listed: null, whole: null, steps: ["makes", "0", "product"] });
+  expect(whereOf("products[0].lot")).toEqual({ chosen: null, listed: { section: "products", index: 0 }, whole: null, steps: ["lot"] });
+  expect(whereOf("width_m")).toEqual({ chosen: null, listed: null, whole: null, steps: ["width_m"] });
+});
+
+test("a way leads to a list that a finding is about as a whole, drawn or not", () => {
+  expect(whereOf("warehouses").whole).toBe("warehouses");
+  expect(whereOf("products").whole).toBe("products");
+  expect(whereOf("warehouses[0]").whole).toBe(null);
+  expect(whereOf("warehouses[0].stocks").whole).toBe(null);
+  expect(whereOf("width_m").whole).toBe(null);
 });

@@ -1,11 +1,13 @@
 /** Where a finding is: the plant file's path to it in the words of the forms, and as the steps that lead to its field. Pure. */
-import { type Chosen, chosenOf, type Data, entries, LISTS } from "./model";
+import { type Chosen, chosenOf, type Data, entries, LISTS, SECTIONS } from "./model";
 
 export interface Where {
   /** What is chosen on the floor for it; null for an entry of a list, and for the plant as a whole. */
   readonly chosen: Chosen | null;
   /** The entry of a list that has no place on the floor. */
   readonly listed: { readonly section: (typeof LISTS)[number]; readonly index: number } | null;
+  /** The list that it is about as a whole; null where it is about an entry, or about no list. */
+  readonly whole: (typeof SECTIONS)[number] | null;
   /** From there to the field. */
   readonly steps: readonly string[];
 }
@@ -16,7 +18,8 @@ export function whereOf(field: string): Where {
   const chosen = chosenOf(field);
   const list = LISTS.find((each) => each === section);
   const listed = list && rest[0] !== undefined ? { section: list, index: Number(rest[0]) } : null;
-  return { chosen, listed, steps: chosen ?? listed ? rest.slice(1) : [section, ...rest] };
+  const whole = rest.length === 0 ? (SECTIONS.find((each) => each === section) ?? null) : null;
+  return { chosen, listed, whole, steps: chosen ?? listed ? rest.slice(1) : [section, ...rest] };
 }
 
 type Words = (group: "section" | "field" | "column", name: string) => string;

@@ -15,9 +15,9 @@ import { DefineForm, FORM } from "./DefineForm";
 import { FileButton, FileSheet } from "./FileSheet";
 import type { ProductAnswer } from "./draft";
 import { begin } from "./form";
+import { NeedLinks } from "./NeedLinks";
 import { authorsOf, type Definition, forget, tick, ticked } from "./remove";
 import { RemoveBar } from "./RemoveBar";
-import { WaysToOrders } from "./WaysToOrders";
 
 const EVERY_MS = 10_000;
 
@@ -81,7 +81,7 @@ export function Products() {
         <>
           <div class="removal">
             <RemoveBar definitions={[...definitions.values()]} onRemoved={again} />
-            <WaysToOrders />
+            <NeedLinks />
           </div>
           <DefineForm onDefined={again} />
           <FileSheet onTaken={again} />

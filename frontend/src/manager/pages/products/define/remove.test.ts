@@ -4,6 +4,8 @@ import { fetchTransport } from "../../../../api/transports";
 import type { PlantFile } from "../../../../api/types";
 import "../../../../text/in-english";
 import { plant } from "../../../state";
+import { addressOfTransport } from "../../../views";
+import { linksTo } from "./NeedLinks";
 import { asCalled, authorsOf, type Definition, inTurns, kept, ordersOf, removeAll, removed } from "./remove";
 
 vi.mock("../../../../api/products", () => ({ removeProducts: vi.fn(), fetchDefinitions: vi.fn() }));
@@ -66,5 +68,9 @@ test("transports that keep a product are named by what they bring and where to, 
   });
   await removeAll([{ ...of("g1", "maria"), name: "Gear unit G1" }]);
   expect(kept.value[0]?.reason).toContain("(4 Gear unit G1 → M8, a pallet → M8, T-3)");
+  expect(kept.value[0]?.transports).toEqual([{ id: "T-1", text: "4 Gear unit G1 → M8" }, { id: "T-2", text: "a pallet → M8" }, { id: "T-3", text: "T-3" }]);
+  expect(linksTo(kept.value[0]?.transports ?? [], addressOfTransport).map(({ href, text }) => [href, text])).toEqual([
+    ["#transports/T-1", "4 Gear unit G1 → M8"], ["#transports/T-2", "a pallet → M8"], ["#transports/T-3", "T-3"],
+  ]);
   expect(removed.value).toBe(null);
 });

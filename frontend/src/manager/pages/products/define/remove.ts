@@ -19,10 +19,11 @@ interface Stays {
   readonly name: string;
   readonly reason: string;
   /** Of those that need it and have not ended, the first ones. */
-  readonly orders: readonly Ordered[];
+  readonly orders: readonly Called[];
+  readonly transports: readonly Called[];
 }
 
-interface Ordered {
+interface Called {
   readonly id: string;
   readonly text: string;
 }
@@ -96,9 +97,12 @@ export async function removeAll(chosen: readonly Definition[]): Promise<void> {
     tick(gone, false);
     removed.value = gone.length === 0 ? null : gone.length;
     const stay = told.filter(({ id }) => !gone.includes(id));
-    kept.value = await Promise.all(stay.map(async (each) => ({ name: names.get(each.id) ?? each.id, reason: await reasonOf(each), orders: ordersOf(each, orderText) })));
+    kept.value = await Promise.all(stay.map(async (each) => {
+      const transports = await transportsOf(each);
+      return { name: names.get(each.id) ?? each.id, reason: await reasonOf(each, transports), orders: ordersOf(each, orderText), transports };
+    }));
   } catch (error) {
-    kept.value = [{ name: t("products.removeAny"), reason: problemText(error), orders: [] }];
+    kept.value = [{ name: t("products.removeAny"), reason: problemText(error), orders: [], transports: [] }];
   } finally {
     removing.value = false;
     // Whatever names products by the plant knows it at once.
@@ -106,10 +110,10 @@ export async function removeAll(chosen: readonly Definition[]): Promise<void> {
   }
 }
 
-async function reasonOf({ reasons, result }: Removed): Promise<string> {
+async function reasonOf({ reasons, result }: Removed, transports: readonly Called[]): Promise<string> {
   if (result === "in_plant_file") return t("products.inPlantFile");
-  const transports = new Map(await Promise.all(named(reasons, "needed_by_transport").map(async (id) => [id, await transportText(id)] as const)));
-  const called = { needed_by_order: orderText, needed_by_product: namesNow.value, needed_by_transport: (id: string) => transports.get(id) ?? id };
+  const texts = new Map(transports.map(({ id, text }) => [id, text]));
+  const called = { needed_by_order: orderText, needed_by_product: namesNow.value, needed_by_transport: (id: string) => texts.get(id) ?? id };
   return (await Promise.all(reasons.map(async (each) => await faultText(asCalled(each, called))))).join(" ");
 }
 
@@ -142,8 +146,13 @@ export function asCalled(reason: Reason, called: Readonly<Record<string, Names>>
 }
 
 /** The orders that keep a product, as far as they are named. */
-export function ordersOf({ reasons }: Pick<Removed, "reasons">, called: Names): readonly Ordered[] {
+export function ordersOf({ reasons }: Pick<Removed, "reasons">, called: Names): readonly Called[] {
   return named(reasons, "needed_by_order").map((id) => ({ id, text: called(id) }));
+}
+
+/** The plain transports that keep a product, as far as they are named. */
+async function transportsOf({ reasons }: Pick<Removed, "reasons">): Promise<readonly Called[]> {
+  return await Promise.all(named(reasons, "needed_by_transport").map(async (id) => ({ id, text: await transportText(id) })));
 }
 
 /** The ids that a kind of reason names. */
