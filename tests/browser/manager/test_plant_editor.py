@@ -98,6 +98,13 @@ def test_from_a_lif_file_to_a_played_shift(
     expect(page.locator(".ed-checks li").filter(has_text="is open: what makes products")).to_be_visible()
     expect(page.get_by_role("button", name="Play a shift here")).to_be_disabled()
     screenshot(page, "editor-1-lif-alone")
+    # A finding about a whole list leads to the list.
+    makers = page.locator(".ed-checks li").filter(has_text="is open: what makes products")
+    makers.get_by_role("button", name=re.compile("^Show")).click()
+    kind = page.locator(".ed-side").get_by_label("Kind")
+    expect(kind).to_be_focused()
+    expect(kind).to_have_value("machines")
+    screenshot(page, "editor-1-finding-list")
     page.get_by_role("button", name="Close", exact=True).click()
     # The rest is taken from the running plant.
     page.get_by_label("Name of the draft").fill("New hall")

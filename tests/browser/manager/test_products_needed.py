@@ -23,9 +23,9 @@ NEVER_AGAIN = """(() => {
 """No view asks again because time has passed: what it shows anew it was told of."""
 
 
-def define(page: Page, url: str, product: str, name: str) -> None:
+def define(page: Page, url: str, product: str, name: str, **fields: Any) -> None:
     answer = page.request.put(
-        f"{url}/api/products/{product}", data=FIELDS | {"name": name}, headers={"If-None-Match": "*"}
+        f"{url}/api/products/{product}", data=FIELDS | {"name": name} | fields, headers={"If-None-Match": "*"}
     )
     assert answer.ok, answer.text()
 
@@ -72,6 +72,36 @@ def test_orders_that_keep_a_product_are_named_as_people_call_them_with_the_way_t
         forms.ask(f"/api/orders/{order['id']}/cancel", {})
     complaints.clear()
     assert page.request.delete(f"{forms.url}/api/products/{product}").ok
+
+
+def test_a_transport_that_keeps_a_product_is_led_to(
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+) -> None:
+    page = open_page("about:blank", visits=forms.url)
+    define(page, forms.url, "brought-part", "Brought part")
+    machines = {"M7": 30.0, "M8": 30.0}
+    define(page, forms.url, "of-parts", "Of parts", bill={"brought-part": 1}, machines=machines)
+    transport = forms.ask(
+        "/api/transports", {"from": "M7", "to": "M8", "item": "brought-part", "quantity": 1}
+    )
+    page.goto(f"{forms.url}/#products")
+    page.get_by_role("row", name="Brought part").get_by_role("checkbox").check()
+    bar = page.locator(".bulk-bar").first
+    bar.locator("button").first.click()
+    bar.locator(".sure button").last.click()
+    expect(bar.get_by_role("alert")).to_contain_text("1 Brought part → ")
+    link = page.locator(f'.removal a[href="#transports/{transport["id"]}"]')
+    expect(link).to_contain_text("1 Brought part → ")
+    screenshot(page, "products-needed-by-transport")
+    with page.context.expect_page() as opened:
+        link.click()
+    expect(opened.value.get_by_text(transport["id"]).first).to_be_visible()
+    opened.value.close()
+
+    forms.ask(f"/api/transports/{transport['id']}/cancel", {})
+    complaints.clear()
+    for product in ("of-parts", "brought-part"):
+        assert page.request.delete(f"{forms.url}/api/products/{product}").ok, product
 
 
 def test_a_removed_product_vanishes_from_open_panels(
