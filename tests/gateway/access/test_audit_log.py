@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncIterator, Sequence
 from typing import Any
 
 import httpx
@@ -11,13 +12,15 @@ from answers import problem, vehicle
 from gateway_kit import House, draft
 from heartbeats import atv_heartbeat
 from sqlalchemy.exc import OperationalError
-from wall_clock import NOW_S
+from wall_clock import NOW_S, Wall
 
 from dray.errors import UnavailableError
-from dray.gateway.access.audit_log import AuditLog, Line
+from dray.gateway.access.audit_log import CAUGHT_UP, AuditLog, Line
 from dray.gateway.access.principal import Role, Scope
 from dray.messages import CommandRefusal
-from dray.store.access.audit import Audit, AuditRow
+from dray.store import Store, open_store
+from dray.store.access import audit as audit_module
+from dray.store.access.audit import AuditFilter, AuditLines, AuditRow
 from dray.store.database.database import Database
 
 pytestmark = pytest.mark.anyio
@@ -82,15 +85,15 @@ async def test_a_line_is_on_disk_before_its_answer_leaves(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun, written = asyncio.Event(), asyncio.Event()
-    add = Audit.add
+    add = AuditLines.add
 
-    async def slowly(audit: Audit, row: Any) -> int:
+    async def slowly(lines: AuditLines, row: AuditRow) -> None:
         begun.set()
         await written.wait()
-        return await add(audit, row)
+        await add(lines, row)
 
     order = await house.place()
-    monkeypatch.setattr(Audit, "add", slowly)
+    monkeypatch.setattr(AuditLines, "add", slowly)
     asking = asyncio.create_task(house.client.post(f"/api/orders/{order['id']}/cancel"))
     await begun.wait()
     assert not asking.done()
@@ -129,11 +132,8 @@ async def test_a_stop_waits_for_no_disk_and_its_line_is_written_when_there_is_on
     house.bus.say(atv_heartbeat("ATV1"))
     vehicle(house)
 
-    async def fail(_audit: Audit, _row: Any) -> int:
-        raise OperationalError("INSERT", {}, Exception("disk full"))
-
     with monkeypatch.context() as broken:
-        broken.setattr(Audit, "add", fail)
+        broken.setattr(audit_module, "row_of_line", _fail)
         for _ in range(2):
             assert (
                 await house.client.post("/api/atvs/ATV1/commands", json={"kind": "stop"})
@@ -153,23 +153,125 @@ async def test_a_stop_waits_for_no_disk_and_its_line_is_written_when_there_is_on
 async def test_whoever_reads_waits_for_the_lines_of_stops_until_then_and_not_for_those_that_come_meanwhile(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    log, add, written = AuditLog(house.store, house.wall), Audit.add, 0
-    line = Line(who=None, address="", action="vehicle.command", target="ATV1", result="done", detail={})
+    log, add_all, written = AuditLog(house.store, house.wall), AuditLines.add_all, 0
 
-    async def and_another_comes(audit: Audit, row: AuditRow) -> int:
+    async def and_another_comes(lines: AuditLines, rows: Sequence[AuditRow]) -> None:
         nonlocal written
-        written += 1
+        written += len(rows)
         if written < 100:
-            log.write_later(line)
-        return await add(audit, row)
+            log.write_later(_line())
+        await add_all(lines, rows)
 
-    monkeypatch.setattr(Audit, "add", and_another_comes)
-    log.write_later(line)
+    monkeypatch.setattr(AuditLines, "add_all", and_another_comes)
+    log.write_later(_line())
     await log.catch_up()
     assert (written, log.waiting) == (1, 1)
-    log.write_later(line)
+    log.write_later(_line())
     await log.catch_up()
-    assert (written, log.waiting) == (3, 2)
+    assert (written, log.waiting) == (3, 1)
+
+
+@pytest.fixture
+async def store(url: str) -> AsyncIterator[Store]:
+    opened = await open_store(url)
+    yield opened
+    await opened.close()
+
+
+@pytest.fixture
+def transactions(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """One item per transaction that writes."""
+    counted: list[str] = []
+
+    def counting(name: str) -> None:
+        method = getattr(Database, name)
+
+        def counted_one(*given: Any) -> Any:
+            counted.append(name)
+            return method(*given)
+
+        monkeypatch.setattr(Database, name, counted_one)
+
+    for name in ("do", "write"):
+        counting(name)
+    return counted
+
+
+async def test_lines_that_come_at_once_share_a_transaction_and_each_is_on_disk_before_its_answer(
+    store: Store, transactions: list[str]
+) -> None:
+    log = AuditLog(store, Wall())
+    await asyncio.gather(*(log.write(_line(f"ATV{number}")) for number in range(40)))
+    assert len(transactions) <= 2
+    assert await _targets(store) == [f"ATV{number}" for number in range(40)]
+
+
+async def test_a_line_that_cannot_be_written_keeps_no_other_from_being_written(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, row_of_line = AuditLog(store, Wall()), audit_module.row_of_line
+
+    def one_fails(row: AuditRow) -> dict[str, object]:
+        if row.target == "ATV2":
+            raise ValueError
+        return row_of_line(row)
+
+    monkeypatch.setattr(audit_module, "row_of_line", one_fails)
+    came = await asyncio.gather(
+        *(log.write(_line(f"ATV{number}")) for number in range(4)), return_exceptions=True
+    )
+    assert [type(each) for each in came] == [type(None), type(None), ValueError, type(None)]
+    assert await _targets(store) == ["ATV0", "ATV1", "ATV3"]
+
+
+async def test_many_lines_of_stops_need_few_transactions_and_keep_their_order(
+    store: Store, transactions: list[str]
+) -> None:
+    log = AuditLog(store, Wall())
+    many = [f"ATV{number}" for number in range(2 * CAUGHT_UP + 1)]
+    for target in many:
+        log.write_later(_line(target))
+    await log.catch_up()
+    assert len(transactions) == 3
+    assert await _targets(store) == many
+
+
+async def test_a_line_is_written_once_though_its_writer_is_cancelled_after_the_commit(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log, do = AuditLog(store, Wall()), Database.do
+    committed, go_on = asyncio.Event(), asyncio.Event()
+
+    async def slowly(database: Database, *work: Any) -> Any:
+        done = await do(database, *work)
+        committed.set()
+        await go_on.wait()
+        return done
+
+    monkeypatch.setattr(Database, "do", slowly)
+    log.write_later(_line())
+    first = asyncio.create_task(log.catch_up())
+    await committed.wait()
+    first.cancel()
+    again = asyncio.create_task(log.catch_up())
+    await asyncio.wait([first])
+    go_on.set()
+    await again
+    assert first.cancelled()
+    assert await _targets(store) == ["ATV1"]
+
+
+def _line(target: str = "ATV1") -> Line:
+    return Line(who=None, address="", action="vehicle.command", target=target, result="done", detail={})
+
+
+async def _targets(store: Store) -> list[str]:
+    async with store.read() as work:
+        return [row.target for row in await work.audit.page(AuditFilter(), None, 2_000, oldest_first=True)]
+
+
+def _fail(_row: AuditRow) -> dict[str, object]:
+    raise OperationalError("INSERT", {}, Exception("disk full"))
 
 
 async def test_an_action_that_cannot_be_written_down_is_done_and_said_so(
@@ -178,10 +280,7 @@ async def test_an_action_that_cannot_be_written_down_is_done_and_said_so(
     house.bus.say(atv_heartbeat("ATV1"))
     heard = vehicle(house)
 
-    async def fail(_audit: Audit, _row: Any) -> int:
-        raise OperationalError("INSERT", {}, Exception("disk full"))
-
-    monkeypatch.setattr(Audit, "add", fail)
+    monkeypatch.setattr(audit_module, "row_of_line", _fail)
     answer = await house.client.post("/api/atvs/ATV1/commands", json={"kind": "resume"})
     problem(answer, 503, "not-recorded")
     assert len(heard) == 1

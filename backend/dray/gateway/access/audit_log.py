@@ -7,6 +7,7 @@ import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Annotated, Any, Literal
 
 from fastapi import Depends
@@ -15,7 +16,7 @@ from starlette.requests import HTTPConnection
 from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal
 from dray.store import Store
-from dray.store.access.audit import AuditRow
+from dray.store.access.audit import AuditLines, AuditRow
 
 NOTE = "dray.note"
 """Scope key of a request's note, set by the gate."""
@@ -28,6 +29,9 @@ LATER = 10_000
 
 AGAIN_S = 1.0
 """Wall seconds before a failed write is retried."""
+
+CAUGHT_UP = 500
+"""Maximum waiting lines in one transaction: others who write wait for it, some milliseconds."""
 
 Result = Literal["done", "refused", "failed"]
 
@@ -96,7 +100,7 @@ class AuditLog:
     """
 
     def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
-        self._store, self._wall_s = store, wall_s
+        self._lines, self._wall_s = AuditLines(store.database), wall_s
         self._later: deque[AuditRow] = deque()
         self._written = 0
         """Number of lines written later than their answers."""
@@ -105,7 +109,7 @@ class AuditLog:
 
     async def write(self, line: Line) -> None:
         """Write a line; it is on disk when this returns."""
-        await self._write([self.row(line)])
+        await self._lines.add(self.row(line))
 
     def write_later(self, line: Line) -> None:
         """Queue a line until the database takes it."""
@@ -139,16 +143,20 @@ class AuditLog:
         """
         upto = self._written + len(self._later)
         while self._written < upto:
-            async with self._writing:
-                if self._written >= upto:
-                    return  # Another one has written them.
-                rows = list(self._later)
-                await self._write(rows)
-                for _ in rows:
-                    self._later.popleft()
-                self._written += len(rows)
-                if not self._later:
-                    self._more.clear()
+            # A transaction that has begun ends even if its caller is cancelled: else its lines came twice.
+            await asyncio.shield(self._write_some(upto))
+
+    async def _write_some(self, upto: int) -> None:
+        async with self._writing:
+            if self._written >= upto:
+                return  # Another one has written them.
+            rows = list(islice(self._later, CAUGHT_UP))
+            await self._lines.add_all(rows)
+            for _ in rows:
+                self._later.popleft()
+            self._written += len(rows)
+            if not self._later:
+                self._more.clear()
 
     def row(self, line: Line) -> AuditRow:
         """A line as a row, for code that writes it in the action's own transaction."""
@@ -164,11 +172,6 @@ class AuditLog:
             result=line.result,
             detail=line.detail,
         )
-
-    async def _write(self, rows: list[AuditRow]) -> None:
-        async with self._store.write() as work:
-            for row in rows:
-                await work.audit.add(row)
 
 
 def result_of(status: int) -> Result:

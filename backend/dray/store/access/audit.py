@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import msgspec
-from sqlalchemy import ColumnElement, delete, insert, or_, select
+from sqlalchemy import ColumnElement, Connection, delete, insert, or_, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.store.database.counting import total_of
+from dray.store.database.database import Database
 from dray.store.database.searching import Sought
+from dray.store.database.together import Together
 from dray.store.tables import audit, orders
 
 
@@ -93,6 +96,39 @@ class Audit:
         """Delete some of the lines from before this moment; returns the number."""
         old = select(audit.c.position).where(audit.c.at_s < before_s).limit(at_most)
         return (await self._connection.execute(delete(audit).where(audit.c.position.in_(old)))).rowcount
+
+
+class AuditLines:
+    """Adds lines in transactions of their own. Lines that come while others are being written share the next one.
+
+    Args:
+        database: the database.
+    """
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._together: Together[AuditRow, None] = Together(database, _added, lambda _lines: None)
+
+    async def add(self, line: AuditRow) -> None:
+        """Add a line; it is on disk when this returns. A cancelled caller does not undo it.
+
+        Raises:
+            UnavailableError: writing is impossible at present, or too many lines wait.
+        """
+        await self._together.do(line)
+
+    async def add_all(self, lines: Sequence[AuditRow]) -> None:
+        """Add lines, at least one, all or none; they are on disk when this returns.
+
+        Raises:
+            UnavailableError: writing is impossible at present.
+        """
+        await self._database.do(lambda connection: _added(connection, lines))
+
+
+def _added(connection: Connection, lines: Sequence[AuditRow]) -> Sequence[None]:
+    connection.execute(insert(audit), [row_of_line(line) for line in lines])
+    return [None] * len(lines)
 
 
 def row_of_line(line: AuditRow) -> dict[str, object]:
