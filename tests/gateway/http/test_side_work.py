@@ -19,7 +19,7 @@ from dray.gateway.http.bounded_process import NICE, NICEST
 from dray.gateway.http.problems import Problem
 from dray.gateway.http.provided import provided
 from dray.gateway.http.request_bodies import RowsFile
-from dray.gateway.http.side_work import EACH, MOST_BYTES, WAITING, SideWork
+from dray.gateway.http.side_work import COMMAND, EACH, MOST_BYTES, WAITING, SideWork
 from dray.gateway.http.unread import read
 from dray.plant import parse_plant
 
@@ -126,6 +126,22 @@ async def test_a_piece_that_takes_too_long_or_too_much_is_ended_and_the_next_is_
     with pytest.raises(Problem, match="given up after"):
         await given(hasty, "a", pipe)
     assert not hasty._all
+
+
+async def test_a_piece_is_measured_by_its_work_and_not_by_how_long_a_busy_computer_takes_for_it(
+    pipe: Path,
+) -> None:
+    side = SideWork((*COMMAND[:-1], "0.3"))
+    # It waits for longer than it may work; what it waits for comes after another piece has used up its time.
+    waits = given(side, "a", pipe)
+    with pytest.raises(Problem) as refused:
+        await side.do("b", sum, range(10**12))
+    assert (refused.value.status, refused.value.kind) == (422, "too-much-work")
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    await waits
+    os.close(reader)
+    assert await side.do("b", int, "7") == 7
+    await side.close()
 
 
 async def test_a_process_that_has_ended_meanwhile_is_replaced(side: SideWork) -> None:

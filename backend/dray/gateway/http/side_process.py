@@ -1,13 +1,14 @@
 """The process of side work (`http.side_work`): reads pieces from its input, writes outcomes to its output.
 
 A piece is a function with its arguments; both ends are ours, so they use pickle. An exception is an outcome
-too, except lack of memory, which ends the process.
+too, except lack of memory, which ends the process. So does a piece that uses the processor for too long.
 """
 
 from __future__ import annotations
 
 import os
 import pickle
+import signal
 import struct
 import sys
 from collections.abc import Callable
@@ -27,9 +28,17 @@ def framed(value: object) -> bytes:
     return LENGTH.pack(len(written)) + written
 
 
-def serve(pieces: BinaryIO, outcomes: BinaryIO) -> None:
-    """Do pieces one by one until the input ends."""
+def serve(pieces: BinaryIO, outcomes: BinaryIO, work_s: float) -> None:
+    """Do pieces one by one until the input ends.
+
+    Args:
+        pieces: the input.
+        outcomes: the output.
+        work_s: maximum processor seconds per piece.
+    """
     while head := pieces.read(LENGTH.size):
+        # Its signal ends the process, whatever runs.
+        signal.setitimer(signal.ITIMER_PROF, work_s)
         work, given = pickle.loads(pieces.read(*LENGTH.unpack(head)))  # noqa: S301 - the gateway's own
         outcomes.write(framed(_outcome(work, given)))
         outcomes.flush()
@@ -48,4 +57,4 @@ if __name__ == "__main__":
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as outcomes:
         # Keep prints of a piece out of the outcomes.
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
-        serve(sys.stdin.buffer, outcomes)
+        serve(sys.stdin.buffer, outcomes, float(sys.argv[1]))

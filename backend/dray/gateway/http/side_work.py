@@ -33,20 +33,24 @@ WAITING = 16
 """Maximum pieces of all callers. A piece holds its arguments several times over, at most a file of
 `DRAY_BODY_LIMIT_BYTES`."""
 
-MOST_S = 30.0
-"""Maximum wall seconds per piece: fifteen times what a plant of 3,500 nodes takes on an idle computer."""
+WORK_S = 30.0
+"""Maximum processor seconds per piece: fifteen times what a plant of 3,500 nodes takes."""
+
+MOST_S = 120.0
+"""Maximum wall seconds per piece: it stands back, so on a busy computer it takes some times its processor
+seconds."""
 
 MOST_BYTES = 1024**3
 """Maximum memory per process; the longest plant file takes a third of that."""
 
-COMMAND = (sys.executable, "-m", "dray.gateway.http.side_process")
+COMMAND = (sys.executable, "-m", "dray.gateway.http.side_process", f"{WORK_S:g}")
 
 
 class SideWork:
     """A few processes beside the gateway, and a short queue for them.
 
     Args:
-        command: command that starts a process.
+        command: command that starts a process; its last argument is the maximum of processor seconds per piece.
         most_s: maximum wall seconds per piece.
     """
 
@@ -125,7 +129,8 @@ class SideWork:
                 HTTPStatus.UNPROCESSABLE_ENTITY,
                 "too-much-work",
                 "This takes too long to work out",
-                f"it was given up after {self._most_s:g} s, or {MOST_BYTES // 1024**2} MiB of memory; send less at once",
+                f"it was given up after {WORK_S:g} s of work, {self._most_s:g} s in all, or "
+                f"{MOST_BYTES // 1024**2} MiB of memory; send less at once",
             ) from None
         finally:
             if outcome is None:
