@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
+from fake_bus import PLANT
 from gateway_kit import House, gateway
 from joining_kit import BEFORE, SPEC, introduction, introduction_of
 from loop_monitor import Tries, be, loop_monitor
@@ -21,7 +22,8 @@ pytestmark = pytest.mark.anyio
 STEP_MS = 20.0
 """Processor time that a step of the loop may take."""
 
-LARGE = load_plant("large").file
+LARGE = replace(load_plant("large").file, plant=PLANT.plant)
+"""Under the name of the plant whose messages the bus of these tests carries."""
 
 JOINING = LARGE.machines[-3:]
 """The least of their steps counts."""
