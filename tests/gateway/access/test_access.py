@@ -20,7 +20,7 @@ from dray.gateway.access.principal import SCOPES, Role, Scope
 from dray.gateway.access.rules import RULES
 from dray.gateway.access.sessions import LIFE_S
 from dray.messages import Pose
-from dray.store import Store
+from dray.store import Database, Store
 from dray.store.access.sessions import Sessions
 
 pytestmark = pytest.mark.anyio
@@ -231,6 +231,7 @@ async def test_whoever_was_known_may_stop_while_the_database_is_away_and_nothing
 
     monkeypatch.setattr(Store, "read", away)
     monkeypatch.setattr(Store, "write", away)
+    monkeypatch.setattr(Database, "do", away)
     assert (await boss.post(commands, json={"kind": "stop"})).status_code == 200
     assert [command.kind.value for command in heard] == ["stop"]
     problem(await boss.post(commands, json={"kind": "resume"}), 503, "not-recorded")
@@ -254,6 +255,7 @@ async def test_a_database_that_can_only_be_read_keeps_nobody_out(
         raise UnavailableError("database", "disk full", "make room")
 
     monkeypatch.setattr(Store, "write", full)
+    monkeypatch.setattr(Database, "do", full)
     house.wall.now_s += 120
     assert (await boss.get("/api/me")).status_code == 200
     assert (await boss.get("/api/orders", headers=header)).status_code == 200

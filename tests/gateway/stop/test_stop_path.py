@@ -22,7 +22,7 @@ from dray.gateway.factory.commands import STOP_VALID_S
 from dray.gateway.http.problems import Problem
 from dray.gateway.stop.endpoint import BODY_BYTES
 from dray.messages import CommandAnswered, CommandKind, VehicleCommand, signed_words
-from dray.store import Store
+from dray.store import Database, Store
 
 pytestmark = pytest.mark.anyio
 
@@ -43,6 +43,7 @@ def forget_the_database(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(Store, "read", away)
     monkeypatch.setattr(Store, "write", away)
+    monkeypatch.setattr(Database, "do", away)
 
 
 async def test_a_stop_is_answered_with_the_vehicles_word_and_carries_its_grant(stops: Way) -> None:
