@@ -3,10 +3,11 @@
 A listener that looks at the heartbeats and at the storages every `LOOK_S` and adds up. It takes no part, and the run
 is the same without it. `dray_sim.run.verdict` puts the result into words.
 
-A transport waits for *material* that no storage has, for a *charger* when able vehicles have no battery left, for
+A transport waits for *material* that no storage has, or that storages have promised to others, for a *charger* when able vehicles have no battery left, for
 *vehicles* when they all carry something else, at a *dock* that is held, or in a *lane*. A machine without material,
 or without room for its goods, loses its time to the cause for which the transport waits or has waited. If the
-transport did not wait and still came too late, the cause is the machine's own *buffer*.
+transport did not wait and still came too late, the cause is the machine's own *buffer*. The wait for material is
+mostly over when a transport is announced, because stations promise the load first: it counts as the transport's.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from dray.messages import (
     Event,
     MachineHeartbeat,
     MachineStatus,
+    MaterialWait,
     Message,
     Phase,
     Role,
@@ -114,6 +116,8 @@ class Shortfall:
         self._opened_s: dict[str, float] = {}
         self._waited: dict[str, dict[Cause, float]] = {}
         """Waits so far, by open transport."""
+        self._needs: dict[str, list[MaterialWait]] = {}
+        """By machine: the material that no storage could give it at the last look."""
         self._overload = Overload()
         self._announced_s: dict[str, float] = {}
         """First announcement, by open transport."""
@@ -157,10 +161,11 @@ class Shortfall:
         for machine, heard in self._machines.items():
             if machine not in self.machine_s:
                 continue
+            self._look_at_needs(heard, now_s)
             for task in heard.tasks:
                 open_tasks.add(task.task)
                 self._look_at_task(task, stock, now_s, span_s)
-            self._look_at_machine(heard, stock, span_s)
+            self._look_at_machine(heard, stock, now_s, span_s)
         self._look_at_demand(now_s, span_s)
         for notes in (self._opened_s, self._waited, self._refused, self._announced_s):
             for ended in [task for task in notes if task not in open_tasks]:
@@ -197,6 +202,19 @@ class Shortfall:
         if task.phase in (Phase.LOADING, Phase.UNLOADING, Phase.HANDING_OVER) and not beat.way:
             for place in self._docks.get(beat.node, ()):
                 self.docked_s[place] += span_s
+
+    def _look_at_needs(self, heard: MachineHeartbeat, now_s: float) -> None:
+        """Count a need's wait for material as that of the transport that was announced for it since the last look."""
+        before = self._needs.get(heard.machine, [])
+        self._needs[heard.machine] = needs = [wait for wait in heard.waits if wait.short]
+        lasting = {(wait.item, wait.since_s) for wait in needs}
+        over = [wait for wait in before if (wait.item, wait.since_s) not in lasting]
+        for task in heard.tasks:
+            of_it = [wait for wait in over if wait.item == task.item]
+            if task.task not in self._opened_s and of_it:
+                over.remove(of_it[0])
+                waited = self._waited.setdefault(task.task, defaultdict(float))
+                waited["material", task.item] += now_s - of_it[0].since_s
 
     def _look_at_task(
         self, task: TaskBrief, stock: dict[str, list[int]], now_s: float, span_s: float
@@ -251,7 +269,9 @@ class Shortfall:
         busy = sum(beat.task is not None and beat.status is AtvStatus.WORKING for beat in able)
         return ("charger", "all") if without_battery > busy else ("vehicles", ability)
 
-    def _look_at_machine(self, heard: MachineHeartbeat, stock: dict[str, list[int]], span_s: float) -> None:
+    def _look_at_machine(
+        self, heard: MachineHeartbeat, stock: dict[str, list[int]], now_s: float, span_s: float
+    ) -> None:
         machine = heard.machine
         self.machine_s[machine][heard.status] += span_s
         self.left_s[machine] = sum(
@@ -262,11 +282,11 @@ class Shortfall:
         if heard.status is MachineStatus.STARVED:
             missing = self._missing(heard)
             for item in missing:
-                cause = self._blame(heard, item, stock) or ("buffer", f"{item} at {machine}")
+                cause = self._blame(heard, item, stock, now_s) or ("buffer", f"{item} at {machine}")
                 self.lost_s[cause] += span_s / len(missing)
         elif heard.status is MachineStatus.BLOCKED:
             for item in {level.item for level in heard.goods or () if level.level}:
-                cause = self._blame(heard, item, stock) or ("buffer", f"{item} from {machine}")
+                cause = self._blame(heard, item, stock, now_s) or ("buffer", f"{item} from {machine}")
                 self.lost_s[cause] += span_s / max(1, sum(level.level > 0 for level in heard.goods or ()))
 
     def _missing(self, heard: MachineHeartbeat) -> list[str]:
@@ -288,9 +308,14 @@ class Shortfall:
                     return short
         return []
 
-    def _blame(self, heard: MachineHeartbeat, item: str, stock: dict[str, list[int]]) -> Cause | None:
-        """The longest wait among the transports of an item."""
+    def _blame(
+        self, heard: MachineHeartbeat, item: str, stock: dict[str, list[int]], now_s: float
+    ) -> Cause | None:
+        """The longest wait among the transports of an item, and among its needs without one."""
         waited: dict[Cause, float] = defaultdict(float)
+        for wait in self._needs[heard.machine]:
+            if wait.item == item:
+                waited["material", item] += now_s - wait.since_s
         for task in heard.tasks:
             if task.item == item:
                 for cause, seconds in self._waited.get(task.task, {}).items():

@@ -8,7 +8,7 @@ import pytest
 
 from dray.plant import Plant, default_plant, load_plant, parse_plant
 from dray.plant.planning.advice import Advice, advice
-from dray.plant.planning.flow import Flow
+from dray.plant.planning.flow import REFILL_S, Flow
 from dray_sim.plants.fleet_sizes import with_fleet
 from dray_sim.plants.raster import draw_raster
 from dray_sim.scenarios.paper.laboratory import only_on
@@ -120,9 +120,27 @@ def test_a_battery_that_never_lasts_for_a_transport_is_an_error_and_one_that_jus
 def test_a_storage_that_cannot_feed_its_machine(small_text: str) -> None:
     plant = change(small_text, ("capacity: 100", "capacity: 20"), ("cycle_s: 30", "cycle_s: 4"))
     [material] = of_kind(plant, "material")
-    # Half a piece a second is used, 20 come in 120 s.
-    assert material.text.startswith("shaft is used 3.0 times as fast as storages are refilled")
-    assert material.load_frac == pytest.approx(1 / 3, rel=0.01)
+    # Half a piece a second is used. 20 are there, leave when a vehicle has come for them, and are back REFILL_S later.
+    [shafts] = [stream for stream in Flow(plant).streams if stream.item == "shaft"]
+    assert 0.0 < shafts.fetch_s < shafts.lead_s
+    limit = 20 / (REFILL_S + shafts.fetch_s) / 0.5
+    assert material.load_frac == pytest.approx(limit, rel=0.01)
+    assert limit < 1 / 3
+    assert material.text.startswith(f"shaft is used {1 / limit:.1f} times as fast as storages are refilled")
+
+
+def test_what_carriers_take_long_to_fetch_is_refilled_the_later(small_text: str) -> None:
+    quick, slow = (
+        change(
+            small_text,
+            ("capacity: 100", "capacity: 20"),
+            ("cycle_s: 30", "cycle_s: 4"),
+            ("{id: light, name: Light carrier}", f"{{id: light, name: Light carrier, load_s: {load_s}}}"),
+        )
+        for load_s in (10, 110)
+    )
+    [sooner], [later] = of_kind(quick, "material"), of_kind(slow, "material")
+    assert 1 / later.load_frac - 1 / sooner.load_frac == pytest.approx(100 * 0.5 / 20)
 
 
 def test_a_dock_at_which_vehicles_queue(small_text: str) -> None:

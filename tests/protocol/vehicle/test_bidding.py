@@ -177,6 +177,7 @@ def test_an_award_is_reviewed_for_the_source_it_names() -> None:
         ({"busy_with": "M7-1"}, Refusal.BUSY),
         ({"unfit": "a wheel is stuck"}, Refusal.NOT_FIT),
         ({"battery_frac": 0.05}, Refusal.BATTERY),
+        ({"node_in_m": 20_000.0}, Refusal.BATTERY),
     ],
 )
 def test_an_award_is_declined_when_things_have_changed_since_the_bid(

@@ -154,9 +154,11 @@ def test_every_order_has_a_number_of_its_own() -> None:
 def test_who_stands_is_at_its_next_node_now_and_who_drives_is_there_later() -> None:
     seat = Seat("p3")
     assert seat.driver.next_node_at_s(50.0) == 50.0
+    assert seat.driver.next_node_in_m == 0.0
     seat.driver.go("s3", 50.0)
     seat.passes(0)
     assert seat.driver.next_node_at_s(50.0) > 50.0
+    assert seat.driver.next_node_in_m > 0.0
 
 
 def test_a_way_under_a_speed_limit_takes_as_much_longer() -> None:

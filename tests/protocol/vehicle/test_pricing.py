@@ -136,6 +136,21 @@ def test_a_vehicle_quotes_as_long_as_its_reserve_stays_untouched() -> None:
     assert quoted == [frac / 1000 for frac in range(round(least * 1000), 1000)]
 
 
+def test_the_way_to_the_next_node_must_not_touch_the_reserve_and_costs_nothing() -> None:
+    """A vehicle that stands at its node, and one that still drives 100 m to it with the same battery."""
+    standing = [frac / 1000 for frac in range(1000) if isinstance(answer(battery_frac=frac / 1000), Quote)]
+    on_the_way = [
+        frac / 1000
+        for frac in range(1000)
+        if isinstance(answer(battery_frac=frac / 1000, node_in_m=100.0), Quote)
+    ]
+    used_frac = 100.0 * LIGHT.drive_wh_per_m / LIGHT.battery_wh
+    assert used_frac > 0.002
+    assert min(on_the_way) - min(standing) == pytest.approx(used_frac, abs=0.001)
+    assert quote(node_in_m=100.0).cost == quote().cost
+    assert refusal(battery_frac=min(standing), node_in_m=100.0).reason is Refusal.BATTERY
+
+
 # --- the other refusals --------------------------------------------------------------------------
 
 

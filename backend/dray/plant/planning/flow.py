@@ -65,6 +65,7 @@ class Stream:
         took_s: a vehicle's time for one (s), the empty way to it included; the mean of the vehicles that can carry
             it.
         lead_s: from the announcement to the handover with a free vehicle.
+        fetch_s: from the announcement until the load has left its source, likewise.
         energy_wh: Wh of a vehicle for one.
     """
 
@@ -74,6 +75,7 @@ class Stream:
     per_s: float
     took_s: float
     lead_s: float
+    fetch_s: float
     energy_wh: float
     dearest_frac: float
     """Largest use of a vehicle's battery by it, relative to the usable part."""
@@ -188,14 +190,21 @@ class Flow:
             yield Limit("dock", place, 1.0 / part, Reason("remedy_dock"))
 
     def _material_limits(self) -> Iterator[Limit]:
-        """A storage that fills itself gives its capacity once per refill; refills by vehicles count as transports."""
+        """A storage that fills itself gives its capacity once per refill; refills by vehicles count as transports.
+
+        It orders the refill when loads have left it. Those that it has promised leave it when a vehicle has come.
+        """
         plant = self.plant
         needed: dict[str, float] = {}
+        fetched: dict[str, float] = {}
+        """By item: time of its vehicles until its loads have left, per second."""
         for stream in self.streams:
             if stream.item in plant.materials.keys() - plant.parts and not self._refilled(stream.item):
-                lot = plant.materials[stream.item].lot
-                needed[stream.item] = needed.get(stream.item, 0.0) + stream.per_s * lot
+                pieces_per_s = stream.per_s * plant.materials[stream.item].lot
+                needed[stream.item] = needed.get(stream.item, 0.0) + pieces_per_s
+                fetched[stream.item] = fetched.get(stream.item, 0.0) + pieces_per_s * stream.fetch_s
         for item, per_s in needed.items():
+            round_s = REFILL_S + fetched[item] / per_s
             lot = plant.materials[item].lot
             kept = [
                 stock.capacity // lot * lot
@@ -204,7 +213,7 @@ class Flow:
                 if stock.material == item
             ]
             remedy = Reason("remedy_material", kept=sum(kept))
-            yield Limit("material", item, sum(kept) / REFILL_S / per_s, remedy)
+            yield Limit("material", item, sum(kept) / round_s / per_s, remedy)
 
     def _vehicle_limits(self) -> Iterator[Limit]:
         """Limits of every set of abilities: the vehicles that have one of them carry all items that need one of them."""
@@ -313,7 +322,7 @@ class Flow:
         """One stream over the shortest way, averaged over the vehicles that can carry it."""
         plant = self.plant
         able = self._able(plant.ability_of(item))
-        took_s = lead_s = energy_wh = dearest_frac = 0.0
+        took_s = lead_s = fetch_s = energy_wh = dearest_frac = 0.0
         usable_frac = USABLE_FRAC
         count = sum(self._count[kind.id] for kind in able)
         ends = sources[0], destinations[0]
@@ -330,13 +339,15 @@ class Flow:
             share = self._count[kind.id] / count
             took_s += share * one_s
             lead_s += share * one_s
+            fetch_s += share * (NEGOTIATION_S + approach_s + kind.load_s)
             energy_wh += share * one_wh
             one_frac = (one_wh + one_s * kind.idle_w / 3600.0) / kind.battery_wh
             can_frac = min(USABLE_FRAC, kind.charging.up_to_frac - plant.charger_queue.base_frac(kind.id))
             if one_frac * usable_frac > dearest_frac * can_frac:
                 dearest_frac, usable_frac = one_frac, can_frac
         least_frac = self._least_frac(able, sources, destinations)
-        return Stream(item, *ends, per_s, took_s, lead_s, energy_wh, dearest_frac, usable_frac, least_frac)
+        times_s = took_s, lead_s, fetch_s
+        return Stream(item, *ends, per_s, *times_s, energy_wh, dearest_frac, usable_frac, least_frac)
 
     def _least_frac(
         self, able: Iterable[VehicleType], sources: Sequence[str], destinations: Sequence[str]

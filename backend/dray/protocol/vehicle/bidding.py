@@ -33,6 +33,7 @@ class Standing(msgspec.Struct, frozen=True):
     node: str
     """Its present node, or the next one."""
     node_at_s: float
+    """When it is there (plant clock)."""
     x_m: float
     y_m: float
     speed_frac: float
@@ -45,6 +46,8 @@ class Standing(msgspec.Struct, frozen=True):
     watches: int
     battery_reckoned: bool = False
     """`battery_frac` is not measured."""
+    node_in_m: float = 0.0
+    """The way that it still has to drive to `node`."""
     is_reserve: bool = False
     """Whether it belongs to the reserve of a fleet that is too large for the roads (`dray.plant.spare_places`)."""
 
@@ -181,6 +184,7 @@ class Bidder:
             work,
             node=standing.node,
             node_at_s=standing.node_at_s,
+            node_in_m=standing.node_in_m,
             battery_frac=standing.battery_frac,
             now_s=now_s,
             deadline_s=deadline_s,

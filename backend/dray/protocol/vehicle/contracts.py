@@ -177,6 +177,7 @@ class Contracts:
         return Standing(
             node=driver.next_node,
             node_at_s=driver.next_node_at_s(now_s),
+            node_in_m=driver.next_node_in_m,
             x_m=x_m,
             y_m=y_m,
             speed_frac=driver.pace_frac,

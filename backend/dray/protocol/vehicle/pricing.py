@@ -75,6 +75,7 @@ class Pricer:
         battery_frac: float,
         now_s: float,
         deadline_s: float,
+        node_in_m: float = 0.0,
         speed_frac: float = 1.0,
         wait_s: Callable[[str, float], float] = lambda _place, _comes_s: 0.0,
     ) -> Quote | Unable:
@@ -87,6 +88,8 @@ class Pricer:
             battery_frac: the present charge.
             now_s: the present time.
             deadline_s: when it should be done.
+            node_in_m: its way to that node. The battery must last for it, but the price leaves it out: the vehicle
+                drives it whatever it does next.
             speed_frac: what a person's limit and other vehicles leave of the vehicle's own speed (`Driver.pace_frac`).
             wait_s: how long it would have to wait at a place beyond the handling, where it comes at a time (plant clock).
 
@@ -132,7 +135,7 @@ class Pricer:
             offers.append((Quote(source=source, cost=cost, finish_s=now_s + took_s), left_frac))
         if not offers:
             return self._no_way(node, [docks[source] for source in work.sources], there)
-        needed_frac = self._reserve.needed_frac(there)
+        needed_frac = self._reserve.needed_frac(there) + node_in_m * kind.drive_wh_per_m / kind.battery_wh
         if self._plant.obstructed:
             # A load behind an obstacle without a way round is fetched only if no other source has it.
             clear = [offer for offer in offers if self._is_clear(node, docks[offer[0].source], there)]

@@ -73,13 +73,17 @@ class Driver:
         """The node where another way could begin."""
         return self.way[self._passed] if self._passed < len(self.way) else self.node
 
-    def next_node_at_s(self, now_s: float) -> float:
-        """Estimated time at the next node, by the lane's plain speed."""
+    @property
+    def next_node_in_m(self) -> float:
+        """The way to the next node."""
         if self._passed >= len(self.way):
-            return now_s
+            return 0.0
         target = self._plant.nodes[self.next_node]
-        gap_m = abs(target.x_m - self.pose.x_m) + abs(target.y_m - self.pose.y_m)
-        return now_s + gap_m / max(self.speed_mps, 0.3)
+        return abs(target.x_m - self.pose.x_m) + abs(target.y_m - self.pose.y_m)
+
+    def next_node_at_s(self, now_s: float) -> float:
+        """Estimated time at the next node, by the present speed."""
+        return now_s + self.next_node_in_m / max(self.speed_mps, 0.3)
 
     @property
     def position_m(self) -> tuple[float, float]:

@@ -112,8 +112,9 @@ class ReservedDriver(Driver):
         way = self._right_of_way.way
         return way.base[0] if self._is_lost and way.base else way.base_end
 
-    def next_node_at_s(self, now_s: float) -> float:
-        return now_s + self.right_of_way.way.base_left_m / max(self.speed_mps, 0.3)
+    @property
+    def next_node_in_m(self) -> float:
+        return self.right_of_way.way.base_left_m
 
     def sense(self, state: VehicleState) -> None:
         super().sense(state)
