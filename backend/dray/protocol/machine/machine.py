@@ -43,6 +43,7 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.calls.help_calls import NotComing
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
@@ -200,6 +201,7 @@ class Machine(AgentBase):
             TaskLost: self._on_lost,
             TaskDelivered: self._on_delivered,
             CountMissed: self._on_count_missed,
+            NotComing: lambda change, _now_s: self._breakdown.not_coming(change.since_s),
             GoodsLost: lambda lost, now_s: self._miss_goods(lost.goal, now_s),
             ReservationsChanged: lambda _change, now_s: self._flow.note_stock(now_s),
             CarriedAway: lambda carried, _now_s: self._flow.on_carried_away(carried.vehicle),
