@@ -7,7 +7,7 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.departures import Departures
-from dray.protocol.transports.door import Door
+from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.visits import Visits
 
 

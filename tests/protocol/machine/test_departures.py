@@ -42,7 +42,7 @@ from dray.protocol.traffic.removal_authorisation import LISTEN_S
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.departures import UNHEARD_S, Departures
-from dray.protocol.transports.door import Door
+from dray.protocol.transports.dock_door import Door
 
 DOCK = "m7"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)

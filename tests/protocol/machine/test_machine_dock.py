@@ -35,7 +35,7 @@ from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.life import Life
 from dray.protocol.transports.departures import Departures
-from dray.protocol.transports.door import NOT_READY, SAFE_WITHIN_S, Door
+from dray.protocol.transports.dock_door import NOT_READY, SAFE_WITHIN_S, Door
 
 
 def alone() -> tuple[Door, Departures, list[Effect]]:

@@ -179,5 +179,5 @@ class Departures:
         load = self._leaving.pop(vehicle)
         self._subscriptions.unfollow(vehicle)
         self._life.instruct(CloseDock(vehicle=vehicle))
-        self._visits.end(vehicle, load.task)
+        self._visits.note_departed(vehicle, load.task)
         self._life.commit()

@@ -14,7 +14,7 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.transports.departures import Departures
-from dray.protocol.transports.door import Door
+from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.transports import Stock, Transports
 
 

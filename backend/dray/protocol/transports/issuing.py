@@ -16,7 +16,7 @@ from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.departures import Departures
-from dray.protocol.transports.door import Door
+from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.reservations import Ask, Reservations
 
 LAPSE = "lapse"

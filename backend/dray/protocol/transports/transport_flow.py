@@ -45,7 +45,7 @@ from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.dock import Dock
-from dray.protocol.transports.door import Door, ready_within_s
+from dray.protocol.transports.dock_door import Door, ready_within_s
 from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray.protocol.transports.handovers import Handovers
 from dray.protocol.transports.held import HeldTransports

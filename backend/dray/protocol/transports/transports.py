@@ -52,7 +52,7 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.failover import Failover
 from dray.protocol.takeover.secondaries import Secondaries
 from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
-from dray.protocol.transports.door import Door
+from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.sourcing import Sourcing
 
 RECOVERY_WAIT_S = 10.0

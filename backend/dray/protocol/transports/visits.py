@@ -50,7 +50,7 @@ class Visits:
         self.since_s.pop(vehicle, None)
         return self.asked.pop(vehicle, None)
 
-    def end(self, vehicle: str, task: str) -> None:
+    def note_departed(self, vehicle: str, task: str) -> None:
         """A vehicle has left; forget its request for that task (empty if the task is unknown).
 
         Its later requests stay.

@@ -224,7 +224,7 @@ class ObstacleHandling:
 
     def _end_silent(self, atv: str, now_s: float) -> None:
         """A silent vehicle is none any more: its lanes are free."""
-        for ends in self._silent.end(atv, now_s):
+        for ends in self._silent.note_gone(atv, now_s):
             if self._floor.obstacles.is_on(*ends):
                 self._tell_gone(*ends, now_s)
 

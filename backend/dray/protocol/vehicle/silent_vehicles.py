@@ -65,7 +65,7 @@ class SilentVehicles:
         self._lanes[atv] = tuple(dict.fromkeys((*self._lanes.get(atv, ()), *lanes)))
         return [ends for ends in lanes if not self._obstacles.is_on(*ends)]
 
-    def end(self, atv: str, now_s: float) -> tuple[Ends, ...]:
+    def note_gone(self, atv: str, now_s: float) -> tuple[Ends, ...]:
         """A vehicle is heard again and can move, or was carried away. Returns the lanes that it has blocked."""
         lanes = self._lanes.get(atv, ())
         if lanes:
