@@ -205,7 +205,8 @@ class Machine(AgentBase):
             GoodsLost: lambda lost, now_s: self._miss_goods(lost.goal, now_s),
             ReservationsChanged: lambda _change, now_s: self._flow.note_stock(now_s),
             CarriedAway: lambda carried, _now_s: self._flow.on_carried_away(carried.vehicle),
-            **dict.fromkeys((MaterialChanged, WaysChanged), lambda _change, now_s: self.pursue(now_s)),
+            MaterialChanged: lambda _change, now_s: self.pursue(now_s),
+            WaysChanged: lambda _change, now_s: self.pursue(now_s),
         }
         self._alarm_handlers = {
             BEAT: self._beat,

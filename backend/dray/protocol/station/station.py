@@ -131,9 +131,8 @@ class Station(AgentBase):
             TaskLost: self._on_lost,
             TaskDelivered: self._on_delivered,
             CarriedAway: lambda carried, _now_s: self._flow.on_carried_away(carried.vehicle),
-            **dict.fromkeys(
-                (MaterialChanged, ReservationsChanged), lambda _change, now_s: self._go_on(now_s)
-            ),
+            MaterialChanged: lambda _change, now_s: self._go_on(now_s),
+            ReservationsChanged: lambda _change, now_s: self._go_on(now_s),
         }
         self._alarm_handlers = {
             BEAT: self._beat,
