@@ -46,7 +46,7 @@ from dray.plant import Plant
 from dray.protocol.calls.help_calls import NotComing
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
+from dray.protocol.contract_net.changes import TaskDelivered, TaskLost
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import DisbeliefHandling
 from dray.protocol.contract_net.trust.probation import Probation
@@ -75,7 +75,6 @@ from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
 from dray.protocol.transports.handovers import CountMissed
 from dray.protocol.transports.issuing import ReservationsChanged
-from dray.protocol.transports.sourcing import MaterialGone, MaterialReserved, NeedReduced
 from dray.protocol.transports.transport_flow import MaterialChanged
 
 
@@ -194,10 +193,7 @@ class Machine(AgentBase):
             DocumentRead: self._document_read,
         }
         self._reactions = {
-            ContractChanged: self._flow.on_contract_changed,
-            MaterialReserved: self._flow.on_reserved,
-            MaterialGone: self._flow.on_gone,
-            NeedReduced: self._flow.on_reduced,
+            **self._flow.reactions,
             TaskLost: self._on_lost,
             TaskDelivered: self._on_delivered,
             CountMissed: self._on_count_missed,

@@ -198,8 +198,8 @@ class MaterialFlow(TransportFlow):
 
     # --- what follows from changes ---
 
-    def on_contract_changed(self, changed: ContractChanged, now_s: float) -> None:
-        super().on_contract_changed(changed, now_s)
+    def _on_contract_changed(self, changed: ContractChanged, now_s: float) -> None:
+        super()._on_contract_changed(changed, now_s)
         if changed.task.is_held:
             self._review_stranded()
         self.goods.keep_unwanted()

@@ -23,7 +23,7 @@ from dray.plant import Plant
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
+from dray.protocol.contract_net.changes import TaskDelivered, TaskLost
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
@@ -37,7 +37,6 @@ from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
 from dray.protocol.transports.issuing import Issuing, ReservationsChanged
 from dray.protocol.transports.reservations import Reservations
-from dray.protocol.transports.sourcing import MaterialGone, MaterialReserved, NeedReduced
 from dray.protocol.transports.transport_flow import MaterialChanged, TransportFlow
 
 
@@ -124,10 +123,7 @@ class Station(AgentBase):
         self._message_handlers = self._reservation_handling.handlers(self._message_handlers)
         self._committers += [*self._reservation_handling.committers, self._flow.called.commits]
         self._reactions = {
-            ContractChanged: self._flow.on_contract_changed,
-            MaterialReserved: self._flow.on_reserved,
-            MaterialGone: self._flow.on_gone,
-            NeedReduced: self._flow.on_reduced,
+            **self._flow.reactions,
             TaskLost: self._on_lost,
             TaskDelivered: self._on_delivered,
             CarriedAway: lambda carried, _now_s: self._flow.on_carried_away(carried.vehicle),

@@ -93,6 +93,7 @@ class TransportFlow:
         departures: vehicles that may still be at its dock after their transport ended there.
         message_handlers: by message type, handlers called with (sender, message, now_s).
         alarms: handlers of these alarms.
+        reactions: by kind of change, reactions to what changes in its parts and needs nothing else of its agent.
         subscriptions: its heartbeat subscriptions.
     """
 
@@ -161,6 +162,12 @@ class TransportFlow:
             RECOVERY_WAIT: self._end_recovery,
             **self.tasks.alarms,
             **self.called.alarms,
+        }
+        self.reactions: Mapping[type[Change], Callable[[Any, float], None]] = {
+            ContractChanged: self._on_contract_changed,
+            MaterialReserved: self._on_reserved,
+            MaterialGone: self._on_gone,
+            NeedReduced: self._on_reduced,
         }
 
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
@@ -289,7 +296,7 @@ class TransportFlow:
 
     # --- what follows from changes ---
 
-    def on_reserved(self, reserved: MaterialReserved, now_s: float) -> None:
+    def _on_reserved(self, reserved: MaterialReserved, now_s: float) -> None:
         """Announce a transport whose load is set aside."""
         need = reserved.need
         self._announce(need.task, need.work, self._latest_s(need, now_s), now_s)
@@ -377,16 +384,16 @@ class TransportFlow:
         self.tasks.give_up(task, now_s)
         self._life.settle(now_s)
 
-    def on_gone(self, gone: MaterialGone, now_s: float) -> None:
+    def _on_gone(self, gone: MaterialGone, now_s: float) -> None:
         """End a transport whose load is nowhere any more."""
         self.withdraw(gone.task, now_s)
 
-    def on_reduced(self, reduced: NeedReduced, _now_s: float) -> None:
+    def _on_reduced(self, reduced: NeedReduced, _now_s: float) -> None:
         """Expect a smaller load than was requested."""
         self._note_settled(reduced.before, None)
         self._note_ordered(reduced.after)
 
-    def on_contract_changed(self, _changed: ContractChanged, now_s: float) -> None:
+    def _on_contract_changed(self, _changed: ContractChanged, now_s: float) -> None:
         """Report the state of ordered transports."""
         self.called.review(now_s)
 
