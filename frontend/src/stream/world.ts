@@ -7,7 +7,7 @@ import type { AudienceView, Delta, FactoryView, Snapshot } from "../api/types";
 export type Frame = Snapshot | Delta;
 
 /** Every kind of thing in the stream: the prefix of its ids in `Delta.gone`, and its collection in frames. */
-const COLLECTIONS = {
+export const COLLECTIONS = {
   atv: "atvs",
   machine: "machines",
   station: "stations",
@@ -23,7 +23,7 @@ const COLLECTIONS = {
   scenario: "scenarios",
 } as const;
 
-type Collection = (typeof COLLECTIONS)[keyof typeof COLLECTIONS];
+export type Collection = (typeof COLLECTIONS)[keyof typeof COLLECTIONS];
 
 /** The things of each collection by id, in the stream's order; `Snapshot` says what each collection holds. */
 type Collected = { readonly [name in Collection]: ReadonlyMap<string, Snapshot[name][number]> };
