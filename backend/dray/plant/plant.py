@@ -134,6 +134,13 @@ class Plant:
         self._extents: dict[str, Extent] = {}
         self._drawn: dict[tuple[tuple[float, float], ...], Extent] = {}
 
+    def _share(self, plant: Plant) -> None:
+        """Be another view of a plant, in place of `__init__`: its file, indexes and ways are this one's, too.
+
+        For a subclass that has restrictions of its own. An attribute that is added to this class is shared by itself.
+        """
+        vars(self).update(vars(plant))
+
     def with_products(self, file: PlantFile) -> Plant:
         """The plant of a file that differs from this one's in its products and in what machines make of them alone.
 

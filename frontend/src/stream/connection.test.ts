@@ -2,6 +2,7 @@ import { beforeEach, describe, expect, test } from "vitest";
 import { waitBeforeS } from "./backoff";
 import { Connection, LOGGED_OUT, MOVED, type Socket } from "./connection";
 import { freshnessOf, isPast } from "./freshness";
+import { nothing } from "./nothing";
 import { ServerClock } from "./server-clock";
 
 class FakeSocket implements Socket {
@@ -17,7 +18,7 @@ class FakeSocket implements Socket {
   }
 }
 
-const empty = { at_s: 0, plant: "p", factory: {}, atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], fault_injection: false, faults: [], commands: [], closures: [], obstacles: [], waits: [], scenarios: [], audience: null, gone: [] };
+const empty = { at_s: 0, plant: "p", factory: {}, ...nothing, fault_injection: false, audience: null, gone: [] };
 const snapshot = (number: number) => ({ ...empty, type: "snapshot", number });
 const delta = (number: number) => ({ ...empty, type: "delta", number, factory: null });
 

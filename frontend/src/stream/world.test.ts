@@ -1,17 +1,16 @@
 import { describe, expect, test } from "vitest";
 import type { AtvView, Delta, FactoryView, Snapshot, StationView, TaskView } from "../api/types";
+import { nothing } from "./nothing";
 import { advance, worldOf } from "./world";
 
 const factory = { speed: 1 } as FactoryView;
 const atv = (id: string, battery_frac = 1) => ({ id, battery_frac }) as AtvView;
 
 export const snapshot = (number: number, atvs: AtvView[] = []): Snapshot => ({
-  type: "snapshot", number, at_s: 100, plant: "dray", factory, atvs, machines: [], stations: [], tasks: [], orders: [],
-  news: [], alerts: [], fault_injection: false, faults: [], commands: [], closures: [], obstacles: [], waits: [], scenarios: [], audience: null,
+  ...nothing, type: "snapshot", number, at_s: 100, plant: "dray", factory, atvs, fault_injection: false, audience: null,
 });
 export const delta = (number: number, more: Partial<Delta> = {}): Delta => ({
-  type: "delta", number, at_s: 101, factory: null, atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [],
-  alerts: [], faults: [], commands: [], closures: [], obstacles: [], waits: [], scenarios: [], gone: [], ...more,
+  ...nothing, type: "delta", number, at_s: 101, factory: null, gone: [], ...more,
 });
 
 describe("a world", () => {

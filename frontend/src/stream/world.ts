@@ -2,65 +2,12 @@
  * What the stream has told so far, as plain data, and how a frame changes it. Pure: a frame in, a new
  * world out. Who reads the socket, and when a panel redraws, is decided elsewhere.
  */
-import type {
-  AlertView,
-  AtvView,
-  AudienceView,
-  ClosureView,
-  CommandView,
-  Delta,
-  FactoryView,
-  FaultView,
-  MachineView,
-  NewsView,
-  ObstacleView,
-  OrderView,
-  ScenarioView,
-  Snapshot,
-  StationView,
-  TaskView,
-  WaitView,
-} from "../api/types";
+import type { AudienceView, Delta, FactoryView, Snapshot } from "../api/types";
 
 export type Frame = Snapshot | Delta;
 
-export interface World {
-  /** Number of the frame that this world is the result of. */
-  readonly number: number;
-  /** The server's clock when it sent that frame, seconds since 1970. */
-  readonly atS: number;
-  readonly plant: string;
-  readonly factory: FactoryView;
-  readonly atvs: ReadonlyMap<string, AtvView>;
-  readonly machines: ReadonlyMap<string, MachineView>;
-  /** Of storages, by the storage's id. */
-  readonly stations: ReadonlyMap<string, StationView>;
-  readonly tasks: ReadonlyMap<string, TaskView>;
-  readonly orders: ReadonlyMap<string, OrderView>;
-  /** What has happened lately, oldest first. */
-  readonly news: ReadonlyMap<string, NewsView>;
-  /** What is wrong now. */
-  readonly alerts: ReadonlyMap<string, AlertView>;
-  /** Whether faults can be begun by hand. */
-  readonly fault_injection: boolean;
-  /** Those that were begun by hand and have not ended. */
-  readonly faults: ReadonlyMap<string, FaultView>;
-  /** What people have asked of vehicles lately, oldest first, and what became of it. */
-  readonly commands: ReadonlyMap<string, CommandView>;
-  /** What people have closed to vehicles, oldest first. */
-  readonly closures: ReadonlyMap<string, ClosureView>;
-  /** What vehicles have met on lanes, oldest first. */
-  readonly obstacles: ReadonlyMap<string, ObstacleView>;
-  /** Vehicles that cannot drive on, and for whom they wait; empty where vehicles drive without right of way. */
-  readonly waits: ReadonlyMap<string, WaitView>;
-  /** The one that the simulated factory plays, if any. */
-  readonly scenarios: ReadonlyMap<string, ScenarioView>;
-  /** Who is shown all this, and how much of the plant. */
-  readonly audience: AudienceView | null;
-}
-
-/** The prefix of an id in `Delta.gone`, and the collection that it leaves. */
-const GONE = {
+/** Every kind of thing in the stream: the prefix of its ids in `Delta.gone`, and its collection in frames. */
+export const COLLECTIONS = {
   atv: "atvs",
   machine: "machines",
   station: "stations",
@@ -76,27 +23,39 @@ const GONE = {
   scenario: "scenarios",
 } as const;
 
+export type Collection = (typeof COLLECTIONS)[keyof typeof COLLECTIONS];
+
+/** The things of each collection by id, in the stream's order; `Snapshot` says what each collection holds. */
+type Collected = { readonly [name in Collection]: ReadonlyMap<string, Snapshot[name][number]> };
+
+export interface World extends Collected {
+  /** Number of the frame that this world is the result of. */
+  readonly number: number;
+  /** The server's clock when it sent that frame, seconds since 1970. */
+  readonly atS: number;
+  readonly plant: string;
+  readonly factory: FactoryView;
+  /** Whether faults can be begun by hand. */
+  readonly fault_injection: boolean;
+  /** Who is shown all this, and how much of the plant. */
+  readonly audience: AudienceView | null;
+}
+
+const NAMES: readonly Collection[] = Object.values(COLLECTIONS);
+
+function collected(of: (name: Collection) => ReadonlyMap<string, { id: string }>): Collected {
+  return Object.fromEntries(NAMES.map((name) => [name, of(name)])) as unknown as Collected;
+}
+
 export function worldOf(frame: Snapshot): World {
   return {
     number: frame.number,
     atS: frame.at_s,
     plant: frame.plant,
     factory: frame.factory,
-    atvs: byId(frame.atvs),
-    machines: byId(frame.machines),
-    stations: byId(frame.stations),
-    tasks: byId(frame.tasks),
-    orders: byId(frame.orders),
-    news: byId(frame.news),
-    alerts: byId(frame.alerts),
     fault_injection: frame.fault_injection,
-    faults: byId(frame.faults),
-    commands: byId(frame.commands),
-    closures: byId(frame.closures),
-    obstacles: byId(frame.obstacles),
-    waits: byId(frame.waits),
-    scenarios: byId(frame.scenarios),
     audience: frame.audience,
+    ...collected((name) => byId<{ id: string }>(frame[name])),
   };
 }
 
@@ -107,25 +66,13 @@ export function worldOf(frame: Snapshot): World {
 export function advance(world: World | null, frame: Frame): World | null {
   if (frame.type === "snapshot") return worldOf(frame);
   if (world === null || frame.number !== world.number + 1) return null;
-  const gone = goneByKind(frame.gone);
+  const gone = goneOf(frame.gone);
   return {
     ...world,
     number: frame.number,
     atS: frame.at_s,
     factory: frame.factory ?? world.factory,
-    atvs: changed(world.atvs, frame.atvs, gone.atvs),
-    machines: changed(world.machines, frame.machines, gone.machines),
-    stations: changed(world.stations, frame.stations, gone.stations),
-    tasks: changed(world.tasks, frame.tasks, gone.tasks),
-    orders: changed(world.orders, frame.orders, gone.orders),
-    news: changed(world.news, frame.news, gone.news),
-    alerts: changed(world.alerts, frame.alerts, gone.alerts),
-    faults: changed(world.faults, frame.faults, gone.faults),
-    commands: changed(world.commands, frame.commands, gone.commands),
-    closures: changed(world.closures, frame.closures, gone.closures),
-    obstacles: changed(world.obstacles, frame.obstacles, gone.obstacles),
-    waits: changed(world.waits, frame.waits, gone.waits),
-    scenarios: changed(world.scenarios, frame.scenarios, gone.scenarios),
+    ...collected((name) => changed<{ id: string }>(world[name], frame[name], gone[name])),
   };
 }
 
@@ -154,18 +101,13 @@ function changed<T extends { id: string }>(
   return after;
 }
 
-type Kind = (typeof GONE)[keyof typeof GONE];
-
-function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
-  const gone: Record<Kind, string[]> = {
-    atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [],
-    closures: [], obstacles: [], waits: [], scenarios: [],
-  };
+function goneOf(ids: readonly string[]): Record<Collection, string[]> {
+  const gone = Object.fromEntries(NAMES.map((name) => [name, [] as string[]])) as Record<Collection, string[]>;
   for (const id of ids) {
     const cut = id.indexOf(":");
     const prefix = id.slice(0, cut);
     // A kind that this version does not show is no concern of ours.
-    if (prefix in GONE) gone[GONE[prefix as keyof typeof GONE]].push(id.slice(cut + 1));
+    if (prefix in COLLECTIONS) gone[COLLECTIONS[prefix as keyof typeof COLLECTIONS]].push(id.slice(cut + 1));
   }
   return gone;
 }

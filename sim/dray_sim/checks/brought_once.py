@@ -1,8 +1,8 @@
 """Invariant 23: every plain transport is delivered once and completely, or called off and not delivered.
 
-If only one vehicle may carry it, no other one does, and no vehicle carries it without the wanted ability. Like those
-of `dray_sim.checks.invariants`, this check takes no part; it hears the messages of the destinations. It compares
-their counts with the requests; invariant 2 says that no piece appears or vanishes.
+If only one vehicle may carry a transport, no other vehicle carries it. No vehicle without the required ability
+carries it. The check listens to the destinations and sends nothing, like those of `dray_sim.checks.invariants`. It
+compares the reported quantities with the orders; invariant 2 covers pieces that appear or vanish.
 """
 
 from __future__ import annotations
@@ -16,40 +16,40 @@ from dray_sim.checks.broken import InvariantBroken
 
 
 class BroughtOnce:
-    """Every plain transport ends once, with as much as was asked for.
+    """Checks that every plain transport ends once, with the ordered quantity.
 
-    A place that has lost its notes may know less than it has told: its transports are no longer checked.
+    A place that has lost its memory may report less than before, so its transports are not checked any more.
 
     Args:
-        abilities: of each vehicle of the plant, by its id; a vehicle that joined later, and may lie, only claims its
-            own.
+        abilities: abilities of each vehicle of the plant file, by its id. Vehicles that joined later are not checked:
+            their abilities are only their own claim.
     """
 
     def __init__(self, abilities: Mapping[str, Collection[str]]) -> None:
         self._abilities = abilities
         self._wanted: dict[str, str] = {}
-        """Wanted ability of the vehicle, by transport."""
+        """By transport: the ability that its vehicle must have."""
         self._asked: dict[str, int] = {}
-        """Ordered pieces, by transport."""
+        """By transport: the ordered pieces."""
         self._only: dict[str, str] = {}
-        """The only vehicle that may ever carry it, by transport."""
+        """By transport: the only vehicle that may carry it, without a time limit."""
         self._ended: dict[str, TransportState] = {}
         self._places: dict[str, str] = {}
-        """Destination, by transport, as that place has told."""
+        """By transport: the place that reports on it, which is its destination."""
         self._tasks: dict[str, str] = {}
-        """Transport of each task, which is an attempt at it."""
+        """By task: its transport. A transport may need several tasks."""
         self._done: dict[str, int] = {}
-        """Number of tasks that were closed as delivered, by transport."""
+        """By transport: number of its tasks that were closed as delivered."""
         self._forgotten: set[str] = set()
-        """Transports of places that have lost their notes: their carriers may be heard of after they were called off
-        anew. It is only asked for membership."""
+        """Transports of places that have lost their memory. A carrier may still deliver one after its place has
+        cancelled it again."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
-        """Note one utterance.
+        """Check one message.
 
         Raises:
-            InvariantBroken: a transport has ended twice or with another quantity, went on after its end, was called
-                off and still brought, or has a forbidden carrier.
+            InvariantBroken: a transport has ended twice or with another quantity, went on after its end, was
+                delivered although it was cancelled, or has a carrier that may not carry it.
         """
         if type(message) is TransportOrdered:
             self._asked.setdefault(message.transport, message.quantity)

@@ -383,7 +383,7 @@ class _Game:
             await meddler.put_right()
 
     async def _await_end(self, factory: SimFactory, liveness: LivenessCheck) -> None:
-        """The faults, the quiet phase, and the end of everything that is open."""
+        """Wait until the faults are over, the quiet phase has passed, and no work is open any more."""
         await asyncio.sleep(self._run.faults_until_s)
         # Times of a clock that was set are wrong until it is steered back.
         await asyncio.sleep(factory.clock_error_s() / SLEW_FRAC)

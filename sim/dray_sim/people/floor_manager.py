@@ -1,7 +1,7 @@
-"""A manager who closes lanes, nodes and areas, makes lanes slow or one-way, and opens them again.
+"""A simulated manager: closes lanes, nodes and areas, makes lanes slow or one-way, and opens them again.
 
-Like a gateway he says the whole list again and again, signed, under a number that grows with every decision. Some
-closures carry their end, and vehicles open them by their own clocks; the others hold until he withdraws them.
+The manager repeats the whole list like a gateway: signed, with a number that grows with every decision. A closure with
+an end is opened by each vehicle's own clock. Any other closure holds until the manager withdraws it.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from dray.messages.keys import Keys
 from dray.ports import Bus, Clock
 
 NAME = "floor-manager"
-"""His name on the bus, and the person in whose name he closes."""
+"""The manager's name on the bus, and in the closures."""
 
 SAY_EVERY_S = 5.0
-"""Interval between two repetitions of the list, from which vehicles that were out of reach learn it."""
+"""Interval of the repetitions (s). Vehicles that were out of reach learn the list from them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,10 +29,10 @@ class Closing:
     """A closure and its times.
 
     Attributes:
-        closure: as vehicles are told of it, without its end.
-        at_s: when it is decided (plant clock).
-        until_s: when it ends.
-        tells_end: whether vehicles are told so from the beginning.
+        closure: the closure, without its end.
+        at_s: time of the decision (plant clock).
+        until_s: end (plant clock).
+        tells_end: whether the list names the end.
     """
 
     closure: Closure
@@ -42,18 +42,18 @@ class Closing:
 
     @property
     def told(self) -> Closure:
-        """The closure as the list has it."""
+        """The closure in the form of the list."""
         return replace(self.closure, until_s=self.until_s) if self.tells_end else self.closure
 
 
 class FloorManager:
-    """Closes and opens.
+    """Carries out planned closures.
 
     Args:
-        bus: joined at once.
+        bus: the bus; the manager joins it at once.
         clock: the plant's clock.
-        keys: the plant's keys.
-        authority: signs his lists.
+        keys: the plant's bus keys.
+        authority: key that signs the lists.
     """
 
     def __init__(self, bus: Bus, clock: Clock, keys: Keys, authority: SigningKey) -> None:
@@ -61,7 +61,7 @@ class FloorManager:
         self._clock, self._key, self._authority = clock, keys.closures, authority
 
     async def close(self, closings: Iterable[Closing]) -> None:
-        """Carry out all closings, and repeat the present list until cancelled."""
+        """Carry out all closings, and repeat the present list until this task is cancelled."""
         closings = tuple(closings)
         changes_s = sorted({each.at_s for each in closings} | {each.until_s for each in closings})
         number = 0

@@ -164,8 +164,10 @@ def test_who_gives_it_back_is_replaced_at_once(rig: CallerRig) -> None:
     rig.beats(B)
     rig.open()
     rig.answers(A, TAKE, 60.0)
+    taken_s = rig.now_s
     rig.answers(A, DECLINE)
     assert (rig.said.taken_by, rig.said.asked) == ("", (B,))
+    assert rig.agent.void_since_s == [taken_s]
 
 
 @pytest.mark.parametrize("silently", [False, True])

@@ -29,6 +29,14 @@ def test_two_agents_of_one_process_know_different_things() -> None:
     assert "c3" in PLANT.routes("light").way("b3", "d3").nodes
 
 
+def test_agents_share_all_of_a_plant_but_what_each_of_them_knows() -> None:
+    floor = KnownFloor(PLANT)
+    floor.take(closures(1, closure(node="c3")), 0.0)
+    own = {name for name, value in vars(floor).items() if vars(PLANT).get(name) is not value}
+    assert own == {"restrictions", "said", "ends_s", "obstacles", "obstructed", "_current"}
+    assert not own & vars(PLANT).keys(), "a plant that is shared has none of it"
+
+
 THERE, BACK = ("a1.to-b1", "b1.from-a1"), ("b1.to-a1", "a1.from-b1")
 """The lanes of one road of the default plant."""
 

@@ -16,7 +16,7 @@ from dray.messages import (
     Problem,
     ProblemKind,
 )
-from dray.protocol.calls.help_calls import HelpCalls
+from dray.protocol.calls.help_calls import HelpCalls, NotComing
 from dray.protocol.operator.operator import Operator
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Effect, Instruct, Publish
@@ -37,6 +37,9 @@ class CallingAgent(AgentBase):
         self.calls = HelpCalls(self, PLANT, self._life)
         self._message_handlers = self.calls.message_handlers
         self._alarm_handlers = self.calls.alarms
+        self.void_since_s: list[float] = []
+        """When the operators who do not come had taken the call."""
+        self._reactions = {NotComing: lambda change, _now_s: self.void_since_s.append(change.since_s)}
 
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         self.calls.listen()

@@ -7,6 +7,7 @@ from typing import cast
 import msgspec
 from credulous import Credulous
 from defaults import KEYS, PLANT
+from dock_parts import dock_parts
 from effects import award_number, sent
 from spoken import accepted, bid, declined, rhb, transport
 
@@ -22,10 +23,7 @@ from dray.messages import (
     Work,
 )
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.changes import ContractChanged
-from dray.protocol.contract_net.departures import Departures
-from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.life import BEAT, Life
@@ -48,7 +46,6 @@ class TransportsRig:
         self.out = self.life.effects
         self.now_s = 0.0
         self.subscriptions = HeartbeatSubscriptions(KEYS.atv_heartbeat, self.life)
-        departures = Departures("m8", self.subscriptions, Bookings(self.life), self.life)
         self.transports = OneCell(
             "M8",
             PLANT,
@@ -57,7 +54,7 @@ class TransportsRig:
             AuctionRules(),
             self.life,
             self.subscriptions,
-            Door(self.life, 60.0, departures),
+            dock_parts("m8", self.subscriptions, self.life)[0],
             Credulous(),
         )
         self.seq = 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from defaults import PLANT
+from dock_parts import dock_parts
 from effects import committed, instructed, listening, sent
 from m7 import NO_HOUSINGS, docked, handover
 from msgspec.structs import replace
@@ -33,15 +34,15 @@ from dray.messages import (
 from dray.messages.floor.removal import removed_words
 from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
-from dray.protocol.contract_net.bookings import Bookings
-from dray.protocol.contract_net.departures import UNHEARD_S, Departures
-from dray.protocol.contract_net.dock import Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import LISTEN_S
 from dray.protocol.traffic.traffic_map import TrafficMap
+from dray.protocol.transports.bookings import Bookings
+from dray.protocol.transports.departures import UNHEARD_S, Departures
+from dray.protocol.transports.dock_door import Door
 
 DOCK = "m7"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
@@ -88,10 +89,9 @@ def beats(
     return rig.on_message("ATV2", replace(beat, task=doing, node=node, load=load[0], load_quantity=load[1]))
 
 
-def alone(life: Life) -> Departures:
+def alone(life: Life) -> tuple[Door, Departures]:
     """Of a dock, without an agent."""
-    subscriptions = HeartbeatSubscriptions(Keys("dray").atv_heartbeat, life)
-    return Departures(DOCK, subscriptions, Bookings(life), life)
+    return dock_parts(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, life), life)
 
 
 def test_a_vehicle_that_goes_away_with_its_load_has_the_dock_until_it_has_left() -> None:
@@ -140,7 +140,7 @@ def test_a_heartbeat_of_before_tells_nothing() -> None:
 
 def test_what_a_vehicle_may_have_taken_while_it_was_not_heard_is_booked_out() -> None:
     life = Life()
-    departures = alone(life)
+    _, departures = alone(life)
     departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
     departures.on_vehicle(rhb("ATV2", 1, 0.0), 0.0)
     assert instructed(life.effects, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
@@ -179,7 +179,7 @@ def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
 
 def test_a_vehicle_that_was_carried_away_has_left() -> None:
     life = Life()
-    departures = alone(life)
+    _, departures = alone(life)
     departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     departures.on_carried_away("ATV7")
     assert instructed(life.effects, CloseDock) == []
@@ -339,9 +339,8 @@ def test_where_the_dock_opens_at_once_the_next_life_books_what_is_taken_in_doubt
     change: int,
 ) -> None:
     life = Life()
-    departures = alone(life)
-    door = Door(life, 60.0, departures)
-    door.answers, door.counts = False, False
+    door, departures = alone(life)
+    door.visits.answers, door.visits.counts = False, False
     door.restore(("ATV2",))
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", change))
     assert instructed(life.effects, CloseDock) == SHUT
@@ -378,7 +377,7 @@ def test_who_is_not_wanted_after_it_has_left_without_its_load_is_told_to_have_le
 
 def test_a_vehicle_that_is_back_with_the_load_for_which_it_was_waited_is_not_let_in_yet() -> None:
     life = Life()
-    departures = alone(life)
+    _, departures = alone(life)
     load = DepartureMemory("ATV2", "M7-1", 1, "housing", 24)
     departures.watch(load)
     departures.take_back(load, 0.0)
@@ -437,7 +436,7 @@ def test_a_load_is_booked_when_its_vehicle_says_that_it_is_down_though_it_was_no
 
 def test_no_more_is_booked_than_its_vehicle_was_given() -> None:
     life = Life()
-    departures = alone(life)
+    _, departures = alone(life)
     departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     departures.on_put_down("ATV2", "M7-1", 2, 24)
     departures.on_put_down("ATV2", "M8-1", 1, 24)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from defaults import PLANT
+from dock_parts import dock_parts
 from effects import facts, instructed, published, sent
 from m7 import FULL, NO_HOUSINGS, docked, handover, m7, outgoing, supplied_by
 from msgspec import UNSET
@@ -30,21 +31,19 @@ from dray.messages import (
 from dray.messages.fact import TaskClosed
 from dray.messages.heartbeat import DockWait
 from dray.messages.keys import Keys
-from dray.protocol.contract_net.bookings import Bookings
-from dray.protocol.contract_net.departures import Departures
-from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S, Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.life import Life
+from dray.protocol.transports.departures import Departures
+from dray.protocol.transports.dock_door import NOT_READY, SAFE_WITHIN_S, Door
 
 
 def alone() -> tuple[Door, Departures, list[Effect]]:
     """The door of a dock that makes itself safe, without an agent; who is waited for at it, and its effects."""
     life = Life()
     subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life)
-    departures = Departures("m7", subscriptions, Bookings(life), life)
-    door = Door(life, 60.0, departures)
-    door.answers = True
+    door, departures = dock_parts("m7", subscriptions, life)
+    door.visits.answers = True
     return door, departures, life.effects
 
 
@@ -302,7 +301,7 @@ def test_a_load_of_before_that_is_answered_late_is_not_the_one_that_a_vehicle_is
     answered: str, waits: bool
 ) -> None:
     door, departures, _ = alone()
-    door.answers, door.counts = False, False
+    door.visits.answers, door.visits.counts = False, False
     door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
     door.note_moved(HOUSINGS_CAME, DepartureMemory("ATV2", answered, 1, "housing", 24))
     door.shut("ATV2", "M7-2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
@@ -311,7 +310,7 @@ def test_a_load_of_before_that_is_answered_late_is_not_the_one_that_a_vehicle_is
 
 def test_an_answer_to_no_word_tells_nothing_of_whom_a_body_that_does_not_count_has_let_in() -> None:
     door, departures, _ = alone()
-    door.answers, door.counts = False, False
+    door.visits.answers, door.visits.counts = False, False
     door.open("ATV2", docked(), "housing", 24, 0.0, comes=True)
     door.note_moved(HOUSINGS_CAME)
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
@@ -346,7 +345,7 @@ def test_a_vehicle_that_waits_for_the_dock_does_so_whatever_ends_besides() -> No
 @pytest.mark.parametrize("counts", [True, False])
 def test_where_the_dock_opens_at_once_the_end_of_another_transport_shuts_it_neither(counts: bool) -> None:
     door, _, out = alone()
-    door.answers, door.counts = False, counts
+    door.visits.answers, door.visits.counts = False, counts
     door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
     door.shut("ATV2", "M7-1")
     door.close("ATV2", "M7-1")
@@ -378,20 +377,13 @@ def test_what_a_body_has_counted_of_another_transport_leaves_a_vehicle_inside(
 def test_who_has_left_after_an_old_transport_still_waits_for_what_it_has_asked_for_since() -> None:
     life = Life()
     subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life)
-    departures = Departures(
-        "m7",
-        subscriptions,
-        Bookings(life),
-        life,
-        left=lambda vehicle, task: door.on_departed(vehicle, task),  # noqa: PLW0108 - made below
-    )
-    door = Door(life, 60.0, departures)
-    door.answers = True
+    door, departures = dock_parts("m7", subscriptions, life)
+    door.visits.answers = True
     door.open("ATV2", docked("M7-1"), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV2", 5.0)
     door.open("ATV2", docked("M7-2"), "housing", 24, 8.0, comes=True)
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     departures.on_vehicle(rhb("ATV2", 1, 9.0, task="M7-2"), 9.0)
     assert (departures.waits_for("ATV2"), door.is_opening("ATV2")) == (False, True)
-    door.on_carried_away("ATV2")
+    departures.on_carried_away("ATV2")
     assert not door.is_opening("ATV2")

@@ -26,9 +26,9 @@ from dray.messages import (
     StockShort,
 )
 from dray.messages.heartbeat import DockWait
-from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S
 from dray.protocol.runtime.events import Effect, Ignore, Instruct
 from dray.protocol.station.station import Station
+from dray.protocol.transports.dock_door import NOT_READY, SAFE_WITHIN_S
 from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S
 from dray.protocol.transports.transport_flow import NOT_KEPT
 

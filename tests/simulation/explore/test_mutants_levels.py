@@ -56,7 +56,7 @@ def with_storages_that_open_for_two(patch: pytest.MonkeyPatch) -> None:
     def open_too(self: Issuing, vehicle: str, docked: Docked, ask: Ask, now_s: float) -> None:
         ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
         self._book.renew(ask, now_s)
-        self._door.open(vehicle, docked, ask.item, ask.quantity, now_s)
+        self._door.open(vehicle, docked, ask.item, ask.quantity, now_s, comes=False)
         self._changed(now_s)
 
     patch.setattr(Issuing, "_open", open_too)

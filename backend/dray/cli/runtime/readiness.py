@@ -1,7 +1,7 @@
-"""Readiness: a started process tells its parent that it takes part (sd_notify(3)).
+"""Readiness: a started process notifies its parent that it takes part in the plant (sd_notify(3)).
 
-systemd listens for `Type=notify` units, `dray fleet up` for its processes. An environment variable names the listener; without it
-nobody is told. A person reads a line on stdout.
+The parent is systemd for units of `Type=notify`, or `dray fleet up`. It passes the address of its socket in an environment variable.
+Without that variable no notice is sent. A line on stdout tells people the same.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ VARIABLE = "NOTIFY_SOCKET"
 READY = b"READY=1"
 
 SAID = "{name} is ready"
-"""The line on stdout of a process that takes part."""
+"""The line for people on stdout."""
 
 LONGEST_BYTES = 4096
 """Maximum size of one notice: far more than needed."""
 
 
 def tell_ready() -> None:
-    """Notify the listener that this process takes part."""
+    """Send the notice, if there is a listener."""
     address = os.environ.get(VARIABLE, "")
     if not address:
         return
@@ -39,7 +39,7 @@ def tell_ready() -> None:
 
 
 def say_ready(name: str) -> None:
-    """Notify the listener, and print a line, that this process takes part."""
+    """Print the line for people, and send the notice."""
     typer.echo(SAID.format(name=name))
     # A pipe would buffer the line.
     sys.stdout.flush()

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from msgspec.structs import replace
 
-from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.views import FactoryView
 from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility, goal_alias, news_alias
@@ -165,26 +165,21 @@ class AreaScope:
 
     def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
         """See `StreamScope.snapshot`: everything shown so far, since only that is reported as gone later."""
-        shown = {kind: tuple(views.values()) for kind, views in self._shown.items()}
-        shown["task"] = shown["task"][:most]
-        news = sorted(shown["news"], key=lambda each: each.at_s)
-        alerts = sorted(shown["alert"], key=lambda each: (each.level != "alarm", each.since_at_s))
+        shown: dict[str, Any] = {
+            COLLECTIONS[kind]: tuple(views.values()) for kind, views in self._shown.items()
+        }
+        shown["tasks"] = shown["tasks"][:most]
+        shown["news"] = tuple(sorted(shown["news"], key=lambda each: each.at_s))
+        shown["alerts"] = tuple(
+            sorted(shown["alerts"], key=lambda each: (each.level != "alarm", each.since_at_s))
+        )
         return Snapshot(
             number=number,
             at_s=wall_s,
             plant=self._projection.plant,
             factory=self._factory(wall_s),
-            atvs=shown["atv"],
-            machines=shown["machine"],
-            stations=shown["station"],
-            tasks=shown["task"],
             orders=(),
-            news=tuple(news),
-            alerts=tuple(alerts),
-            commands=shown["command"],
-            closures=shown["closure"],
-            obstacles=shown["obstacle"],
-            waits=shown["wait"],
+            **shown,
         )
 
     def rest(self, most: int) -> dict[str, Sequence[str]]:
@@ -202,20 +197,10 @@ class AreaScope:
         atvs, gone = self._show("atv", self._visibility.atv, told.atvs)
         # A vehicle that enters or leaves gains or loses its name in everything that mentions it.
         crossed = bool(gone) or any(atv.id not in before for atv in atvs)
-        changed = {
-            "machine": told.machines,
-            "station": told.stations,
-            "task": told.tasks,
-            "news": told.news,
-            "alert": told.alerts,
-            "command": told.commands,
-            "closure": told.closures,
-            "obstacle": told.obstacles,
-            "wait": told.waits,
-        }
-        seen: dict[str, tuple[Any, ...]] = {}
+        seen: dict[str, Any] = {}
         for kind, (show, views) in self._others.items():
-            seen[kind], left = self._show(kind, show, views() if crossed else changed[kind])
+            collection = COLLECTIONS[kind]
+            seen[collection], left = self._show(kind, show, views() if crossed else getattr(told, collection))
             gone += left
         gone += self._forget(told.gone)
         factory = self._factory(told.at_s)
@@ -225,16 +210,8 @@ class AreaScope:
             at_s=told.at_s,
             factory=factory if factory.plant_at_s != before_s else None,
             atvs=atvs,
-            machines=seen["machine"],
-            stations=seen["station"],
-            tasks=seen["task"],
-            news=seen["news"],
-            alerts=seen["alert"],
-            commands=seen["command"],
-            closures=seen["closure"],
-            obstacles=seen["obstacle"],
-            waits=seen["wait"],
             gone=tuple(gone),
+            **seen,
         )
 
     def _factory(self, wall_s: float) -> FactoryView:

@@ -9,6 +9,7 @@ takes it again.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import inf, isfinite
 from typing import Any, Protocol
 
@@ -32,7 +33,7 @@ from dray.plant.people import people_from_s
 from dray.protocol.calls.call_rules import ANSWER_S, LATE_S, SAY_EVERY_S, is_there_for, next_asked, rest_s
 from dray.protocol.calls.call_state import TRANSITIONS
 from dray.protocol.calls.on_duty import OnDuty
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.states import States
 
 CALL = "call"
@@ -101,8 +102,15 @@ class Caller(Protocol):
         """Whether it hears all messages; with only its radio it does not."""
 
 
-def _nothing(_since_s: float, _now_s: float) -> None:
-    """Ignore a broken promise, by default."""
+@dataclass(frozen=True, slots=True)
+class NotComing(Change):
+    """The operator who took the agent's own call has given it back or has gone: later promises are void.
+
+    Attributes:
+        since_s: when that operator took the call (plant clock).
+    """
+
+    since_s: float
 
 
 class HelpCalls:
@@ -112,18 +120,13 @@ class HelpCalls:
         caller: the agent.
         plant: its areas and stations.
         life: the agent's life; alarms are named `CALL`.
-        not_coming: called with (since_s, now_s) when the operator who took the agent's own call at `since_s` has
-            given it back or has gone: later promises are void.
 
     Attributes:
         message_handlers, alarms: entries for the agent's tables.
     """
 
-    def __init__(
-        self, caller: Caller, plant: Plant, life: Life, not_coming: Callable[[float, float], None] = _nothing
-    ) -> None:
+    def __init__(self, caller: Caller, plant: Plant, life: Life) -> None:
         self._caller, self._plant, self._life = caller, plant, life
-        self._not_coming = not_coming
         keys = Keys(plant.id)
         self._heartbeats, self._key = keys.all_operator_heartbeats, keys.call(caller.id)
         self._duty = OnDuty()
@@ -326,7 +329,8 @@ class HelpCalls:
     def _is_not_coming(self, call: Call, now_s: float) -> None:
         """The operator has given the call back, or has gone: later promises are void."""
         if not call.goods:
-            self._not_coming(call.turn_s, now_s)
+            self._life.note(NotComing(call.turn_s))
+            self._life.settle(now_s)
         self._ask_others(call, now_s)
 
     def _ask_others(self, call: Call, now_s: float) -> None:

@@ -27,7 +27,7 @@ class KnownFloor(Plant):
     """The plant of one agent.
 
     Args:
-        plant: the plant of the file; indexes and ways are shared with it.
+        plant: the plant of the file; everything of it that is not among the attributes here is shared with it.
 
     Attributes:
         restrictions: the present restrictions of the floor.
@@ -38,7 +38,7 @@ class KnownFloor(Plant):
     """
 
     def __init__(self, plant: Plant) -> None:
-        self.__dict__.update(plant.__dict__)
+        self._share(plant)
         self.restrictions = OPEN
         self.said: Closures | None = None
         self.ends_s = NEVER_S

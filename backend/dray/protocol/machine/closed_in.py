@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 
 from dray.plant import Routes
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.closure_rules import restrictions_of
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.events import NEVER_S
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 
 SHUT = "what is closed leaves no way to it"
+
+
+@dataclass(frozen=True, slots=True)
+class WaysChanged(Change):
+    """Closures have changed, and with them perhaps the ways to and from the dock."""
 
 
 class ClosedIn(ClosureListener):
@@ -20,7 +25,6 @@ class ClosedIn(ClosureListener):
     Args:
         machine: the machine with the dock.
         floor: as the machine knows it.
-        changed: called with now_s after a change of the floor.
         life: as of every listener.
 
     Attributes:
@@ -28,9 +32,9 @@ class ClosedIn(ClosureListener):
             `NEVER_S` if none does; -`NEVER_S` while there is a way.
     """
 
-    def __init__(self, machine: str, floor: KnownFloor, changed: Callable[[float], None], life: Life) -> None:
+    def __init__(self, machine: str, floor: KnownFloor, life: Life) -> None:
         super().__init__(floor, None, life)
-        self._machine, self._changed = machine, changed
+        self._machine = machine
         self.until_s = -NEVER_S
 
     def keeps_late(self, deadline_s: float) -> bool:
@@ -43,7 +47,7 @@ class ClosedIn(ClosureListener):
 
     def _follow(self, now_s: float) -> None:
         self.until_s = self._reopens_s(now_s)
-        self._changed(now_s)
+        self._life.note(WaysChanged())
 
     def _reopens_s(self, now_s: float) -> float:
         floor = self._floor

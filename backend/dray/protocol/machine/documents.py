@@ -7,10 +7,10 @@ document counts until no goal needs it; the next goal has it verified again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import islice
 
-from dray.body import DocumentRead, ReadDocument, Report
+from dray.body import DocumentRead, ReadDocument
 from dray.messages import Document, DocumentBrief, DocumentState, Production
 from dray.messages.product import DOCUMENTS_TOLD
 from dray.protocol.machine.production import GoalBook
@@ -45,21 +45,17 @@ class GoalDocuments:
     Args:
         goals: the machine's goals.
         life: the agent's life; its alarm is named `READ_AGAIN`.
-        changed: called with the time when a document has been read.
 
     Attributes:
-        reports, alarms: handlers for the agent's tables.
+        alarms: handlers for the agent's table.
     """
 
-    def __init__(self, goals: GoalBook, life: Life, changed: Callable[[float], None]) -> None:
-        self._goals, self._life, self._changed = goals, life, changed
+    def __init__(self, goals: GoalBook, life: Life) -> None:
+        self._goals, self._life = goals, life
         self._states: dict[Document, States[DocumentState]] = {}
         """State of every document that a goal needs."""
         self._found: dict[Document, str] = {}
         """Reasons of unusable documents, in words."""
-        self.reports: dict[type[Report], Callable[[DocumentRead, float], None]] = {
-            DocumentRead: self._on_read
-        }
         self.alarms = {READ_AGAIN: self._again}
 
     def update(self, now_s: float) -> None:
@@ -74,6 +70,15 @@ class GoalDocuments:
                 what = f"document {document.name}"
                 self._states[document] = States(what, TRANSITIONS, DocumentState.UNREAD)
                 self._read(document, now_s)
+
+    def on_read(self, report: DocumentRead) -> bool:
+        """Handle the body's report; False if no goal waits for that document."""
+        if not self._is(report.document, DocumentState.READING):
+            self._life.ignore("a document that no goal waits for")
+            return False
+        self._states[report.document].enter(report.state)
+        self._found[report.document] = report.detail
+        return True
 
     def ready(self, work: Production) -> bool:
         """Whether all documents of a goal's product are verified."""
@@ -113,11 +118,3 @@ class GoalDocuments:
     def _again(self, document: Document, now_s: float) -> None:
         if document in self._states and not self._is(document, DocumentState.VERIFIED):
             self._read(document, now_s)
-
-    def _on_read(self, report: DocumentRead, now_s: float) -> None:
-        if not self._is(report.document, DocumentState.READING):
-            self._life.ignore("a document that no goal waits for")
-            return
-        self._states[report.document].enter(report.state)
-        self._found[report.document] = report.detail
-        self._changed(now_s)

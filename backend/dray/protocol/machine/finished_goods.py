@@ -6,7 +6,7 @@ because its goal has ended. A piece that is lost on the way is made once more.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import cast
 
@@ -42,7 +42,6 @@ class FinishedGoods:
         goals: the machine's goals.
         supply: its stock.
         tasks: the machine's transports.
-        send: announces a transport; called with (work, deadline_s, now_s).
     """
 
     def __init__(
@@ -53,15 +52,12 @@ class FinishedGoods:
         supply: Supply,
         tasks: Transports,
         life: Life,
-        *,
-        send: Callable[[Transport, float, float], None],
     ) -> None:
         self._machine = machine
         self._plant = plant
         self._goals = goals
         self._supply = supply
         self._tasks = tasks
-        self._send = send
         self._life = life
         self._capacity = plant.machines[machine].goods_capacity
         self._products = goals.products
@@ -147,14 +143,17 @@ class FinishedGoods:
 
     # --- shipping ---
 
-    def dispatch(self, now_s: float) -> None:
-        """Announce transports for ready pieces."""
-        for goal in self._goals:
-            self._dispatch(goal, now_s)
-        if self.full:
-            self._clear_spare(now_s)
+    def shipments(self, now_s: float) -> Iterator[tuple[Transport, float]]:
+        """The transports to announce for ready pieces, each with its deadline (plant clock).
 
-    def _dispatch(self, goal: Goal, now_s: float) -> None:
+        The pieces of each count as committed from then on.
+        """
+        for goal in self._goals:
+            yield from self._shipments(goal, now_s)
+        if self.full:
+            yield from self._spare_shipments(now_s)
+
+    def _shipments(self, goal: Goal, now_s: float) -> Iterator[tuple[Transport, float]]:
         lot, ability = goal.work.definition.lot, goal.work.definition.ability
         # Finished goods of interrupted goals must not fill the machine for ever.
         whole = goal.to_make > 0 and goal.given_back_s is None and not self.full
@@ -162,10 +161,10 @@ class FinishedGoods:
             quantity = min(goal.ready, lot)
             goal.committed += quantity
             deadline_s = max(goal.deadline_s, now_s + self._supply.patience_s())
-            self._send(self._way_out(goal.work.product, ability, quantity, goal.id), deadline_s, now_s)
+            yield self._way_out(goal.work.product, ability, quantity, goal.id), deadline_s
 
-    def _clear_spare(self, now_s: float) -> None:
-        """Ship spare pieces away when the machine is full."""
+    def _spare_shipments(self, now_s: float) -> Iterator[tuple[Transport, float]]:
+        """Transports of spare pieces, which make room in a full machine."""
         parts = self._products.parts()
         for product in self._products:
             if product in parts:
@@ -175,7 +174,7 @@ class FinishedGoods:
             if quantity:
                 self._goals.take_spare(product, quantity)
                 deadline_s = now_s + self._supply.patience_s()
-                self._send(self._way_out(product, ability, quantity, ""), deadline_s, now_s)
+                yield self._way_out(product, ability, quantity, ""), deadline_s
 
     def _way_out(self, product: str, ability: str, quantity: int, goal: str) -> Transport:
         return Transport(

@@ -19,6 +19,7 @@ from dray.body import (
     CycleDone,
     CycleFailed,
     DockReady,
+    DocumentRead,
     Repaired,
     StockChanged,
     WordTaken,
@@ -42,14 +43,15 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.calls.help_calls import NotComing
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
+from dray.protocol.contract_net.changes import TaskDelivered, TaskLost
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import DisbeliefHandling
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.liveness.suspicion import interval_s
-from dray.protocol.machine.closed_in import ClosedIn
+from dray.protocol.machine.closed_in import ClosedIn, WaysChanged
 from dray.protocol.machine.cycle import WORKING_TIME, Cycle
 from dray.protocol.machine.documents import GoalDocuments
 from dray.protocol.machine.finished_goods import GoodsLost
@@ -68,11 +70,11 @@ from dray.protocol.runtime.life import BEAT
 from dray.protocol.runtime.running import ALONE, Running
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
-from dray.protocol.traffic.reservations.reservation_handling import ReservationHandling
+from dray.protocol.traffic.reservations.reservation_handling import CarriedAway, ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
 from dray.protocol.transports.handovers import CountMissed
-from dray.protocol.transports.sourcing import MaterialGone, MaterialReserved, NeedReduced
+from dray.protocol.transports.issuing import ReservationsChanged
 from dray.protocol.transports.transport_flow import MaterialChanged
 
 
@@ -109,7 +111,7 @@ class Machine(AgentBase):
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant = KnownFloor(plant)
-        self._closures = ClosedIn(machine, plant, self.pursue, self._life)
+        self._closures = ClosedIn(machine, plant, self._life)
         self._spec = plant.machines[machine]
         self._keys = Keys(plant.id)
         self._goals = GoalBook(machine, plant)
@@ -128,7 +130,7 @@ class Machine(AgentBase):
             incarnation=incarnation,
             tells_node=joining,
         )
-        self._documents = GoalDocuments(self._goals, self._life, self.pursue)
+        self._documents = GoalDocuments(self._goals, self._life)
         self._cycle = Cycle(self._goals, self._supply, self._documents, self._life)
         self._breakdown = Breakdown(machine, incarnation, plant, self._goals, self._life)
         authority, goods = CommandAuthorisation(machine, plant, trusts), self._flow.goods_recovery
@@ -159,10 +161,8 @@ class Machine(AgentBase):
         self._docks = (
             () if traffic is None else docks_heard(machine, plant.materials_of(machine), plant, self._keys)
         )
-        heard = self._flow.subscriptions
-        gone = self._flow.on_carried_away
         self._reservation_handling = ReservationHandling(
-            machine, plant, traffic, trusts, heard, self._life, gone
+            machine, plant, traffic, trusts, self._flow.subscriptions, self._life
         )
         self._message_handlers = self._reservation_handling.handlers(self._message_handlers)
         self._committers += [*self._reservation_handling.committers, self._flow.called.commits]
@@ -190,18 +190,19 @@ class Machine(AgentBase):
             Broken: self._broken,
             Repaired: self._repaired,
             WordTaken: lambda report, _now_s: self._commands.words.on_taken(report),
-            **self._documents.reports,
+            DocumentRead: self._document_read,
         }
         self._reactions = {
-            ContractChanged: self._flow.on_contract_changed,
-            MaterialReserved: self._flow.on_reserved,
-            MaterialGone: self._flow.on_gone,
-            NeedReduced: self._flow.on_reduced,
+            **self._flow.reactions,
             TaskLost: self._on_lost,
             TaskDelivered: self._on_delivered,
             CountMissed: self._on_count_missed,
+            NotComing: lambda change, _now_s: self._breakdown.not_coming(change.since_s),
             GoodsLost: lambda lost, now_s: self._miss_goods(lost.goal, now_s),
+            ReservationsChanged: lambda _change, now_s: self._flow.note_stock(now_s),
+            CarriedAway: lambda carried, _now_s: self._flow.on_carried_away(carried.vehicle),
             MaterialChanged: lambda _change, now_s: self.pursue(now_s),
+            WaysChanged: lambda _change, now_s: self.pursue(now_s),
         }
         self._alarm_handlers = {
             BEAT: self._beat,
@@ -239,7 +240,7 @@ class Machine(AgentBase):
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)
-        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.door.answers)
+        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.door.visits.answers)
         self._life.beat_soon(now_s)
         self.pursue(now_s)
 
@@ -319,6 +320,10 @@ class Machine(AgentBase):
             self._flow.on_goods(report, is_news, now_s)
             self._life.commit()
         self.pursue(now_s)
+
+    def _document_read(self, report: DocumentRead, now_s: float) -> None:
+        if self._documents.on_read(report):
+            self.pursue(now_s)
 
     def _broken(self, report: Broken, now_s: float) -> None:
         self._breakdown.on_broken(report, now_s)

@@ -22,7 +22,7 @@ from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.finished_goods import FinishedGoods
 from dray.protocol.machine.production import Goal, GoalBook
-from dray.protocol.machine.put_away import PutAway
+from dray.protocol.machine.put_away import PUT_AWAY, PutAway
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.running import life_mark
@@ -74,9 +74,9 @@ class MaterialFlow(TransportFlow):
         self._node = plant.node_of(machine) if tells_node else ""
         self.task_count, self._mark = 0, life_mark(incarnation)
         super().__init__(machine, plant, keys, supply.materials, supply, rules, life, incarnation=incarnation)
-        self.goods = FinishedGoods(machine, plant, goals, supply, self.tasks, life, send=self._send_goods)
+        self.goods = FinishedGoods(machine, plant, goals, supply, self.tasks, life)
         self.cycling = ""
-        self.put_away = PutAway(machine, plant, life, self._put_away, incarnation=incarnation)
+        self.put_away = PutAway(machine, plant, life, incarnation=incarnation)
         self._book = Reservations({item: plant.materials[item].buffer for item in supply.materials})
         goals.promised = self._book.promised
         self._issuing = Issuing(
@@ -86,12 +86,11 @@ class MaterialFlow(TransportFlow):
             self.door,
             self.departures,
             self.booking_out,
-            drains=lambda: shutdown.begun,
-            changed=self.note_stock,
+            shutdown,
         )
         self.message_handlers |= self._issuing.message_handlers
         self.message_handlers[TransportAnswered] = self.put_away.on_answered
-        self.alarms = {**self.alarms, **self._issuing.alarms, **self.put_away.alarms}
+        self.alarms = {**self.alarms, **self._issuing.alarms, PUT_AWAY: self._put_away_again}
 
     # --- the beginning ---
 
@@ -131,7 +130,8 @@ class MaterialFlow(TransportFlow):
         while (order := self._supply.next_order(product, now_s)) is not None:
             work, deadline_s = order
             self.seek(self._next_task(), work, deadline_s, now_s)
-        self.goods.dispatch(now_s)
+        for work, deadline_s in self.goods.shipments(now_s):
+            self._announce(self._next_task(), self._docked_here(work), deadline_s, now_s)
         self._put_away(now_s)
         self.called.review(now_s)
 
@@ -158,6 +158,10 @@ class MaterialFlow(TransportFlow):
         if item in self._plant.parts:
             return self._supply.surplus(item, self.cycling)
         return self._supply.level(item)
+
+    def _put_away_again(self, transport: str, now_s: float) -> None:
+        if not self.put_away.ask_again(transport, now_s):
+            self._put_away(now_s)
 
     def _put_away(self, now_s: float) -> None:
         products, making = (
@@ -194,8 +198,8 @@ class MaterialFlow(TransportFlow):
 
     # --- what follows from changes ---
 
-    def on_contract_changed(self, changed: ContractChanged, now_s: float) -> None:
-        super().on_contract_changed(changed, now_s)
+    def _on_contract_changed(self, changed: ContractChanged, now_s: float) -> None:
+        super()._on_contract_changed(changed, now_s)
         if changed.task.is_held:
             self._review_stranded()
         self.goods.keep_unwanted()
@@ -212,10 +216,6 @@ class MaterialFlow(TransportFlow):
         return None
 
     # --- internals ---
-
-    def _send_goods(self, work: Transport, deadline_s: float, now_s: float) -> None:
-        """Have goods fetched."""
-        self._announce(self._next_task(), self._docked_here(work), deadline_s, now_s)
 
     def _review_stranded(self) -> None:
         """Update each goal's pieces that wait for a person: no other machine makes them meanwhile."""

@@ -7,8 +7,7 @@ coordinates that transport like any other order (`transports.called`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from dray.memory import PutAwayMemory
 from dray.messages import (
@@ -39,18 +38,14 @@ class PutAway:
         machine: the machine's id.
         plant: the storages, and their container sizes.
         life: the agent's life; alarms are named ``(PUT_AWAY, transport)``.
-        look: called with now_s a while after a transport has ended: there may be more parts.
         incarnation: how often the machine was started.
 
     Attributes:
-        alarms: handlers of this class's alarms, called with (transport, now_s).
+        count: requests so far, over all lives.
     """
 
-    def __init__(
-        self, machine: str, plant: Plant, life: Life, look: Callable[[float], None], *, incarnation: int
-    ) -> None:
+    def __init__(self, machine: str, plant: Plant, life: Life, *, incarnation: int) -> None:
         self._machine, self._plant = machine, plant
-        self._look = look
         self._life, self._mark = life, life_mark(incarnation)
         self._asked: dict[str, PutAwayMemory] = {}
         """By part: the open request."""
@@ -60,7 +55,6 @@ class PutAway:
         self._turn: dict[str, int] = {}
         """By part: index of the next storage to ask, the closest first."""
         self.count = 0
-        self.alarms: dict[str, Callable[[Any, float], None]] = {PUT_AWAY: self._again}
 
     def restore(self, asked: Sequence[PutAwayMemory], count: int, now_s: float) -> None:
         """Continue an earlier life's requests."""
@@ -111,12 +105,12 @@ class PutAway:
         self._state[asked.transport] = TransportState.WAITING
         self._say(asked, now_s)
 
-    def _again(self, transport: str, now_s: float) -> None:
+    def ask_again(self, transport: str, now_s: float) -> bool:
+        """Repeat a request after its alarm. False if it has ended: there may be more parts."""
         asked = next((each for each in self._asked.values() if each.transport == transport), None)
         if asked is not None:
             self._say(asked, now_s)
-        else:
-            self._look(now_s)
+        return asked is not None
 
     def _say(self, asked: PutAwayMemory, now_s: float) -> None:
         waits = self._state[asked.transport] is TransportState.WAITING

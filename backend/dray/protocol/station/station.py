@@ -23,7 +23,7 @@ from dray.plant import Plant
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
+from dray.protocol.contract_net.changes import TaskDelivered, TaskLost
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
@@ -32,12 +32,11 @@ from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.station.held_loads import HeldLoads
 from dray.protocol.station.refilling import Refilling
-from dray.protocol.traffic.reservations.reservation_handling import ReservationHandling
+from dray.protocol.traffic.reservations.reservation_handling import CarriedAway, ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
-from dray.protocol.transports.issuing import Issuing
+from dray.protocol.transports.issuing import Issuing, ReservationsChanged
 from dray.protocol.transports.reservations import Reservations
-from dray.protocol.transports.sourcing import MaterialGone, MaterialReserved, NeedReduced
 from dray.protocol.transports.transport_flow import MaterialChanged, TransportFlow
 
 
@@ -95,8 +94,7 @@ class Station(AgentBase):
             self._flow.door,
             self._flow.departures,
             self._flow.booking_out,
-            drains=lambda: self._shutdown.begun,
-            changed=self._go_on,
+            self._shutdown,
         )
         authority = CommandAuthorisation(storage, plant, trusts)
         self._held_loads = HeldLoads(
@@ -119,21 +117,18 @@ class Station(AgentBase):
             WordTaken: lambda report, _now_s: self._held_loads.words.on_taken(report),
         }
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
-        heard = self._flow.subscriptions
-        gone = self._flow.on_carried_away
         self._reservation_handling = ReservationHandling(
-            storage, plant, traffic, trusts, heard, self._life, gone
+            storage, plant, traffic, trusts, self._flow.subscriptions, self._life
         )
         self._message_handlers = self._reservation_handling.handlers(self._message_handlers)
         self._committers += [*self._reservation_handling.committers, self._flow.called.commits]
         self._reactions = {
-            ContractChanged: self._flow.on_contract_changed,
-            MaterialReserved: self._flow.on_reserved,
-            MaterialGone: self._flow.on_gone,
-            NeedReduced: self._flow.on_reduced,
+            **self._flow.reactions,
             TaskLost: self._on_lost,
             TaskDelivered: self._on_delivered,
+            CarriedAway: lambda carried, _now_s: self._flow.on_carried_away(carried.vehicle),
             MaterialChanged: lambda _change, now_s: self._go_on(now_s),
+            ReservationsChanged: lambda _change, now_s: self._go_on(now_s),
         }
         self._alarm_handlers = {
             BEAT: self._beat,
@@ -175,7 +170,7 @@ class Station(AgentBase):
         if self.incarnation > 1:
             self._flow.recover(not memory, now_s)
         self._go_on(now_s)
-        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.door.answers)
+        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.door.visits.answers)
         self._life.beat_soon(now_s)
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

@@ -13,15 +13,15 @@ The question is `StockReserved`. A coordinator that needs the pieces no more ans
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from dray.memory import DepartureMemory, ReservationMemory
 from dray.messages import AtvHeartbeat, Docked, StockFreed, StockReserved
 from dray.messages.heartbeat import GOODS_ABOARD
-from dray.protocol.contract_net.bookings import Bookings
-from dray.protocol.contract_net.departures import UNHEARD_S
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.life import Life
+from dray.protocol.transports.bookings import Bookings
+from dray.protocol.transports.departures import UNHEARD_S, Departures
 
 AGAIN_S = 10.0
 """Time after which a silent coordinator is asked again (s)."""
@@ -33,18 +33,18 @@ class BookingOut:
     Args:
         subscriptions: for following vehicles' heartbeats.
         bookings: reports to the place's body.
-        left: called with a vehicle that has left without its load.
+        departures: vehicles that may still be at its dock.
     """
 
     def __init__(
         self,
         subscriptions: HeartbeatSubscriptions,
         bookings: Bookings,
+        departures: Departures,
         life: Life,
-        left: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._subscriptions, self._bookings = subscriptions, bookings
-        self._life, self._left = life, left
+        self._departures, self._life = departures, life
         self._let_in: dict[str, ReservationMemory] = {}
         """By vehicle: the load that it may take."""
         self._heard_s: dict[str, float] = {}
@@ -142,7 +142,7 @@ class BookingOut:
 
     def _leave(self, vehicle: str) -> None:
         """A vehicle has left without its load."""
-        self._left(vehicle)
+        self._departures.note_left(vehicle)
         self._forget(vehicle)
 
     def _forget(self, vehicle: str) -> None:

@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import cast
 
 from dray.messages import Docked, Handover, HandoverAccepted, Transport
-from dray.protocol.contract_net.departures import Departures
-from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
+from dray.protocol.transports.departures import Departures
+from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.transports import Stock, Transports
 
 
@@ -57,7 +57,7 @@ class Dock:
             self._door.open(
                 sender, message, work.item, work.quantity, now_s, comes=work.destination == self._place
             )
-            if self._door.answers:
+            if self._door.visits.answers:
                 task.contract.held_s = min(was_held_s, now_s)
         else:
             self._door.agree(sender, message)

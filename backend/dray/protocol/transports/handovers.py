@@ -11,12 +11,12 @@ from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Handover, Reason, Transport
 from dray.messages.fact import HandoverDisputed
 from dray.messages.heartbeat import GOODS_ABOARD
-from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.changes import TaskDelivered
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Change, Life
+from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.receiving import GateCount, Verdict, verdict_on
 from dray.protocol.transports.transports import Transports

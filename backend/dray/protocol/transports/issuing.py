@@ -7,14 +7,16 @@ out what lies in the storage; a machine gives out what is to be taken from its b
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from dray.memory import ReservationMemory
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
-from dray.protocol.contract_net.departures import Departures
-from dray.protocol.contract_net.dock import Door
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
+from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.transports.booking_out import BookingOut
+from dray.protocol.transports.departures import Departures
+from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.reservations import Ask, Reservations
 
 LAPSE = "lapse"
@@ -24,6 +26,11 @@ TOO_MANY = "a request above the limit of one coordinator"
 ANOTHERS = "a request that differs from the first one for its task, or comes from another agent"
 FETCHED = "a request for material that was fetched already"
 DRAINING = "a request while the station is draining"
+
+
+@dataclass(frozen=True, slots=True)
+class ReservationsChanged(Change):
+    """The reservations of a place have changed: what is free may be reserved for the next (`Issuing.settle`)."""
 
 
 class Issuing:
@@ -36,8 +43,7 @@ class Issuing:
         door: the door of its dock.
         departures: vehicles that may still be at the dock after their transport ended there.
         booking_out: vehicles that were let in to load, if the body does not count.
-        drains: whether its agent was asked to leave.
-        changed: called with now_s after every change, to settle reservations (`settle`).
+        shutdown: of its agent, which sets nothing aside while it drains.
 
     Attributes:
         message_handlers, alarms: entries for the agent's tables.
@@ -51,15 +57,12 @@ class Issuing:
         door: Door,
         departures: Departures,
         booking_out: BookingOut,
-        *,
-        drains: Callable[[], bool],
-        changed: Callable[[float], None],
+        shutdown: GracefulShutdown,
     ) -> None:
         self._place = place
         self._book = book
         self._life = life
-        self._drains = drains
-        self._changed = changed
+        self._shutdown = shutdown
         self._door, self._departures, self._booking_out = door, departures, booking_out
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
             StockAsked: self._on_asked,
@@ -90,7 +93,7 @@ class Issuing:
         if known is not None:
             same = (known.item, known.quantity) == (asked.item, asked.quantity)
             return "" if same and known.coordinator in ("", sender) else ANOTHERS
-        if self._drains():
+        if self._shutdown.begun:
             return DRAINING
         return TOO_MANY if self._book.has_too_many(sender) else ""
 
@@ -166,6 +169,11 @@ class Issuing:
         self._changed(now_s)
 
     # --- consequences ---
+
+    def _changed(self, now_s: float) -> None:
+        """Have the agent react at once: what this step does next depends on it."""
+        self._life.note(ReservationsChanged())
+        self._life.settle(now_s)
 
     @property
     def is_held(self) -> bool:

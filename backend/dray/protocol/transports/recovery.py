@@ -6,7 +6,7 @@ noted only by the vehicle. The same holds for everything if the notes are lost.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.plant import Plant
@@ -29,7 +29,6 @@ class Recovery:
         subscriptions: its heartbeat subscriptions.
         tasks: its transports.
         items: the items that are brought to it.
-        ordered: called with the work of a transport that was recovered from its carrier's report.
         life: the agent's life; alarms are named `RECOVERY_WAIT`.
     """
 
@@ -42,13 +41,12 @@ class Recovery:
         life: Life,
         *,
         items: Collection[str],
-        ordered: Callable[[Transport], None],
     ) -> None:
         self._place = place
         self._plant = plant
         self._subscriptions = subscriptions
         self._tasks = tasks
-        self._items, self._ordered = items, ordered
+        self._items = items
         self._life = life
         self._forgetful = False
         """Whether notes of the life before are missing."""
@@ -74,11 +72,11 @@ class Recovery:
             return False
         return self._tasks.get(task) is None and self._tasks.closed(task) is None
 
-    def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """Handle a heartbeat, which may name this coordinator."""
+    def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> Transport | None:
+        """Handle a heartbeat, which may name this coordinator. Returns a work that is known only from it; else None."""
         brief = heartbeat.task
         if brief is None or brief.coordinator != self._place or not self._life.awaits(RECOVERY_WAIT):
-            return
+            return None
         known = self._tasks.get(brief.task)
         if known is not None:
             self._tasks.acknowledge_carrier(heartbeat.atv, brief, now_s)
@@ -98,7 +96,8 @@ class Recovery:
                 ability=self._plant.materials[brief.item].ability,
             )
             self._tasks.acknowledge_unknown(heartbeat.atv, brief, work, now_s)
-            self._ordered(work)
+            return work
+        return None
 
     def _carries_already(self, atv: str) -> bool:
         """Whether a vehicle has a contract already: one vehicle has at most one."""

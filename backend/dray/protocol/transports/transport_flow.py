@@ -35,17 +35,17 @@ from dray.messages import (
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.changes import ContractChanged, TaskDelivered, TaskLost
-from dray.protocol.contract_net.departures import Departures
-from dray.protocol.contract_net.dock import Door, ready_within_s
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.life import Change, Life
 from dray.protocol.transports.booking_out import BookingOut
+from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.called import CalledTransports
+from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.dock import Dock
+from dray.protocol.transports.dock_door import Door, ready_within_s
 from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray.protocol.transports.handovers import Handovers
 from dray.protocol.transports.held import HeldTransports
@@ -54,6 +54,7 @@ from dray.protocol.transports.receiving import GateCount
 from dray.protocol.transports.recovery import RECOVERY_WAIT, Recovery
 from dray.protocol.transports.sourcing import MaterialGone, MaterialReserved, Need, NeedReduced
 from dray.protocol.transports.transports import Stock, Transports
+from dray.protocol.transports.visits import Visits
 
 NOT_REMEMBERED = "a message about a task that may be of an earlier life without notes"
 
@@ -92,6 +93,7 @@ class TransportFlow:
         departures: vehicles that may still be at its dock after their transport ended there.
         message_handlers: by message type, handlers called with (sender, message, now_s).
         alarms: handlers of these alarms.
+        reactions: by kind of change, reactions to what changes in its parts and needs nothing else of its agent.
         subscriptions: its heartbeat subscriptions.
     """
 
@@ -111,20 +113,10 @@ class TransportFlow:
         self._life = life
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.bookings = Bookings(life)
-        self.booking_out = BookingOut(
-            self.subscriptions,
-            self.bookings,
-            life,
-            left=lambda vehicle: self.door.note_left(vehicle),  # noqa: PLW0108 - made below
-        )
-        self.departures = Departures(
-            plant.node_of(place),
-            self.subscriptions,
-            self.bookings,
-            life,
-            left=lambda vehicle, task: self.door.on_departed(vehicle, task),  # noqa: PLW0108 - made below
-        )
-        self.door = Door(life, ready_within_s(plant, place), self.departures, self.booking_out.waits_for)
+        visits, heard = Visits(), self.subscriptions
+        self.departures = Departures(plant.node_of(place), visits, heard, self.bookings, life)
+        self.booking_out = BookingOut(heard, self.bookings, self.departures, life)
+        self.door = Door(visits, self.departures, self.booking_out, ready_within_s(plant, place), life)
         self.tasks = Transports(
             place,
             plant,
@@ -149,9 +141,7 @@ class TransportFlow:
             self.bookings,
             life,
         )
-        self._recovery = Recovery(
-            place, plant, self.subscriptions, self.tasks, life, items=items, ordered=self._note_ordered
-        )
+        self._recovery = Recovery(place, plant, self.subscriptions, self.tasks, life, items=items)
         self.called = CalledTransports(place, plant, stock, self, life, incarnation)
         self.message_handlers: dict[type[Message], Callable[..., None]] = {
             AtvHeartbeat: self._on_vehicle,
@@ -173,11 +163,17 @@ class TransportFlow:
             **self.tasks.alarms,
             **self.called.alarms,
         }
+        self.reactions: Mapping[type[Change], Callable[[Any, float], None]] = {
+            ContractChanged: self._on_contract_changed,
+            MaterialReserved: self._on_reserved,
+            MaterialGone: self._on_gone,
+            NeedReduced: self._on_reduced,
+        }
 
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
         """Take over what the body can count and report by itself."""
-        self._handovers.counts, self.door.answers = body.counts, body.answers
-        self.door.counts = body.counts
+        self._handovers.counts = self.door.visits.counts = body.counts
+        self.door.visits.answers = body.answers
         self.door.restore(body.opened)
 
     def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
@@ -195,7 +191,7 @@ class TransportFlow:
             is_kept: whether the load can lie here; otherwise it is taken without a booking.
         """
         counts = self._handovers.counts
-        if counts and not self.door.answers:
+        if counts and not self.door.visits.answers:
             self.door.agree(vehicle, docked)
             return
         if not is_kept and not counts:
@@ -279,13 +275,12 @@ class TransportFlow:
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away: it is outside, and its requests are dropped."""
         self.departures.on_carried_away(vehicle)
-        self.door.on_carried_away(vehicle)
 
     def dismiss(self, gone: Iterable[str]) -> None:
         """Tell the body which of these vehicles will not report any more."""
         for vehicle in gone:
             if not self.booking_out.waits_for(vehicle):
-                self.door.note_left(vehicle)
+                self.departures.note_left(vehicle)
 
     def note_booked(self, report: StockChanged) -> DepartureMemory | None:
         """The body has counted or booked a vehicle's load. Returns the agent's report that it answers; None for none."""
@@ -301,7 +296,7 @@ class TransportFlow:
 
     # --- what follows from changes ---
 
-    def on_reserved(self, reserved: MaterialReserved, now_s: float) -> None:
+    def _on_reserved(self, reserved: MaterialReserved, now_s: float) -> None:
         """Announce a transport whose load is set aside."""
         need = reserved.need
         self._announce(need.task, need.work, self._latest_s(need, now_s), now_s)
@@ -332,7 +327,8 @@ class TransportFlow:
         self._handovers.on_carrier_heard(heartbeat)
         self.booking_out.on_carrier_heard(heartbeat, now_s)
         self.departures.on_vehicle(heartbeat, now_s)
-        self._recovery.on_heartbeat(heartbeat, now_s)
+        if (recovered := self._recovery.on_heartbeat(heartbeat, now_s)) is not None:
+            self._note_ordered(recovered)
         self.called.review(now_s)
 
     def _on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
@@ -388,16 +384,16 @@ class TransportFlow:
         self.tasks.give_up(task, now_s)
         self._life.settle(now_s)
 
-    def on_gone(self, gone: MaterialGone, now_s: float) -> None:
+    def _on_gone(self, gone: MaterialGone, now_s: float) -> None:
         """End a transport whose load is nowhere any more."""
         self.withdraw(gone.task, now_s)
 
-    def on_reduced(self, reduced: NeedReduced, _now_s: float) -> None:
+    def _on_reduced(self, reduced: NeedReduced, _now_s: float) -> None:
         """Expect a smaller load than was requested."""
         self._note_settled(reduced.before, None)
         self._note_ordered(reduced.after)
 
-    def on_contract_changed(self, _changed: ContractChanged, now_s: float) -> None:
+    def _on_contract_changed(self, _changed: ContractChanged, now_s: float) -> None:
         """Report the state of ordered transports."""
         self.called.review(now_s)
 

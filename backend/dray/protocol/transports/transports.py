@@ -41,7 +41,6 @@ from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules, prolonged_s
 from dray.protocol.contract_net.changes import TaskDelivered, TaskLost
 from dray.protocol.contract_net.coordinator import PRIMARY_AUCTION, Coordinator
-from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import CarrierContract, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.terms import Place
@@ -53,6 +52,7 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.failover import Failover
 from dray.protocol.takeover.secondaries import Secondaries
 from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
+from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.sourcing import Sourcing
 
 RECOVERY_WAIT_S = 10.0
@@ -466,7 +466,9 @@ class Transports(Coordinator):
             self._door.close(vehicle, task.id)
             return
         change = work.quantity if work.destination == self._place else -work.quantity
-        load = DepartureMemory(vehicle, task.id, task.epoch, work.item, 0 if self._door.counts else change)
+        load = DepartureMemory(
+            vehicle, task.id, task.epoch, work.item, 0 if self._door.visits.counts else change
+        )
         self._door.shut(vehicle, task.id, load)
 
     def _bind(self, task: OpenTask, atv: str, source: str, promised_s: float, now_s: float) -> None:

@@ -44,6 +44,7 @@ from dray.messages import (
 from dray.messages.fact import AtvStatusChanged, LinkChanged
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.calls.help_calls import NotComing
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import DisbeliefHandling
@@ -54,13 +55,20 @@ from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.driving.place_requests import Sign, unsigned
-from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.driving.right_of_way import RightOfWay, ShutOut
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.closure_handling import ClosureHandling
-from dray.protocol.vehicle.contracts import Contracts
+from dray.protocol.vehicle.contracts import Contracts, WorkEnded
 from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver, driver_of
-from dray.protocol.vehicle.drivers.traffic_handling import handle_traffic
+from dray.protocol.vehicle.drivers.traffic_handling import (
+    Alone,
+    Arrived,
+    Doubled,
+    HoldsDenied,
+    RoomMade,
+    handle_traffic,
+)
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
 from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
 from dray.protocol.vehicle.people.assistance import Assistance
@@ -184,8 +192,17 @@ class Atv(AgentBase):
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
-        tables = self._message_handlers, self._alarm_handlers
-        handle_traffic(self, self._driver, plant, self._life, *tables)
+        self._reactions = {
+            Arrived: lambda _change, now_s: self.note_arrived(now_s),
+            RoomMade: lambda _change, now_s: self.note_makes_room(now_s),
+            HoldsDenied: lambda _change, now_s: self.note_denied(now_s),
+            Doubled: lambda _change, now_s: self.problems.note_doubled(now_s),
+            Alone: lambda _change, now_s: self.problems.note_alone(now_s),
+            ShutOut: self.obstacles.shut_out,
+            WorkEnded: self._on_work_ended,
+            NotComing: lambda change, now_s: self.problems.not_coming(change.since_s, now_s),
+        }
+        handle_traffic(self._driver, plant, self._life, self._message_handlers, self._alarm_handlers)
 
     # --- the beginning, and time passing ---
 
@@ -359,11 +376,11 @@ class Atv(AgentBase):
     def stop_resting(self, now_s: float) -> None:
         self._idle.stop(now_s)
 
-    def note_ended(self, reason: str, now_s: float) -> None:
-        """The contract has ended: look for the next work."""
+    def _on_work_ended(self, ended: WorkEnded, now_s: float) -> None:
+        """Rest until there is other work."""
         self._commands.assistance.over()
         self.obstacles.note_ended(now_s)
-        self.update_status(now_s, reason)
+        self.update_status(now_s, ended.reason)
         self._driver.rest(now_s)
         self._idle.soon(now_s)
 

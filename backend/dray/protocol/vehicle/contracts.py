@@ -1,12 +1,13 @@
 """One vehicle's transports: announced ones, the one that it carries, and those that it watches (paper, 4.1).
 
-It carries at most one (invariant 3), and watches others only while it has none. Its `Owner` is told the
-consequences for its status, its rest and its heartbeat.
+It carries at most one (invariant 3), and watches others only while it has none. The vehicle reacts to the end of each
+(`WorkEnded`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol, cast
 
 from msgspec.structs import replace
@@ -40,7 +41,7 @@ from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect, Record
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.takeover.standby import WATCHED_SILENCE, Standby
 from dray.protocol.vehicle.bidding import Bidder, Standing
 from dray.protocol.vehicle.charging import Charging
@@ -50,6 +51,17 @@ from dray.protocol.vehicle.job.job_moves import RETRY
 from dray.protocol.vehicle.job.transport_job import TransportJob
 from dray.protocol.vehicle.pricing import Quote, Unable
 from dray.protocol.vehicle.work_search import ASK_FOR_WORK, SEEK, WorkSearch
+
+
+@dataclass(frozen=True, slots=True)
+class WorkEnded(Change):
+    """The vehicle has no transport any more.
+
+    Attributes:
+        reason: why its contract has ended.
+    """
+
+    reason: Reason
 
 
 class Owner(Protocol):
@@ -75,9 +87,6 @@ class Owner(Protocol):
 
     def update_status(self, now_s: float, reason: str) -> None:
         """Update the status, and report the reason if it has changed."""
-
-    def note_ended(self, reason: str, now_s: float) -> None:
-        """The contract has ended: look for the next work."""
 
 
 class Contracts:
@@ -386,7 +395,8 @@ class Contracts:
         self._life.commit()
         if reason is Reason.HANDED_OVER:
             self.probation.note_done()
-        self._owner.note_ended(reason, now_s)
+        self._life.note(WorkEnded(reason))
+        self._life.settle(now_s)
         self.seek(now_s)
 
 

@@ -96,12 +96,10 @@ class ObstacleHandling:
         """The reason that it reports."""
         self._untold: dict[Ends, float] = {}
         """Obstacles met without WLAN, and when they are forgotten."""
-        self._silent = SilentVehicles(
-            floor.obstacles, contracts.subscriptions, self._tell_gone, life, self._keys
-        )
+        self._silent = SilentVehicles(floor.obstacles, contracts.subscriptions, life, self._keys)
         self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
             AtvHeartbeat: self._on_heartbeat,
-            Removals: self._silent.on_removals,
+            Removals: self._on_removals,
             ObstacleSeen: self._on_seen,
             ObstacleCleared: self._on_cleared,
         }
@@ -216,7 +214,19 @@ class ObstacleHandling:
 
     def _on_heartbeat(self, sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self._contracts.message_handlers[AtvHeartbeat](sender, heartbeat, now_s)
-        self._silent.on_heartbeat(heartbeat, now_s)
+        if heartbeat.status not in STANDS:  # Else it stands until a person has checked it.
+            self._end_silent(heartbeat.atv, now_s)
+
+    def _on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
+        for removal in said.removals:
+            if not removal.node:
+                self._end_silent(removal.atv, now_s)
+
+    def _end_silent(self, atv: str, now_s: float) -> None:
+        """A silent vehicle is none any more: its lanes are free."""
+        for ends in self._silent.note_gone(atv, now_s):
+            if self._floor.obstacles.is_on(*ends):
+                self._tell_gone(*ends, now_s)
 
     # --- others' reports -------------------------------------------------------------------------
 

@@ -6,9 +6,9 @@ carried away. If that is missed, the obstacle is forgotten after a time like any
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from dray.messages import AtvHeartbeat, AtvStatus, Removals
+from dray.messages import AtvStatus
 from dray.messages.keys import Keys
 from dray.plant.restrictions import Ends
 from dray.protocol.closures.obstacles import Obstacles
@@ -30,7 +30,6 @@ class SilentVehicles:
     Args:
         obstacles: known obstacles on lanes.
         subscriptions: its heartbeat subscriptions.
-        tell_gone: called with the ends of a lane whose obstacle is gone, and now_s.
         keys: the plant's bus keys.
     """
 
@@ -38,13 +37,11 @@ class SilentVehicles:
         self,
         obstacles: Obstacles,
         subscriptions: HeartbeatSubscriptions,
-        tell_gone: Callable[[str, str, float], None],
         life: Life,
         keys: Keys,
     ) -> None:
         self._obstacles = obstacles
         self._subscriptions = subscriptions
-        self._tell_gone = tell_gone
         self._life = life
         self._keys = keys
         self._lanes: dict[str, tuple[Ends, ...]] = {}
@@ -68,31 +65,19 @@ class SilentVehicles:
         self._lanes[atv] = tuple(dict.fromkeys((*self._lanes.get(atv, ()), *lanes)))
         return [ends for ends in lanes if not self._obstacles.is_on(*ends)]
 
-    def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """Handle a heartbeat. A vehicle that stands until a person has checked it remains an obstacle."""
-        if heartbeat.status not in STANDS:
-            self._end(heartbeat.atv, now_s)
-
-    def on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
-        """Handle people's removals of vehicles."""
-        for removal in said.removals:
-            if not removal.node:
-                self._end(removal.atv, now_s)
+    def note_gone(self, atv: str, now_s: float) -> tuple[Ends, ...]:
+        """A vehicle is heard again and can move, or was carried away. Returns the lanes that it has blocked."""
+        lanes = self._lanes.get(atv, ())
+        if lanes:
+            self._ended_s[atv] = now_s
+            self._forget(atv)
+        return lanes
 
     def look(self) -> None:
         """An obstacle was forgotten: stop following vehicles without obstacles."""
         for atv, lanes in list(self._lanes.items()):
             if not any(self._obstacles.is_on(*ends) for ends in lanes):
                 self._forget(atv)
-
-    def _end(self, atv: str, now_s: float) -> None:
-        lanes = self._lanes.get(atv, ())
-        if lanes:
-            self._ended_s[atv] = now_s
-            self._forget(atv)
-        for ends in lanes:
-            if self._obstacles.is_on(*ends):
-                self._tell_gone(*ends, now_s)
 
     def _forget(self, atv: str) -> None:
         del self._lanes[atv]

@@ -1,4 +1,4 @@
-"""Transports that people and programs call while processes are killed, and how each ended."""
+"""Plain transports that people and programs order while processes are killed, and how each of them ended."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from dray_sim.bench.rest_work.house import Client
 from dray_sim.bench.row import Row, tail_row
 
 TRIES = 180
-"""Attempts for one call, a second apart: a killed gateway restarts in some seconds, on a busy computer in some
-dozens."""
+"""Maximum attempts for one call, one second apart. A killed gateway restarts within seconds, on a busy computer within a
+minute."""
 
 ENDED = frozenset({"delivered", "cancelled"})
 
 LOOK_S = 2.0
-"""Real seconds between two looks whether all has been brought."""
+"""Interval of the checks whether all transports have ended (real seconds)."""
 
 
 @dataclass(slots=True)
@@ -34,12 +34,13 @@ class Called:
     """The calls of a campaign and their results.
 
     Attributes:
-        calls, recurring: how many were to be called, and how many were to come by a calendar.
-        callers: the answers.
-        schedules: the recurring ones.
-        found: all transports, as REST tells of them in the end.
-        runs: the recurring ones that have come, likewise.
-        asked_s: by transport, when it was taken (plant clock).
+        calls: planned number of calls.
+        recurring: planned number of transports by a calendar.
+        callers: the answers to the calls.
+        schedules: ids of the schedules.
+        found: all transports, as read over REST at the end.
+        runs: schedules that have placed their transport, as read over REST at the end.
+        asked_s: by transport, the time of its acceptance (plant clock).
     """
 
     calls: int
@@ -52,14 +53,14 @@ class Called:
 
 
 class Calling:
-    """Calls over REST and tablets.
+    """Orders plain transports over REST: as a program, as a tablet and as a call button.
 
     Args:
-        fleet: whose gateway is asked.
-        plant: source of the items to be brought.
-        calls: how many.
-        recurring: how many come by a calendar, once each.
-        every_s: real seconds from one call to the next.
+        fleet: the fleet with the gateway.
+        plant: the plant, for the loads.
+        calls: number of calls.
+        recurring: number of schedules, each for one transport.
+        every_s: interval of the calls (real seconds).
     """
 
     def __init__(self, fleet: Fleet, plant: Plant, calls: int, recurring: int, every_s: float) -> None:
@@ -70,7 +71,7 @@ class Calling:
         self._who: dict[str, Client] = {}
 
     async def prepare(self) -> None:
-        """Log a tablet in, make a key, and plan what recurs.
+        """Log a tablet in, make a key, and create the schedules.
 
         Raises:
             UnavailableError: the gateway refuses one of these.
@@ -86,7 +87,7 @@ class Calling:
         )
 
     async def call(self) -> None:
-        """Call all of it, one after the other."""
+        """Start all calls, one per interval, and wait for their answers."""
         called, who = self.called, self._who
         wanted, began_s = loads(self._plant, Random("calls")), time.monotonic()
         async with asyncio.TaskGroup() as group:
@@ -97,7 +98,7 @@ class Calling:
                 group.create_task(call_once(called.callers, name, who[name], key, draft, TRIES))
 
     async def see_out(self, patience_s: float) -> None:
-        """Wait until all of it has ended; or nothing more of it has, for so many real seconds."""
+        """Wait until all transports have ended, or until none has ended for `patience_s` (real seconds)."""
         ended, since_s = -1, time.monotonic()
         while time.monotonic() < since_s + patience_s:
             await asyncio.sleep(LOOK_S)
@@ -124,8 +125,8 @@ def rows_of(called: Called, events: Iterable[Event], asked_s: Mapping[str, float
 
     Args:
         called: the calls and their results.
-        events: all that agents have told.
-        asked_s: by transport, when the gateway has taken it (plant clock).
+        events: all facts of agents.
+        asked_s: by transport, the time of its acceptance by the gateway (plant clock).
         kills: the number of kills by kind, in words.
     """
     watch = Watch()

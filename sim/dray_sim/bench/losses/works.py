@@ -1,4 +1,4 @@
-"""Works: tasks and goals, and all that was told about each. Pure."""
+"""The course of tasks and goals, from the facts about them. Pure."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from dray.messages.fact import TaskClosed, TaskOpened
 
 @dataclass(slots=True)
 class Span:
-    """The span of one transport from its first announcement to its handover (plant clock)."""
+    """Times of one transport's first announcement and of its delivery (plant clock)."""
 
     opened_s: float
     delivered_s: float | None = None
 
     @property
     def took_s(self) -> float | None:
-        """Duration (s); None when it was not delivered."""
+        """Duration (s); None if the transport was not delivered."""
         return None if self.delivered_s is None else self.delivered_s - self.opened_s
 
 
@@ -29,7 +29,7 @@ class Works:
         events: all facts, in the order of time.
 
     Attributes:
-        transports: by task.
+        transports: the times of each transport, by task.
     """
 
     def __init__(self, events: Iterable[Event]) -> None:

@@ -1,4 +1,4 @@
-"""One agent after another is killed, and started again after a while."""
+"""Kills agents in turn, and starts each again after a while."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from dray_sim.run.stage import Stage
 async def kill_in_turn(
     stage: Stage, victims: Sequence[str], every_s: float, dead_s: float, is_over: Callable[[], bool]
 ) -> int:
-    """Kill them one after the other, in turn, until it is over; all live when this returns.
+    """Kill the victims in turn until `is_over`. All of them are alive when this returns.
 
     Args:
-        stage: where.
-        victims: whom.
-        every_s: from one kill to the next (plant clock).
-        dead_s: how long each is away.
-        is_over: asked before each kill.
+        stage: the run with the agents.
+        victims: names of the agents.
+        every_s: interval of the kills (plant clock).
+        dead_s: time from a kill to the restart (plant clock).
+        is_over: whether to stop; asked before each kill.
 
     Returns:
         The number of kills.

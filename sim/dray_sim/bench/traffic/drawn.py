@@ -1,6 +1,6 @@
-"""Floors drawn at random: dead ends, bridges and one-way loops, wherever chance puts them, with docks and parking on spurs.
+"""Random floors with dead ends, bridges and one-way loops; docks and parking places are on spurs.
 
-Every one of them can be driven: `dray plant check` finds nothing too narrow in it, and from everywhere a way leads back.
+`dray plant check` finds nothing too narrow on them, and a way leads from every node to every other one.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from dray.plant.planning.advice_floor import floor_advice
 from dray_sim.bench.traffic.plants import spurred
 
 PITCH_M, SPUR_M = 5.0, 2.5
-"""Between two nodes of a road, and from one to a dock."""
+"""Distance between two nodes of a road, and from a node to its dock."""
 
 COLUMNS, ROWS = (3, 8), (2, 6)
 
 MORE_LANES = (0.0, 0.1, 0.3, 0.7)
-"""Parts of the lanes beyond those that a tree needs. With no such lane every lane is a bridge."""
+"""Fractions of the possible lanes that are added to the spanning tree. At 0 every lane is a bridge."""
 
 LOOPS = 3
-"""Most one-way loops."""
+"""Maximum number of one-way loops."""
 
 LEAST_DOCKS = 5
 
@@ -43,7 +43,7 @@ def drawn(seed: int) -> Plant:
 
 
 def _draw(random: Random, name: str) -> Plant | None:
-    """A floor; None where chance left too little room for docks, or locked a vehicle in."""
+    """One attempt; None if it has too few sites for docks, or a node that cannot be reached or left."""
     columns, rows = random.randint(*COLUMNS), random.randint(*ROWS)
     cells = [(x, y) for x in range(columns) for y in range(rows)]
     lanes = _lanes(random, cells)
@@ -69,7 +69,7 @@ def _draw(random: Random, name: str) -> Plant | None:
 
 
 def _lanes(random: Random, cells: list[Cell]) -> set[Ends]:
-    """A tree that leads everywhere, and some lanes more."""
+    """A spanning tree of all cells, and a random fraction of the other possible lanes."""
     possible = [
         (cell, (cell[0] + dx, cell[1] + dy))
         for cell in cells
@@ -95,7 +95,7 @@ def _lanes(random: Random, cells: list[Cell]) -> set[Ends]:
 
 
 def _loops(random: Random, cells: list[Cell], lanes: set[Ends]) -> set[Ends]:
-    """Some rings of four lanes, one way round; `lanes` are turned that way."""
+    """One-way rings of four lanes each. The lanes of a ring are turned in `lanes`, which is changed."""
     one_way: set[Ends] = set()
     for x, y in random.sample(cells, min(random.randint(0, LOOPS), len(cells))):
         ring = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]
@@ -112,7 +112,7 @@ def _loops(random: Random, cells: list[Cell], lanes: set[Ends]) -> set[Ends]:
 
 
 def _spurs(random: Random, cells: list[Cell], lanes: set[Ends]) -> list[tuple[Cell, Cell]]:
-    """Sites for a dock or a parking place: nodes, each with a side on which no lane leaves."""
+    """Sites for docks and parking places: each a node, and a side of it without a lane."""
     sides = [(cell, step) for cell in cells for step in STEPS]
     random.shuffle(sides)
     taken: set[tuple[Cell, Cell]] = set()

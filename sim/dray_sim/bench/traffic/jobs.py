@@ -1,4 +1,4 @@
-"""Transports to be carried: for each vehicle always a next one, or as they come (Poisson), drawn from a seed."""
+"""Random transports from a seed: one after the other for each vehicle, or at random times for all (Poisson)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dray.plant import Plant
 from dray_sim.bench.traffic.clock import LeanClock
 
 HANDLING_S = 15.0
-"""Loading, or unloading."""
+"""Duration of loading, and of unloading (s)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,7 @@ class Job:
 
     Attributes:
         source, goal: nodes of docks.
-        since_s: when it was asked for.
+        since_s: time of its order.
     """
 
     source: str
@@ -35,7 +35,7 @@ def docks_of(plant: Plant) -> tuple[str, ...]:
 
 
 class Saturated:
-    """Each vehicle has its own row of transports, and starts the next one when one is done."""
+    """Each vehicle has its own sequence of transports, and starts the next one when one is done."""
 
     def __init__(self, plant: Plant, seed: int) -> None:
         self._docks = docks_of(plant)
@@ -50,10 +50,10 @@ class Saturated:
 
 
 class Poisson:
-    """Transports come one by one; free vehicles take the oldest.
+    """Transports come at random times; a free vehicle takes the oldest.
 
     Args:
-        per_h: how many in an hour, on average.
+        per_h: mean number of transports in an hour.
     """
 
     def __init__(self, plant: Plant, seed: int, per_h: float) -> None:
@@ -66,7 +66,7 @@ class Poisson:
         return self._waiting.popleft() if self._waiting else None
 
     def start(self, clock: LeanClock, wake: Callable[[], None]) -> None:
-        """Let them come; `wake` lets free vehicles ask."""
+        """Start the arrivals. `wake` is called after each, so that free vehicles ask."""
 
         def come() -> None:
             source, goal = self._random.sample(self._docks, 2)

@@ -9,21 +9,21 @@ from dray_sim.bodies.vehicle.motion import Profile
 
 
 class Course:
-    """A piece of a vehicle's motion: straight on in one direction, or standing.
+    """One piece of a vehicle's motion: it drives straight on in one direction, or stands.
 
     Args:
-        begin_s: from when on.
-        x_m, y_m, heading_rad: its position then, and its direction.
-        profile: how it moves; `STANDSTILL` for not at all.
-        profile_s: how far into the profile that is.
-        reach_m: how far it drives at most.
-        length_m, width_m: of the vehicle.
-        lane: the one that it drives, by its ends; None for one that stands.
-        lifted: it is off the floor, and in no one's way.
+        begin_s: time at which the piece begins.
+        x_m, y_m, heading_rad: pose of the vehicle at that time.
+        profile: speed profile of the piece; `STANDSTILL` for a vehicle that stands.
+        profile_s: time in the profile at which the piece begins.
+        reach_m: maximum length of the piece.
+        length_m, width_m: size of the vehicle.
+        lane: ends of the driven lane; None for a vehicle that stands.
+        lifted: whether the vehicle is off the floor, where it blocks nothing.
 
     Attributes:
-        radius_m: of the circle around it.
-        top_mps: its highest speed on this piece; 0 for one that stands.
+        radius_m: radius of the circle around the vehicle.
+        top_mps: highest speed on this piece; 0 for a vehicle that stands.
     """
 
     __slots__ = (
@@ -80,22 +80,22 @@ class Course:
         return max(0.0, min(self._profile.at(at_s + self._shift_s)[0] - self._run_m, self.reach_m))
 
     def spot(self, at_s: float) -> tuple[float, float]:
-        """Position of its middle (x_m, y_m)."""
+        """Position of the vehicle's centre (x_m, y_m)."""
         run_m = self.driven_m(at_s)
         return self.x_m + run_m * self._cos, self.y_m + run_m * self._sin
 
     def covers(self, at_s: float) -> Rectangle:
-        """The area of the floor that it covers."""
+        """The area of the floor that the vehicle covers."""
         return Rectangle(*self.spot(at_s), self.heading_rad, self.length_m, self.width_m)
 
     def apart_m(self, other: Course, at_s: float) -> float:
-        """Distance between the circles around the two; below 0 where they overlap."""
+        """Distance between the circles around two vehicles; negative if the circles overlap."""
         x_m, y_m = self.spot(at_s)
         other_x_m, other_y_m = other.spot(at_s)
         return hypot(other_x_m - x_m, other_y_m - y_m) - self.radius_m - other.radius_m
 
     def nearing_mps(self, other: Course) -> float:
-        """Highest speed at which the two can approach one another."""
+        """Highest speed at which two vehicles can approach one another."""
         one_mps, other_mps = self.top_mps, other.top_mps
         if not one_mps or not other_mps:
             return one_mps or other_mps
@@ -106,5 +106,5 @@ class Course:
 
     @property
     def end(self) -> tuple[float, float]:
-        """Farthest position of its middle (x_m, y_m)."""
+        """Farthest position of the vehicle's centre on this piece (x_m, y_m)."""
         return self.x_m + self.reach_m * self._cos, self.y_m + self.reach_m * self._sin

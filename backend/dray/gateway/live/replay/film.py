@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Iterator, KeysView, Sequence
-from typing import Any
+from typing import Any, get_args
 
 import msgspec
+import msgspec.structs
 
 from dray.gateway.live.frames import COLLECTIONS, MANY, Delta, Snapshot
 from dray.gateway.live.projection.site import Site
@@ -20,12 +21,10 @@ from dray.gateway.live.views import (
     ClosureView,
     CommandView,
     FactoryView,
-    FaultView,
     MachineView,
     NewsView,
     ObstacleView,
     OrderView,
-    ScenarioView,
     StationView,
     TaskView,
     WaitView,
@@ -35,20 +34,11 @@ from dray.store.replay.recordings import Piece
 Line = dict[str, Any]
 
 VIEWS: dict[str, Any] = {
-    "atvs": AtvView,
-    "machines": MachineView,
-    "stations": StationView,
-    "tasks": TaskView,
-    "orders": OrderView,
-    "news": NewsView,
-    "alerts": AlertView,
-    "faults": FaultView,
-    "commands": CommandView,
-    "closures": ClosureView,
-    "obstacles": ObstacleView,
-    "waits": WaitView,
-    "scenarios": ScenarioView,
+    field.name: get_args(field.type)[0]
+    for field in msgspec.structs.fields(Snapshot)
+    if field.name in COLLECTIONS.values()
 }
+"""By collection of a frame: the form of its entities."""
 
 
 class _Shelf:

@@ -83,7 +83,7 @@ class Breakdown:
         self._goals = goals
         self._life = life
         self._experience = Experience()
-        self.calls = HelpCalls(_Caller(machine, incarnation, plant), plant, life, self._not_coming)
+        self.calls = HelpCalls(_Caller(machine, incarnation, plant), plant, life)
         self._since_s = self._judged_until_s = self._promised_s = self._comes_after_s = 0.0
         self.problem = ""
         self.about: Problem = NOTHING_KNOWN
@@ -172,7 +172,7 @@ class Breakdown:
         self._life.cancel(PATIENCE_OVER)
         return None
 
-    def _not_coming(self, since_s: float, _now_s: float) -> None:
+    def not_coming(self, since_s: float) -> None:
         """The person expected since then does not come: later promises are void."""
         if self.help is not None and self.help.promised_by and self._promised_s >= since_s:
             self.help = HelpWanted(until_s=self._judged_until_s)

@@ -8,10 +8,9 @@ its instructions to the body. Whenever it is woken, it first reports the vehicle
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
-
-import msgspec
 
 from dray.messages.floor.traffic import (
     FIRST_S,
@@ -25,7 +24,7 @@ from dray.messages.floor.traffic import (
     YieldRefused,
 )
 from dray.plant.restrictions import OPEN, Ends, Restrictions
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.timers import spread_frac
 from dray.protocol.traffic.driving.place_requests import PlaceRequests, Sign, State, unsigned
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
@@ -67,7 +66,8 @@ class Errand(Enum):
     """A rest at a refuge."""
 
 
-class ShutOut(msgspec.Struct, frozen=True):
+@dataclass(frozen=True, slots=True)
+class ShutOut(Change):
     """A vehicle is shut out: a silent vehicle holds a place that it needs, and no way leads round it."""
 
     by: str

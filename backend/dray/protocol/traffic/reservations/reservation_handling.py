@@ -7,6 +7,7 @@ for ever.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from msgspec import UNSET, UnsetType
@@ -30,7 +31,7 @@ from dray.plant import Plant
 from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, gone_s
 from dray.protocol.runtime.events import NEVER_S, Commit
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.removal_authorisation import IS_HEARD, NOT_THERE, TOO_EARLY, RemovalAuthorisation
@@ -62,6 +63,13 @@ NOTE = "book "
 """Prefix, before the district, of a table's note in the journal; unchanged since earlier versions."""
 
 
+@dataclass(frozen=True, slots=True)
+class CarriedAway(Change):
+    """People have carried a vehicle away, and their word was accepted."""
+
+    vehicle: str
+
+
 class ReservationHandling:
     """The reservation tables of one agent, or none.
 
@@ -71,7 +79,6 @@ class ReservationHandling:
         traffic: of the plant; None when vehicles drive without right of way.
         trusts: the people whose removals are accepted.
         subscriptions: the agent's subscriptions to heartbeats.
-        carried_away: called with each vehicle whose removal is accepted.
     """
 
     def __init__(
@@ -82,10 +89,8 @@ class ReservationHandling:
         trusts: Trusts,
         subscriptions: HeartbeatSubscriptions,
         life: Life,
-        carried_away: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._me = me
-        self._carried_away = carried_away
         self._plant = plant
         self._keys = Keys(plant.id)
         self._traffic = traffic
@@ -233,7 +238,8 @@ class ReservationHandling:
         place = traffic.places.place_of(removal.node) if traffic is not None and removal.node else ""
         for district in districts:
             district.remove(removal, place, now_s)
-        self._carried_away(atv)
+        self._life.note(CarriedAway(atv))
+        self._life.settle(now_s)  # Before the next removal.
         return ""
 
     def _nodes_of(self, atv: str) -> tuple[str, ...]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 from dray.messages import (
     FloorReported,
@@ -16,9 +17,9 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.life import Change, Life
 from dray.protocol.traffic.driving.place_requests import REQUEST_AGAIN
-from dray.protocol.traffic.driving.right_of_way import HELD_UP, LOOK, RESTED, Errand, RightOfWay, ShutOut
+from dray.protocol.traffic.driving.right_of_way import HELD_UP, LOOK, RESTED, Errand, RightOfWay
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.drivers.reserved_driver import LOST, ReservedDriver
 
@@ -31,18 +32,41 @@ BELIEVED_BY = 2
 """Replicas of reservation tables that must agree: one alone may lie."""
 
 
+@dataclass(frozen=True, slots=True)
+class Arrived(Change):
+    """The vehicle has arrived."""
+
+
+@dataclass(frozen=True, slots=True)
+class RoomMade(Change):
+    """The vehicle leaves its place for another vehicle."""
+
+
+@dataclass(frozen=True, slots=True)
+class HoldsDenied(Change):
+    """The vehicle drives, but was reported as carried away: it does not hold the places that it drives on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Doubled(Change):
+    """Another agent uses the vehicle's id."""
+
+
+@dataclass(frozen=True, slots=True)
+class Alone(Change):
+    """Others drive with right of way, and the vehicle drives without."""
+
+
 class AloneAmongOthers:
     """Detects right of way in use by others: replicas ask this vehicle for its holds, or report their districts.
 
     Args:
         plant: its machines and storages, which may keep reservation tables.
-        note_alone: called with the time at each sign that others drive with right of way.
     """
 
-    def __init__(self, plant: Plant, life: Life, note_alone: Callable[[float], None]) -> None:
+    def __init__(self, plant: Plant, life: Life) -> None:
         self._plant = plant
         self._life = life
-        self._note_alone = note_alone
         self._asked_by: set[str] = set()
 
     def fill(self, messages: dict[type[Message], Callable[..., None]]) -> None:
@@ -50,54 +74,12 @@ class AloneAmongOthers:
         messages[HoldsAsked] = messages[YieldAsked] = messages[FloorReported] = self._on_asked
         self._life.subscribe(Keys(self._plant.id).all_floors)
 
-    def _on_asked(self, sender: str, _message: Message, now_s: float) -> None:
+    def _on_asked(self, sender: str, _message: Message, _now_s: float) -> None:
         if sender not in self._plant.machines and sender not in self._plant.stores:
             return
         self._asked_by.add(sender)
         if len(self._asked_by) >= BELIEVED_BY:
-            self._note_alone(now_s)
-
-
-class Owner(Protocol):
-    """The vehicle's reactions to changes of its place."""
-
-    def note_arrived(self, now_s: float) -> None:
-        """It has arrived."""
-
-    def note_makes_room(self, now_s: float) -> None:
-        """It leaves its place for another vehicle."""
-
-    def note_denied(self, now_s: float) -> None:
-        """It drives, but was reported as carried away: it does not hold the places that it drives on."""
-
-
-class Problems(Protocol):
-    """The handling of a vehicle's problems."""
-
-    def note_alone(self, now_s: float) -> None:
-        """Others drive with right of way, and it drives without."""
-
-    def note_doubled(self, now_s: float) -> None:
-        """Another agent uses its id."""
-
-
-class Obstacles(Protocol):
-    """The handling of obstacles in a vehicle's way."""
-
-    def shut_out(self, shut: ShutOut, now_s: float) -> None:
-        """A silent vehicle blocks every way."""
-
-
-class Vehicle(Owner, Protocol):
-    """A vehicle that may have right of way."""
-
-    @property
-    def obstacles(self) -> Obstacles:
-        """The obstacles that it meets and hears of."""
-
-    @property
-    def problems(self) -> Problems:
-        """The problems of its body, and its own."""
+            self._life.note(Alone())
 
 
 class TrafficHandling:
@@ -105,12 +87,10 @@ class TrafficHandling:
 
     Args:
         driver: the driver with right of way.
-        owner: the vehicle.
     """
 
-    def __init__(self, driver: ReservedDriver, owner: Vehicle, life: Life) -> None:
+    def __init__(self, driver: ReservedDriver, life: Life) -> None:
         self._driver = driver
-        self._owner = owner
         self._life = life
 
     def fill(
@@ -135,7 +115,7 @@ class TrafficHandling:
         self._step(lambda row: row.reroute(now_s), now_s)
         shut = self._driver.right_of_way.shut_out(now_s)
         if shut is not None:
-            self._owner.obstacles.shut_out(shut, now_s)
+            self._life.note(shut)
 
     def _on_floor(self, sender: str, told: FloorReported, now_s: float) -> None:
         """Handle a replica's report of its district: by itself it changes a way only if a vehicle is silent."""
@@ -148,27 +128,30 @@ class TrafficHandling:
         return lambda sender, message, now_s: self._step(lambda row: take(row, sender, message, now_s), now_s)
 
     def _step(self, take: Callable[[RightOfWay], None], now_s: float) -> None:
-        """Let right of way take a step, and tell the vehicle the consequences."""
+        """Let right of way take a step; the vehicle has reacted to the consequences when this returns."""
         row = self._driver.right_of_way
         before, removal = row.errand, row.removal
         take(row)
         if row.is_doubled:
             row.is_doubled = False
-            self._owner.problems.note_doubled(now_s)
+            self._note(Doubled(), now_s)
             return
         if row.removal != removal:
             self._driver.begin_anew(now_s)
             if row.is_denied:
-                self._owner.note_denied(now_s)
+                self._note(HoldsDenied(), now_s)
             return
         if row.errand is Errand.REFUGE and before is Errand.OWN:
-            self._owner.note_makes_room(now_s)
+            self._note(RoomMade(), now_s)
         if self._driver.arrive(now_s):
-            self._owner.note_arrived(now_s)
+            self._note(Arrived(), now_s)
+
+    def _note(self, change: Change, now_s: float) -> None:
+        self._life.note(change)
+        self._life.settle(now_s)
 
 
 def handle_traffic(
-    vehicle: Vehicle,
     driver: Driver,
     plant: Plant,
     life: Life,
@@ -177,6 +160,6 @@ def handle_traffic(
 ) -> None:
     """Enter right-of-way handlers into a vehicle's tables, with or without right of way."""
     if isinstance(driver, ReservedDriver):
-        TrafficHandling(driver, vehicle, life).fill(messages, alarms)
+        TrafficHandling(driver, life).fill(messages, alarms)
     else:
-        AloneAmongOthers(plant, life, vehicle.problems.note_alone).fill(messages)
+        AloneAmongOthers(plant, life).fill(messages)

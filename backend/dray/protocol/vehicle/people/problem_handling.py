@@ -105,7 +105,7 @@ class ProblemHandling:
         self._assistance = commands.assistance
         self._life = life
         self._experience = Experience()
-        self._calls = calls = HelpCalls(_Caller(owner, driver), plant, life, self._not_coming)
+        self._calls = calls = HelpCalls(_Caller(owner, driver), plant, life)
         self._since_s = self._comes_after_s = 0.0
         self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
             ProblemEnded: self._on_ended,
@@ -184,7 +184,8 @@ class ProblemHandling:
         else:
             self._calls.close(now_s)
 
-    def _not_coming(self, since_s: float, now_s: float) -> None:
+    def not_coming(self, since_s: float, now_s: float) -> None:
+        """The person expected since then does not come: later promises are void."""
         if self._assistance.not_coming(since_s):
             self._life.beat_soon(now_s)
 

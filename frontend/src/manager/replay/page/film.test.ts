@@ -1,12 +1,12 @@
 import { describe, expect, test } from "vitest";
 import type { AtvView, Delta, Snapshot } from "../../../api/types";
+import { nothing } from "../../../stream/nothing";
 import { everyS, markBeside, type Mark, play, rangeAround, reelOf } from "./film";
 import { barsOf, doneNow, type Spell } from "./strips";
 
 const snapshot = {
-  type: "snapshot", number: 0, at_s: 100, plant: "p", factory: { speed: 1 }, atvs: [{ id: "ATV1", node: "a" } as AtvView],
-  machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [], closures: [], obstacles: [],
-  waits: [], scenarios: [], fault_injection: false, audience: null,
+  ...nothing, type: "snapshot", number: 0, at_s: 100, plant: "p", factory: { speed: 1 },
+  atvs: [{ id: "ATV1", node: "a" } as AtvView], fault_injection: false, audience: null,
 } as unknown as Snapshot;
 
 const frame = (number: number, atS: number, node: string): Delta =>

@@ -1,7 +1,7 @@
 """Vehicles that may still be at a dock after their transport ended there: the dock stays open until each has left.
 
 A transport is cancelled or taken over while its vehicle loads or unloads. A dock that makes itself safe
-(`Door.answers`) must then stay locked: the vehicle's forks may be inside. The vehicle's heartbeat tells when it is
+(`Visits.answers`) must then stay locked: the vehicle's forks may be inside. The vehicle's heartbeat tells when it is
 done. It is inside while it stands at the dock's node and loads, unloads, or has just been told to return its load.
 A silent vehicle is assumed to be inside; one that people carried away is not.
 
@@ -18,18 +18,19 @@ count is told of it (`Book`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from msgspec.structs import replace
 
 from dray.body import CloseDock
 from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Phase
-from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
+from dray.protocol.transports.bookings import Bookings
+from dray.protocol.transports.visits import Visits
 
 UNHEARD_S = 8.0
 """Too short for a vehicle to unload elsewhere and end its task; long enough for several heartbeats."""
@@ -45,21 +46,21 @@ class Departures:
 
     Args:
         node: where vehicles stand at it.
+        visits: the vehicles at it.
         subscriptions: for following vehicles' heartbeats.
         bookings: reports to its body.
-        left: called with a vehicle that has left, and the task it was watched for; empty if that is unknown.
     """
 
     def __init__(
         self,
         node: str,
+        visits: Visits,
         subscriptions: HeartbeatSubscriptions,
         bookings: Bookings,
         life: Life,
-        left: Callable[[str, str], None] = lambda _vehicle, _task: None,
     ) -> None:
-        self._node, self._subscriptions, self._life = node, subscriptions, life
-        self._bookings, self._left = bookings, left
+        self._node, self._visits = node, visits
+        self._subscriptions, self._bookings, self._life = subscriptions, bookings, life
         self._leaving: dict[str, DepartureMemory] = {}
         """By vehicle: the load that it may have moved."""
         self._newest: BoundedMap[str, tuple[int, int]] = BoundedMap(HEARD_KEPT)
@@ -140,10 +141,17 @@ class Departures:
         if carries is not None:
             self._at_task[heartbeat.atv] = (carries.task, carries.epoch, now_s)
 
+    def note_left(self, vehicle: str) -> None:
+        """A vehicle has left without the load it was let in for: tell a body that waits for its report."""
+        if self._visits.is_report_awaited(vehicle) and vehicle not in self._leaving:
+            self._life.instruct(CloseDock(vehicle=vehicle))
+
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away. What it put down before is unknown, so nothing is booked."""
         if vehicle in self._leaving:
             self._close(vehicle)
+        self._visits.inside.pop(vehicle, None)
+        self._visits.forget_request(vehicle)
 
     # --- over a restart ---
 
@@ -171,5 +179,5 @@ class Departures:
         load = self._leaving.pop(vehicle)
         self._subscriptions.unfollow(vehicle)
         self._life.instruct(CloseDock(vehicle=vehicle))
-        self._left(vehicle, load.task)
+        self._visits.note_departed(vehicle, load.task)
         self._life.commit()
