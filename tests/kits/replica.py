@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from msgspec import UNSET
+from msgspec.structs import replace
+
 from dray.adapters.security.signing import SigningKey, TrustedKeys, is_signed
 from dray.memory import Note, TableMemory
 from dray.messages import AtvHeartbeat, AtvStatus, Message, Pose, Removal, Removals
@@ -97,8 +100,22 @@ def word(
     heard: tuple[int, int] = (1, 7),
     node: str = "",
     atv: str = "A",
+    reported_s: float | None = None,
+    signed_s: float = LATER_S,
 ) -> Removal:
-    return key.remove(atv, number, heard=heard, node=node, person="eve", areas=areas, valid_until_s=until_s)
+    """A person's report; without its time, as gateways of the last version say it, unless that is given."""
+    removal = key.remove(
+        atv,
+        number,
+        heard=heard,
+        node=node,
+        person="eve",
+        areas=areas,
+        reported_s=reported_s or 0.0,
+        now_s=signed_s,
+        valid_until_s=until_s,
+    )
+    return removal if reported_s is not None else replace(removal, reported=UNSET)
 
 
 def request(

@@ -48,7 +48,7 @@ from dray.messages.fact import AnyFact, Fact
 from dray.messages.floor.closure import Closure, ClosureKind, Closures, closed_words
 from dray.messages.floor.dwell_point import DwellPointClaimed
 from dray.messages.floor.obstacle import ObstacleCleared, ObstacleSeen
-from dray.messages.floor.removal import Removal, Removals, removed_words
+from dray.messages.floor.removal import Removal, Removals, ReportTime, removed_words, reported_words
 from dray.messages.floor.traffic import (
     FloorReported,
     HoldsAsked,
@@ -267,6 +267,7 @@ __all__ = [
     "Release",
     "Removal",
     "Removals",
+    "ReportTime",
     "Resigned",
     "RevocationTaken",
     "Role",
@@ -305,5 +306,6 @@ __all__ = [
     "YieldRefused",
     "closed_words",
     "removed_words",
+    "reported_words",
     "signed_words",
 ]

@@ -45,6 +45,8 @@ class Word:
     node: str
     person: str
     areas: tuple[str, ...] | None
+    at_s: float
+    """When it was said first."""
 
 
 class FloorOffice:
@@ -108,9 +110,10 @@ class FloorOffice:
             return
         if atv in self._ended:
             self._publish([self._signed(atv, self._ended[atv])])
-        if self._clock.now_s() - self._heard_s[atv] > CARELESS_S:
+        now_s = self._clock.now_s()
+        if now_s - self._heard_s[atv] > CARELESS_S:
             return
-        word = Word(self._numbers.get(atv, 0) + 1, (last.incarnation, last.seq), "", NAME, None)
+        word = Word(self._numbers.get(atv, 0) + 1, (last.incarnation, last.seq), "", NAME, None, now_s)
         self._numbers[atv] = word.number
         self._publish([self._signed(atv, word)])
 
@@ -118,7 +121,7 @@ class FloorOffice:
         last = self.heard.get(atv)
         heard = (last.incarnation, last.seq) if last is not None else (0, 0)
         number = self._numbers[atv] = self._numbers.get(atv, 0) + 1
-        self._words[atv] = Word(number, heard, node, person, areas)
+        self._words[atv] = Word(number, heard, node, person, areas, self._clock.now_s())
         self._say([atv])
         return number
 
@@ -130,6 +133,7 @@ class FloorOffice:
             self._session.publish(self._key, Removals(removals=tuple(removals[first : first + MAX_REMOVALS])))
 
     def _signed(self, atv: str, word: Word) -> Removal:
+        now_s = self._clock.now_s()
         return self._authority.remove(
             atv,
             word.number,
@@ -137,7 +141,9 @@ class FloorOffice:
             node=word.node,
             person=word.person,
             areas=word.areas,
-            valid_until_s=self._clock.now_s() + GRANT_S,
+            reported_s=word.at_s,
+            now_s=now_s,
+            valid_until_s=now_s + GRANT_S,
         )
 
     def _on_message(self, _sender: str, message: Message) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
+
 import pytest
+from msgspec import UNSET
 from msgspec.structs import replace
 
 from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.codec import decode, encode
-from dray.messages import CommandKind, VehicleCommand, signed_words
+from dray.messages import CommandKind, Removals, VehicleCommand, removed_words, reported_words, signed_words
 
 COMMAND = VehicleCommand(command="C1", kind=CommandKind.SET_SPEED, speed_frac=1, issued_by="Überwacher")
 OURS, THEIRS = SigningKey(bytes(32)), SigningKey(bytes(31) + b"1")
@@ -86,3 +89,29 @@ def test_what_is_no_key_is_refused() -> None:
         SigningKey(b"short")
     with pytest.raises(ValueError, match="32"):
         TrustedKeys(b"short")
+
+
+def test_the_time_of_a_report_has_a_signature_of_its_own() -> None:
+    """Agents that do not know it examine the rest as before."""
+    said = OURS.remove(
+        "ATV1",
+        7,
+        heard=(1, 2),
+        node="",
+        person="p1",
+        areas=None,
+        reported_s=12.5,
+        now_s=14.0,
+        valid_until_s=60.0,
+    )
+    _, message = decode(encode("gateway", Removals((said,))))
+    assert isinstance(message, Removals)
+    (removal,) = message.removals
+    assert removal.reported is not UNSET
+    words = reported_words(removal, removal.reported)
+    grant = b64encode(removal.grant.signature).decode()
+    assert words.decode() == f'["dray removal time 1","ATV1",7,"{grant}",12500,14000]'
+    trusted = TrustedKeys(OURS.public)
+    assert trusted(words, removal.reported.signature)
+    assert not TrustedKeys(THEIRS.public)(words, removal.reported.signature)
+    assert trusted(removed_words(replace(removal, reported=UNSET)), removal.grant.signature)

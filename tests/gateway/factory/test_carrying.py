@@ -10,12 +10,13 @@ import pytest
 from fake_bus import KEYS, FakeBus
 from gateway_kit import AUTHORITY, House
 from heartbeats import atv_heartbeat
+from msgspec import UNSET
 from wall_clock import NOW_S
 
 from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.factory.carrying import Carrying
 from dray.gateway.http.provided import provided
-from dray.messages import Event, Message, Removal, Removals, removed_words
+from dray.messages import Event, Message, Removal, Removals, removed_words, reported_words
 from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.heartbeat import FloorBrief
 from dray.store.factory.removals import FROM_CONSOLE, RemovalRow
@@ -69,6 +70,38 @@ async def test_it_is_told_to_everybody_with_a_grant_and_shown(house: House) -> N
     (removal,) = told
     assert (removal.atv, removal.life, removal.seq, removal.grant.everywhere) == ("ATV1", 1, 7, True)
     assert TrustedKeys(AUTHORITY.public)(removed_words(removal), removal.grant.signature)
+
+
+async def test_it_is_told_when_the_person_said_it_however_often_it_is_repeated(house: House) -> None:
+    """The gateway may know an older heartbeat than the machines do: it was cut off, or has begun since."""
+    told = listener(house.bus)
+    heard(house)
+    said_s = house.wall.now_s
+    await say(house, "carried-away", **OFF)
+    house.wall.now_s += 30.0
+    await provided(house.app, Carrying).look()
+    times = [each.reported for each in told]
+    assert [(time.at_s, time.signed_s) for time in times if time is not UNSET] == [
+        (house.projection.plant_s(said_s), pytest.approx(house.projection.plant_s(wall_s)))
+        for wall_s in (said_s, said_s + 30.0)
+    ]
+    for each, time in zip(told, times, strict=True):
+        assert time is not UNSET
+        assert TrustedKeys(AUTHORITY.public)(reported_words(each, time), time.signature)
+
+
+async def test_a_word_from_the_future_counts_from_now_on(house: House) -> None:
+    """It was said at a computer whose clock is ahead: what is heard of the vehicle until that time comes after the word."""
+    told = listener(house.bus)
+    row = RemovalRow("GHOST", 0, 0, 0, "", "null", "maria", f"{FROM_CONSOLE}maria", NOW_S + 600.0)
+    async with house.store.write() as work:
+        await work.removals.put(row)
+    await provided(house.app, Carrying).look()
+    house.wall.now_s += 700.0
+    await provided(house.app, Carrying).look()
+    times = [each.reported.at_s for each in told if each.reported is not UNSET]
+    assert times == [pytest.approx(house.projection.plant_s(NOW_S))] * 2
+    assert len({each.number for each in told}) == 1
 
 
 async def test_who_was_carried_away_is_no_alarm(house: House) -> None:

@@ -116,6 +116,8 @@ FOUND_WITH_TRAFFIC = [
     ("all", 130),
     # Who had stolen a vehicle's certificate, and not its key, spoke in its name while people had carried it away: it was never put back.
     ("all", 236),
+    # The floor office was cut off when a vehicle was heard last, and named an older heartbeat: nobody believed that people had lifted it.
+    ("carried", 20003),
 ]
 
 

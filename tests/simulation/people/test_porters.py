@@ -9,7 +9,7 @@ from dray.plant import default_plant
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.factory.sim_factory import SimFactory
-from dray_sim.faults import Crashed, Faults, PoweredOff
+from dray_sim.faults import Crashed, Faults, Partition, PoweredOff
 from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.porters import Porters
 
@@ -122,5 +122,42 @@ def test_whoever_speaks_by_the_floor_office_uses_hands_of_its_own() -> None:
         office.carry_away(ATV)
         await asyncio.sleep(2 * BELIEVED_S)
         assert ATV not in factory.floor.lifted
+
+    play(script)
+
+
+def test_one_that_was_heard_last_while_the_office_was_cut_off_is_lifted_and_put_back() -> None:
+    """The machines have heard later heartbeats of it than the office names, and all of them before the report."""
+
+    async def script(factory: SimFactory, faults: Faults, office: FloorOffice) -> None:
+        place = free_place(factory)
+        cut_off = faults.begin(Partition(groups=((ATV, "M*"),)))
+        await asyncio.sleep(20.0)
+        fault = faults.begin(PoweredOff(ATV))
+        await asyncio.sleep(5.0)
+        faults.end(cut_off)
+        await asyncio.sleep(BELIEVED_S)
+        office.carry_away(ATV, PERSON)
+        await asyncio.sleep(5.0)
+        assert ATV in factory.floor.lifted
+        assert await office.put_back(ATV, place, PERSON)
+        faults.end(fault)
+
+    play(script)
+
+
+def test_one_that_drove_on_after_a_wrong_report_keeps_its_places() -> None:
+    """The office was cut off from it, and a person took it for another one; it falls silent later."""
+
+    async def script(factory: SimFactory, faults: Faults, office: FloorOffice) -> None:
+        cut_off = faults.begin(Partition(groups=((ATV, "M*"),)))
+        await asyncio.sleep(2.0)
+        office.carry_away(ATV, PERSON)
+        await asyncio.sleep(20.0)
+        silent = faults.begin(PoweredOff(ATV))
+        faults.end(cut_off)
+        await asyncio.sleep(2.0 * BELIEVED_S)
+        assert ATV not in factory.floor.lifted
+        faults.end(silent)
 
     play(script)

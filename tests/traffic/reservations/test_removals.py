@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from msgspec import UNSET
+from msgspec.structs import replace
 from replica import (
     AREA,
     DIED_S,
@@ -29,8 +30,16 @@ from dray.messages import Removals
 from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.floor.traffic import Blocked, HoldsAsked
 from dray.messages.heartbeat import AWAITED_MAX
-from dray.protocol.runtime.events import Publish, Send, Subscribe, Unsubscribe
-from dray.protocol.traffic.removal_authorisation import EXPIRED, IS_HEARD, NOT_THERE, NOT_TRUSTED, TOO_EARLY
+from dray.protocol.runtime.events import Ignore, Publish, Send, Subscribe, Unsubscribe
+from dray.protocol.traffic.removal_authorisation import (
+    BEFORE_S,
+    EXPIRED,
+    IS_HEARD,
+    NOT_THERE,
+    NOT_TRUSTED,
+    TOO_EARLY,
+)
+from dray.protocol.traffic.reservations.copies import Copies
 from dray.protocol.traffic.reservations.recovery_poll import POLL_S, QUIET_S
 
 
@@ -60,6 +69,155 @@ def test_nor_of_one_that_was_heard_after_the_word_was_given(replica: Replica) ->
     replica.told("A", beat(seq=8), DIED_S + 1.0)
     assert replica.remove(LATER_S + 1000.0) == [IS_HEARD]
     assert replica.remove(LATER_S + 1000.0, heard=(1, 8)) == []
+
+
+OUTDATED = (1, 3)
+"""A heartbeat that a gateway names which was cut off before the vehicle died."""
+
+FIRST_S = DIED_S + BEFORE_S
+"""The earliest report that certainly came after the vehicle's last heartbeat."""
+
+
+def test_a_gateway_that_was_cut_off_names_an_older_heartbeat_and_is_believed(replica: Replica) -> None:
+    removal = word(heard=OUTDATED, reported_s=FIRST_S)
+    effects = replica.told("gateway", Removals(removals=(removal,)), LATER_S)
+    (freed,) = facts(effects, PlacesFreed)
+    assert set(freed.places) == {HERE, ELSEWHERE}
+
+
+def test_so_is_one_that_has_begun_since_and_names_none(replica: Replica) -> None:
+    assert replica.remove(heard=(0, 0), reported_s=FIRST_S) == []
+    assert replica.holder(HERE) == ""
+
+
+def test_it_is_not_while_a_bad_link_explains_the_silence(replica: Replica) -> None:
+    now_s = DIED_S + GONE_S - 0.1
+    assert replica.remove(now_s, heard=OUTDATED, reported_s=FIRST_S) == [IS_HEARD]
+    assert replica.holder(HERE) == "A"
+
+
+@pytest.mark.parametrize("after_s", [0.1, 30.0, 1000.0])
+def test_it_is_not_when_the_vehicle_was_heard_after_the_report_however_long_it_is_silent_then(
+    replica: Replica, after_s: float
+) -> None:
+    replica.told("A", beat(seq=8), DIED_S + after_s)
+    for silent_s in (GONE_S + 0.1, 10_000.0):
+        now_s = DIED_S + after_s + silent_s
+        assert replica.remove(now_s, heard=OUTDATED, reported_s=FIRST_S, signed_s=now_s) == [IS_HEARD]
+    assert replica.holder(HERE) == "A"
+    assert replica.remove(now_s, heard=OUTDATED, reported_s=now_s, signed_s=now_s, number=2) == []
+
+
+def test_a_request_after_the_report_is_a_sign_of_life_too(replica: Replica) -> None:
+    replica.told("A", request(HERE, ELSEWHERE, seq=2), FIRST_S)
+    now_s = FIRST_S + GONE_S + 1.0
+    assert replica.remove(now_s, heard=OUTDATED, reported_s=FIRST_S, signed_s=now_s) == [IS_HEARD]
+
+
+def test_nobody_but_people_says_when_a_report_was_made(replica: Replica) -> None:
+    outdated = word(heard=OUTDATED, reported_s=DIED_S)
+    assert outdated.reported is not UNSET
+    # Another report of this vehicle, the same one of another vehicle, a forged one, and one that was altered.
+    for one in (
+        word(2, reported_s=FIRST_S),
+        word(atv="B", reported_s=FIRST_S),
+        word(key=FORGER, reported_s=FIRST_S),
+        replace(outdated, reported=replace(outdated.reported, at_s=FIRST_S)),
+    ):
+        removal = replace(outdated, reported=one.reported)
+        replica.told("gateway", Removals(removals=(removal,)), LATER_S)
+        assert replica.holder(HERE) == "A"
+
+
+@pytest.mark.parametrize("behind_s", [10.0, 60.0, 3600.0])
+def test_a_replica_whose_clock_is_behind_takes_no_word_after_the_report_for_one_before(
+    replica: Replica, behind_s: float
+) -> None:
+    """By its own clock the vehicle was heard before the time that the report names."""
+    reported_s = DIED_S - 1.0 + behind_s
+    now_s = DIED_S + GONE_S + 1.0
+    for later_s in (0.0, 1000.0):
+        how = {"reported_s": reported_s, "signed_s": now_s + later_s + behind_s}
+        assert replica.remove(now_s + later_s, heard=OUTDATED, **how) == [IS_HEARD]
+    assert replica.holder(HERE) == "A"
+    how = {"reported_s": FIRST_S + behind_s, "signed_s": now_s + behind_s}
+    assert replica.remove(now_s, heard=OUTDATED, **how) == []
+
+
+def test_what_came_before_the_report_does_not_bring_the_vehicle_back(replica: Replica) -> None:
+    assert replica.remove(heard=OUTDATED, reported_s=FIRST_S) == []
+    replica.told("A", beat(seq=7), LATER_S + 1.0)
+    how = {"heard": OUTDATED, "reported_s": LATER_S + 10.0, "signed_s": LATER_S + 100.0}
+    assert replica.remove(LATER_S + 100.0, number=2, node=HERE, **how) == []
+    assert replica.holder(HERE) == "A"
+    replica.told("A", beat(seq=8), LATER_S + 110.0)
+    assert replica.remove(LATER_S + 1000.0, number=2, node=HERE, **how) == [IS_HEARD]
+
+
+def test_a_report_without_its_time_is_judged_by_the_named_heartbeat_alone(replica: Replica) -> None:
+    """So it comes from a gateway of the last version."""
+    assert replica.remove(LATER_S + 1000.0, heard=OUTDATED) == [IS_HEARD]
+    assert replica.holder(HERE) == "A"
+    assert replica.remove(LATER_S + 1000.0, heard=(1, 7)) == []
+    assert replica.holder(HERE) == ""
+
+
+def test_a_thief_of_a_certificate_makes_no_report_count_of_a_vehicle_that_lives(replica: Replica) -> None:
+    """It has spoken of the far future in the vehicle's name, so that the vehicle's own heartbeats are no news any more."""
+    far = 2**50
+    replica.told("A", beat(life=far), DIED_S + 0.5)
+    assert replica.remove(heard=OUTDATED, reported_s=FIRST_S + 0.5) == []
+    back_s = LATER_S + 100.0
+    replica.told("A", beat(life=2, seq=1, removal=1), back_s)
+    how = {"heard": (far, 7), "reported_s": back_s + 1.0, "signed_s": back_s + 1.0}
+    assert replica.remove(back_s + 1.0, number=2, **how) == [IS_HEARD]
+
+
+def test_nor_does_it_keep_a_vehicle_off_the_floor(replica: Replica) -> None:
+    replica.told("A", beat(life=2**50), DIED_S + 0.5)
+    assert replica.remove(heard=OUTDATED, reported_s=FIRST_S + 0.5) == []
+    back_s = LATER_S + 100.0
+    replica.told("A", request(removal=1, life=2, groups=((HERE,),)), back_s)
+    for seq in range(7):
+        replica.told("A", beat(life=2, seq=seq, removal=1), back_s + seq)
+    assert replica.holder(HERE) == "A"
+    # When it has died, a report of that is accepted all the same.
+    dead_s = back_s + 10.0 + GONE_S
+    how = {"number": 2, "heard": (2, 6), "reported_s": dead_s, "signed_s": dead_s}
+    assert replica.remove(dead_s, **how) == []
+    assert replica.holder(HERE) == ""
+
+
+@pytest.mark.parametrize("heard_later", [False, True])
+def test_a_copy_lets_its_leader_free_nothing_of_a_vehicle_that_it_has_heard_after_the_report(
+    replica: Replica, monkeypatch: pytest.MonkeyPatch, heard_later: bool
+) -> None:
+    """Whatever a lying leader has heard itself."""
+    let: list[str] = []
+    monkeypatch.setattr(Copies, "on_carried", lambda _self, atv: let.append(atv))
+    if heard_later:
+        replica.told("A", beat(seq=8), FIRST_S + 1.0)
+    now_s = FIRST_S + GONE_S + 2.0
+    replica.remove(now_s, heard=OUTDATED, reported_s=FIRST_S, signed_s=now_s)
+    assert let == ([] if heard_later else ["A"])
+
+
+def test_the_time_of_an_earlier_publication_does_not_count_with_a_later_grant(replica: Replica) -> None:
+    """Together they would hide that the replica's clock is a minute behind: by that clock the vehicle spoke before the report."""
+    reported_s, now_s = DIED_S - 1.0 + 60.0, DIED_S + GONE_S + 1.0
+    how = {"heard": OUTDATED, "reported_s": reported_s}
+    first = word(signed_s=reported_s, until_s=reported_s + 60.0, **how)
+    later = word(signed_s=now_s + 60.0, until_s=now_s + 120.0, **how)
+    mixed = replace(later, reported=first.reported)
+    effects = replica.told("gateway", Removals(removals=(mixed,)), now_s)
+    assert [effect.reason for effect in effects if isinstance(effect, Ignore)] == [IS_HEARD]
+    assert replica.holder(HERE) == "A"
+
+
+def test_a_report_was_made_before_it_was_signed_whatever_it_says(replica: Replica) -> None:
+    how = {"heard": OUTDATED, "reported_s": LATER_S + 1000.0}
+    assert replica.remove(signed_s=FIRST_S - 0.1, **how) == [IS_HEARD]
+    assert replica.remove(signed_s=FIRST_S, **how) == []
 
 
 def test_nor_of_one_that_still_asks_for_places(replica: Replica) -> None:

@@ -21,9 +21,11 @@ from dray.messages import (
     MachineCommand,
     PlaceRequested,
     Removal,
+    ReportTime,
     VehicleCommand,
     closed_words,
     removed_words,
+    reported_words,
     signed_words,
 )
 from dray.messages.floor.traffic import request_words
@@ -102,6 +104,8 @@ class SigningKey:
         node: str,
         person: str,
         areas: Iterable[str] | None,
+        reported_s: float,
+        now_s: float,
         valid_until_s: float,
     ) -> Removal:
         """A person's signed statement that a vehicle was carried away, or is being put back.
@@ -113,12 +117,17 @@ class SigningKey:
             node: where it is being put back; empty while it is off the floor.
             person: the person on whose behalf it is made.
             areas: the areas in which that person may command; None for everywhere.
+            reported_s: when that person made it, on the plant's clock.
+            now_s: the present time on the same clock.
             valid_until_s: the grant's end on the plant's clock.
         """
         life, seq = heard
         grant = _unsigned(person, areas, valid_until_s)
         removal = Removal(atv=atv, number=number, life=life, seq=seq, grant=grant, node=node)
-        return replace(removal, grant=replace(grant, signature=self._key.sign(removed_words(removal))))
+        removal = replace(removal, grant=replace(grant, signature=self._key.sign(removed_words(removal))))
+        time = ReportTime(at_s=reported_s, signed_s=now_s, signature=UNSIGNED)
+        time = replace(time, signature=self._key.sign(reported_words(removal, time)))
+        return replace(removal, reported=time)
 
 
 class VehicleKey:

@@ -20,6 +20,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import RemovalView
 from dray.messages import Removals
+from dray.messages.base import CLOCKS_AGREE_S
 from dray.messages.floor.removal import MAX_REMOVALS
 from dray.protocol.liveness.suspicion import gone_s, interval_s
 from dray.store import Store
@@ -148,12 +149,21 @@ class Carrying(Announced):
         self._projection.show_removals((row.atv, self._view(row)) for row in self._rows)
 
     async def _completed(self, row: RemovalRow) -> RemovalRow:
-        """Add the last heartbeat to a removal entered at a console; for a live vehicle it stays void."""
-        last = self._projection.atvs.last(row.atv)
-        if not row.is_bare or last is None or self._heard_s(row.atv) is not None:
+        """Complete a removal entered elsewhere.
+
+        One from a console gets the last heartbeat; for a live vehicle it stays void. One from the future, by a computer whose clock is
+        wrong, counts from now on: a vehicle that is heard until then is on the floor.
+        """
+        last, now_s = self._projection.atvs.last(row.atv), self._wall_s()
+        full = row
+        if row.is_bare and last is not None and self._heard_s(row.atv) is None:
+            full = msgspec.structs.replace(full, life=last.incarnation, seq=last.seq)
+        if row.at_s > now_s + CLOCKS_AGREE_S:
+            full = msgspec.structs.replace(full, at_s=now_s)
+        if full is row:
             return row
         async with self._store.write() as work:
-            return await work.removals.put(msgspec.structs.replace(row, life=last.incarnation, seq=last.seq))
+            return await work.removals.put(full)
 
     def _is_back(self, row: RemovalRow) -> bool:
         last = self._projection.atvs.last(row.atv)
@@ -170,7 +180,7 @@ class Carrying(Announced):
 
     def say(self) -> None:
         """Publish the removals of vehicles that are not back."""
-        until_s = self._time.to_plant_s(self._wall_s()) + GRANT_S * self._time.speed
+        now_s = self._time.to_plant_s(self._wall_s())
         removals = [
             self._authority.remove(
                 row.atv,
@@ -179,7 +189,9 @@ class Carrying(Announced):
                 node=row.node,
                 person=row.person,
                 areas=row.granted_in,
-                valid_until_s=until_s,
+                reported_s=self._time.to_plant_s(row.at_s),
+                now_s=now_s,
+                valid_until_s=now_s + GRANT_S * self._time.speed,
             )
             for row in self._rows
             if not self._is_back(row)

@@ -9,7 +9,13 @@ from msgspec import UNSET
 
 from dray.messages import AtvHeartbeat, AtvStatus
 from dray.messages.floor.traffic import NO_RANK, ROUTE_MAX, PlaceRequested, Rank
-from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S, bound_s, interval_s
+from dray.protocol.liveness.suspicion import (
+    IDLE_INTERVAL_S,
+    LATENESS_MAX_S,
+    WORKING_INTERVAL_S,
+    bound_s,
+    interval_s,
+)
 
 
 class Seen(msgspec.Struct, frozen=True, gc=False):
@@ -54,7 +60,10 @@ class Neighbours:
         self._brief: dict[str, Seen] = {}
         """Vehicles whose heartbeats had no traffic fields yet."""
         self._away: dict[str, Seen] = {}
-        """Last reports of vehicles that people have carried away; these and older ones do not count any more."""
+        """Last reports of vehicles that people have carried away. These and older ones count only as a sign of life (`at_s`), unless they
+        go on for longer than a message is late: then a thief of the vehicle's certificate has spoken of the far future in its name."""
+        self._again_s: dict[str, float] = {}
+        """Vehicle of `_away` -> when the first such report came since it was carried away."""
 
     def on_heartbeat(self, atv: str, seen: Seen) -> None:
         """Note a heartbeat."""
@@ -71,9 +80,14 @@ class Neighbours:
         said = (heartbeat.incarnation, heartbeat.seq)
         away = self._away.get(heartbeat.atv)
         if away is not None:
-            if said <= away.said:
+            if said <= away.said and now_s - self._again_s.setdefault(heartbeat.atv, now_s) <= LATENESS_MAX_S:
+                # Perhaps a late message. Otherwise the vehicle may be on the floor: no further report is accepted soon.
+                self._away[heartbeat.atv] = msgspec.structs.replace(
+                    away, at_s=now_s, every_s=interval_s(heartbeat)
+                )
                 return False
             del self._away[heartbeat.atv]
+            self._again_s.pop(heartbeat.atv, None)
         every_s = interval_s(heartbeat)
         self._beats[heartbeat.atv] = Beat(now_s, heartbeat.node, every_s)
         stuck = heartbeat.status in (AtvStatus.ERROR, AtvStatus.STOPPED)
@@ -122,6 +136,7 @@ class Neighbours:
         self._expected_s.pop(atv, None)
         self._seen.pop(atv, None)
         self._brief.pop(atv, None)
+        self._again_s.pop(atv, None)
 
     def beat_of(self, atv: str) -> Beat | None:
         """A vehicle's newest heartbeat; None when none has come since it was carried away."""
@@ -130,6 +145,7 @@ class Neighbours:
     def carry_away(self, atv: str, said: tuple[int, int]) -> None:
         """Note a removal: the vehicle's reports up to this heartbeat, by life and number, do not count any more."""
         self._beats.pop(atv, None)
+        self._again_s.pop(atv, None)
         seen = self._seen.get(atv)
         brief = self._brief.get(atv)
         if brief is not None and brief.said <= said:

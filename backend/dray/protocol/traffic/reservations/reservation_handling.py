@@ -233,7 +233,8 @@ class ReservationHandling:
         nodes = was_at or (self._nodes_of(atv) if districts else (self._plant.node_of(self._me),))
         if not self._authorisation.covers(removal, nodes):
             return NOT_THERE
-        self._neighbours.carry_away(atv, (removal.life, removal.seq))
+        named = (removal.life, removal.seq)
+        self._neighbours.carry_away(atv, max(named, last.said) if last is not None else named)
         traffic = self._traffic
         place = traffic.places.place_of(removal.node) if traffic is not None and removal.node else ""
         for district in districts:
