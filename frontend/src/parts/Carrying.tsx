@@ -61,6 +61,14 @@ function keptText(kept: boolean, isSimulated: boolean): "carry.kept" | "carry.st
   return isSimulated ? "carry.stands" : "carry.kept";
 }
 
+/** Factory seconds from when all machines should free its places, until people are told that one may refuse. */
+const FREED_WITHIN_S = 60;
+
+/** Whether a machine seems to refuse the report: for good, if it has heard the vehicle later. */
+function isRefused({ holds, removal }: AtvView, leftS: number): boolean {
+  return removal?.freed.length === 0 && holds.length > 0 && leftS < -FREED_WITHIN_S;
+}
+
 interface Acting extends Props {
   act: (doing: Promise<void>) => void;
   busy: boolean;
@@ -117,6 +125,7 @@ function Back({ act, atv, atvs, busy, isSimulated, nowS, plant, speed }: Acting)
           ? t("carry.freed", { places: format.list(away.freed) })
           : leftS > 0 && t("carry.soon", { time: factoryTime(leftS * speed, speed) })}
       </p>
+      {isRefused(atv, leftS * speed) && <p role="alert">{t("carry.notFree")}</p>}
       {away.node !== "" && <p role="status">{t(keptText(away.kept, isSimulated), { node: away.node })}</p>}
       <label for={id}>{t("carry.where")}</label>
       <div class="put-back">

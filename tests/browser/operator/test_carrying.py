@@ -37,6 +37,12 @@ WORDS = {
     "es": ("Retirar ATV3", "Ya no está en el suelo", "Reservar este lugar", "está reservado"),
 }
 
+REFUSED = {
+    "en": "a machine may have heard it after this report",
+    "de": "Eine Maschine hat es vielleicht nach dieser Meldung gehört",
+    "es": "puede que una máquina lo haya oído después de este aviso",
+}
+
 
 @pytest.fixture
 def house(sqlite_url: str) -> Iterator[OpenHouse]:
@@ -120,6 +126,26 @@ def test_an_operator_carries_a_vehicle_away_and_puts_it_back(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("look", variants(LOOKS, "upright-dark-de"))
+def test_if_its_places_do_not_become_free_its_card_says_why_and_what_to_do(
+    enter: Enter, house: OpenHouse, dead: Puppet, screenshot: Screenshot, look: str
+) -> None:
+    begin, off, _, _ = WORDS[look[-2:]]
+    page = enter(**LOOKS[look])
+    steps = card(page, DEAD).locator(".carrying")
+    steps.get_by_text(begin).click()
+    steps.get_by_role("checkbox").check()
+    steps.get_by_role("button", name=off).click()
+    expect(steps).to_contain_text("Operator-South")
+    expect(steps.get_by_role("alert")).to_have_count(0)
+    house.do(_wait)
+    expect(steps.get_by_role("alert")).to_contain_text(REFUSED[look[-2:]])
+    screenshot(page, f"carry-refused-{look}")
+    tell(house, 1, PlacesFreed(atv=DEAD, number=number_of(house), by="x", places=(HERE,)))
+    expect(steps.get_by_role("alert")).to_have_count(0)
+
+
+@pytest.mark.slow
 def test_a_manager_does_so_at_the_vehicle(
     house: OpenHouse, dead: Puppet, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -140,6 +166,11 @@ async def _node(inside: House) -> str:
     view = inside.projection.removals.view(DEAD)
     assert view is not None
     return view.node
+
+
+async def _wait(inside: House) -> None:
+    """Longer than any machine needs to believe a report."""
+    inside.wall.now_s += 200.0
 
 
 async def _speak(inside: House, dead: Puppet) -> None:

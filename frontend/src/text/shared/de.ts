@@ -417,6 +417,7 @@ export const de: Catalogue<typeof en> = {
   "carry.said": "Weggetragen, sagt {by}.",
   "carry.freed": "Wieder frei: {places}.",
   "carry.soon": "Was es gehalten hat, ist in {time} frei: so lange könnte es noch zu hören sein.",
+  "carry.notFree": "Seine Plätze sind noch nicht frei: Eine Maschine hat es vielleicht nach dieser Meldung gehört. Noch einmal nachsehen. Steht es nicht auf dem Boden, unten einen Platz dafür freihalten: Das meldet es neu.",
   "carry.where": "Zurückstellen auf (nächster zuerst)",
   "carry.keep": "Diesen Platz freihalten",
   "carry.waits": "Noch nicht abstellen: {node} ist noch nicht dafür freigehalten.",

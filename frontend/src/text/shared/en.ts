@@ -414,6 +414,7 @@ export const en = {
   "carry.said": "Carried away, says {by}.",
   "carry.freed": "Free again: {places}.",
   "carry.soon": "What it held is free in {time}: nobody believes it while it could still be heard.",
+  "carry.notFree": "Its places are still not free: a machine may have heard it after this report. Look again. If it is off the floor, keep a place for it below: that reports it anew.",
   "carry.where": "Put it back at (nearest first)",
   "carry.keep": "Keep this place",
   "carry.waits": "Do not put it down yet: {node} is not kept for it.",

@@ -417,6 +417,7 @@ export const es: Catalogue<typeof en> = {
   "carry.said": "Retirado, dice {by}.",
   "carry.freed": "Libre de nuevo: {places}.",
   "carry.soon": "Lo que ocupaba queda libre en {time}: hasta entonces aún podría oírse.",
+  "carry.notFree": "Sus lugares siguen sin quedar libres: puede que una máquina lo haya oído después de este aviso. Mire otra vez. Si no está en el suelo, reserve abajo un lugar para él: así se avisa de nuevo.",
   "carry.where": "Devolverlo a (el más cercano primero)",
   "carry.keep": "Reservar este lugar",
   "carry.waits": "No lo ponga aún: {node} todavía no está reservado.",
