@@ -126,8 +126,26 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 # --- what runs when -----------------------------------------------------------------------------------
 
-LONGEST = "test_scenarios"
-"""Begins first: one that takes minutes and begins last holds everybody up."""
+LONGEST = (
+    "browser/manager/test_order_page",
+    "gateway/routes/test_loop_steps",
+    "browser/test_every_page",
+    "browser/operator/test_duty",
+    "simulation/factory/test_charging",
+    "simulation/scenarios/test_scenarios",
+    "gateway/routes/test_openapi",
+    "simulation/explore/test_mutants",
+    "delivery/test_packaging",
+    "browser/manager/test_morning",
+    "simulation/explore/test_explore",
+    "browser/manager/test_cards_in_sight",
+    "store/test_migrate",
+    "gateway/live/test_areas_rest",
+)
+"""Modules of `make test` and `make test-long` that take more than 70 s on one worker (`artifacts/durations.json`), the longest first."""
+
+BROWSER = "browser/"
+"""The folder of tests of which each takes seconds, where others take some hundredths of one."""
 
 WAITING = (
     "adapters/vda5050/test_vda5050_independent",
@@ -266,22 +284,42 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> Generator[None, N
     choose(items)
     # After what else chooses, by marks and by what failed last.
     yield
-    items[:] = mixed(items)
+    items[:] = mixed(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
 
 
-def mixed(items: list[pytest.Item]) -> list[pytest.Item]:
+def mixed(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
     """Tests in the order in which they use all processors to the end.
 
-    Each worker begins with its own share of the list. So what waits stands at the begin of the list and in its middle: of an even
-    number of workers two begin with it while the others compute, and nothing that waits is left for the end. Before it
-    stands what takes longest.
+    Each worker begins with its own share of the list, and all shares have as many tests. A worker that has done its share takes half of
+    the longest list, from that list's end. So the long modules are dealt out to the shares, those of `LONGEST` first, then all with a
+    browser, and each share ends with short tests. The long modules of each share begin a part of it later than those of the share before:
+    browsers compute much, and are not all open at the same time. The tests that wait for processes begin at the begin of two shares.
     """
-    longest = [item for item in items if item.path.stem == LONGEST]
-    rest = [item for item in items if item.path.stem != LONGEST]
-    waiting = [item for item in rest if str(_place(item)).startswith(WAITING)]
-    others = [item for item in rest if not str(_place(item)).startswith(WAITING)]
-    half, middle = len(waiting) // 2, len(others) // 2
-    return [*longest, *waiting[:half], *others[:middle], *waiting[half:], *others[middle:]]
+    own: defaultdict[str, list[pytest.Item]] = defaultdict(list)
+    for item in items:
+        own[str(_place(item))].append(item)
+    long = [module for module in LONGEST if module in own]
+    long += [module for module in own if module.startswith(BROWSER) and module not in LONGEST]
+    waiting = [item for module, each in own.items() if module.startswith(WAITING) for item in each]
+    dealt = {item for module in long for item in own[module]} | set(waiting)
+    short = [item for item in items if item not in dealt]
+
+    shares: list[list[pytest.Item]] = [[] for _ in range(workers)]
+    for number, module in enumerate(long):
+        lap, place = divmod(number, workers)
+        shares[place if lap % 2 == 0 else workers - 1 - place] += own[module]
+    waits: list[list[pytest.Item]] = [[] for _ in range(workers)]
+    half = len(waiting) // 2
+    waits[0] += waiting[:half]
+    waits[workers // 2] += waiting[half:]
+
+    order: list[pytest.Item] = []
+    for number, (longs, waits_first) in enumerate(zip(shares, waits, strict=True), 1):
+        room = len(items) * number // workers - len(order) - len(longs) - len(waits_first)
+        fill, short = short[: max(0, room)], short[max(0, room) :]
+        before = len(fill) * (number - 1) // workers
+        order += [*waits_first, *fill[:before], *longs, *fill[before:]]
+    return [*order, *short]
 
 
 @pytest.hookimpl(trylast=True)

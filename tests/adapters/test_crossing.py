@@ -9,25 +9,16 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from heartbeats import atv_heartbeat
 from msgspec.structs import replace
 
 from dray.adapters import crossing as crossing_module
 from dray.adapters.crossing import Crossing
 from dray.errors import UnavailableError
-from dray.messages import AtvHeartbeat, AtvStatus, Message, OrderTaken, Pose
+from dray.messages import AtvHeartbeat, Message, OrderTaken
 
 SAY = OrderTaken(order="1")
-HEARTBEAT = AtvHeartbeat(
-    atv="A1",
-    incarnation=1,
-    seq=1,
-    at_s=0.0,
-    status=AtvStatus.IDLE,
-    pose=Pose(0.0, 0.0, 0.0),
-    node="n1",
-    speed_mps=0.0,
-    battery_frac=1.0,
-)
+HEARTBEAT = atv_heartbeat("A1")
 
 
 class OtherSide(asyncio.SelectorEventLoop):

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-
 import pytest
 from examples import examples
+from hash_seeds import printed_by_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -63,16 +60,7 @@ def test_every_process_generates_the_same_plant() -> None:
         "from dray_sim.plants.generator import generate_plant\n"
         "print(plant_yaml(generate_plant(9, 7, 9)))\n"
     )
-    texts = {
-        subprocess.run(
-            [sys.executable, "-c", script],
-            env={**os.environ, "PYTHONHASHSEED": seed},
-            capture_output=True,
-            check=True,
-        ).stdout
-        for seed in ("1", "2")
-    }
-    assert len(texts) == 1
+    assert len(printed_by_each(script)) == 1
 
 
 def test_every_spot_of_the_floor_is_somebodys_area() -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import pickle
-import subprocess
-import sys
 from copy import deepcopy
 
 import pytest
+from hash_seeds import printed_by_each
 
 from dray.plant import Plant, default_plant, parse_plant, plant_yaml
 
@@ -105,14 +103,6 @@ def test_every_process_gives_the_same_answers_in_the_same_order() -> None:
         "print([plant.materials_of(m) for m in plant.machines], plant.cells_within(30, 20, 25))\n"
         "print([routes.way(a, b) for a in plant.nodes for b in plant.nodes])\n"
     )
-    answers = {
-        subprocess.run(
-            [sys.executable, "-c", script],
-            env={**os.environ, "PYTHONHASHSEED": seed},
-            capture_output=True,
-            check=True,
-        ).stdout
-        for seed in ("1", "2")
-    }
+    answers = printed_by_each(script)
     assert len(answers) == 1
     assert answers.pop()

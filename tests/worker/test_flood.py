@@ -6,25 +6,15 @@ import asyncio
 
 import pytest
 from agent_stage import Cell, FullStage, Scripted, flooded, say
+from heartbeats import atv_heartbeat
 from msgspec.structs import replace
 
 from dray.body import CycleDone
-from dray.messages import AtvHeartbeat, AtvStatus, Pose
 from dray.protocol.runtime.events import Received, Reported
 from dray.worker import inbox as inbox_module
 from dray_sim.clock.loop import run
 
-HEARTBEAT = AtvHeartbeat(
-    atv="A1",
-    incarnation=1,
-    seq=1,
-    at_s=0.0,
-    status=AtvStatus.IDLE,
-    pose=Pose(0.0, 0.0, 0.0),
-    node="n1",
-    speed_mps=0.0,
-    battery_frac=1.0,
-)
+HEARTBEAT = atv_heartbeat("A1")
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ import pytest
 from cryptography import x509
 from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import ec
+from heartbeats import atv_heartbeat
 from issued import issued
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address
@@ -24,7 +25,7 @@ from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.errors import SealError, SettingsError
-from dray.messages import AtvHeartbeat, AtvStatus, Handover, HandoverAccepted, Message, Pose
+from dray.messages import Handover, HandoverAccepted, Message
 from dray.messages.kinds import Kind
 from dray.messages.speakers import FOREIGN_KEY, FOREIGN_WORD
 
@@ -222,18 +223,6 @@ def test_a_vehicle_does_not_speak_as_a_machine_nor_use_its_words(folder: Path) -
 
 
 def test_a_vehicle_does_not_speak_for_another(folder: Path) -> None:
-    heartbeat = AtvHeartbeat(
-        atv="ATV2",
-        incarnation=1,
-        seq=1,
-        at_s=0.0,
-        status=AtvStatus.IDLE,
-        pose=Pose(0.0, 0.0, 0.0),
-        node="n1",
-        speed_mps=0.0,
-        battery_frac=1.0,
-    )
-
     async def main() -> None:
         row = row_of(folder, "ATV1", "M1")
         here, there = row.buses
@@ -241,7 +230,7 @@ def test_a_vehicle_does_not_speak_for_another(folder: Path) -> None:
             vehicle, machine = Agent(here, "ATV1"), Agent(there, "M1")
             machine.session.subscribe("p/hb/**")
             await row.settle()
-            vehicle.session.publish("p/hb/atv/ATV2", heartbeat)
+            vehicle.session.publish("p/hb/atv/ATV2", atv_heartbeat("ATV2"))
             await row.settle()
             assert machine.heard == []
             assert dict(there.refused) == {FOREIGN_KEY: 1}

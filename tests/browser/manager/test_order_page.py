@@ -41,6 +41,9 @@ def place(quiet: Any, reference: str, quantity: int, due_in_s: float) -> str:
     return str(quiet.ask("/api/orders", wanted | {"items": items})["id"])
 
 
+STEP_S = 10.0
+"""Of the factory's time, from look to look: what is looked for here comes after minutes, and lasts longer than that."""
+
 LATE = (40, 30.0)
 """More pieces than can be delivered until then."""
 
@@ -61,10 +64,14 @@ def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
 
     # From the machine that takes it to the vehicle that hands it over.
     lanes, tag = page.locator(".lane-transport"), page.locator(".order-head .tag").first
-    quiet.advance_until(lambda: quiet.ask(f"/api/orders/{address[8:]}")["status"] == "in_delivery")
+    quiet.advance_until(
+        lambda: quiet.ask(f"/api/orders/{address[8:]}")["status"] == "in_delivery", step_s=STEP_S
+    )
     expect(lanes.first).to_be_visible()
     expect(tag).to_have_text("in delivery")
-    quiet.advance_until(lambda: quiet.ask(f"/api/orders/{address[8:]}")["status"] == "delivered")
+    quiet.advance_until(
+        lambda: quiet.ask(f"/api/orders/{address[8:]}")["status"] == "delivered", step_s=STEP_S
+    )
     expect(tag).to_have_text("delivered")
     expect(page.locator(".order-figures")).to_contain_text("10 of 10")
     moments = page.locator(".order-moments li")
@@ -101,7 +108,7 @@ def test_the_axis_says_now_due_and_when_all_is_expected(
     publish(page, "Waterworks South", "PO-AXIS", 60)
     page.get_by_role("link", name="Orders", exact=True).click()
     page.get_by_role("link", name="PO-AXIS").click()
-    quiet.advance_until(lambda: page.locator(".lane .lane-expected").count() > 0)
+    quiet.advance_until(lambda: page.locator(".lane .lane-expected").count() > 0, step_s=STEP_S)
     signs = page.locator(".lane-signs")
     expect(signs).to_contain_text(re.compile(r"now \d\d:\d\d"))
     expect(signs).to_contain_text(f"due {due[-5:]}")
@@ -119,7 +126,7 @@ def test_it_says_how_the_expected_time_has_moved(
     quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     order = place(quiet, "PO-MOVED", 30, 3600.0)
-    quiet.advance_until(lambda: bool(quiet.ask(f"/api/orders/{order}/timeline")["estimates"]))
+    quiet.advance_until(lambda: bool(quiet.ask(f"/api/orders/{order}/timeline")["estimates"]), step_s=STEP_S)
     kept = quiet.ask(f"/api/orders/{order}/timeline")["estimates"]
     assert kept[0]["cause"] == "first"
     page = open_page(f"{factory}/#orders/{order}", viewport={"width": 1440, "height": 900})
@@ -140,7 +147,7 @@ def test_what_is_chosen_on_it_stands_in_its_address(quiet: Any, factory: str, op
     publish(page, "Waterworks South", "PO-CHOSEN", 10)
     page.get_by_role("link", name="Orders", exact=True).click()
     page.get_by_role("link", name="PO-CHOSEN").click()
-    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0)
+    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0, step_s=STEP_S)
     transport, told = page.locator(".lane-transport").first, page.locator(".order-told")
     problems = page.get_by_role("button", name="Problems")
     transport.click()
@@ -212,7 +219,7 @@ def test_it_prints_light_from_the_dark_theme_and_without_what_can_be_clicked(
     page = open_page(
         f"{factory}/#orders/{order}", viewport={"width": 1440, "height": 900}, color_scheme="dark"
     )
-    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0)
+    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0, step_s=STEP_S)
     page.locator(".lane-transport").first.click()
 
     def colour(selector: str, name: str) -> str:
@@ -274,7 +281,7 @@ window.print = () => {
 def test_on_paper_nothing_waits_for_a_click(quiet: Any, factory: str, open_page: OpenPage) -> None:
     order = place(quiet, "PO-EVENTS", 60, 3600.0)
     path = f"/api/orders/{order}/timeline"
-    quiet.advance_until(lambda: (told := quiet.ask(path))["moments"] and told["estimates"])
+    quiet.advance_until(lambda: (told := quiet.ask(path))["moments"] and told["estimates"], step_s=STEP_S)
 
     def tell_more(route: Route) -> None:
         """As of an order of which much is told."""
@@ -339,7 +346,7 @@ def test_an_alert_about_an_order_leads_to_its_page(
     place(quiet, "PO-LATE", *LATE)
     page = open_page(factory)
     quiet.advance_until(
-        lambda: any(each["kind"] == "order_late" for each in quiet.ask("/api/alerts")["items"])
+        lambda: any(each["kind"] == "order_late" for each in quiet.ask("/api/alerts")["items"]), step_s=STEP_S
     )
     heading = page.get_by_role("heading", level=1)
     page.locator(".inbox").get_by_role("link", name="Show PO-LATE").click()
@@ -374,9 +381,9 @@ def test_the_past_leads_to_the_page_of_an_order_that_was_late(
         marks[:] = [each for each in found if each["order"] == order]
         return bool(marks)
 
-    quiet.advance_until(marked)
+    quiet.advance_until(marked, step_s=STEP_S)
     # The past ends two seconds before now.
-    quiet.advance_until(lambda: quiet.wall_s > marks[0]["at_s"] + PAST_S)
+    quiet.advance_until(lambda: quiet.wall_s > marks[0]["at_s"] + PAST_S, step_s=STEP_S)
     kept_moment(quiet)
     page = open_page(f"{factory}/#replay/{marks[0]['at_s']:.1f}")
     named = page.locator(".replay-mark").get_by_role("link", name="PO-PAST")

@@ -52,7 +52,7 @@ def test_it_tells_a_transport_from_its_call_to_its_hand_over(
     page.get_by_role("button", name="Show on the plant").click()
     page.locator(".story").get_by_role("link", name=name).click()
     expect(heading).to_have_text("3 Shaft: S3 → M8")
-    quiet.advance_until(lambda: state(quiet, name) == "delivered")
+    quiet.advance_until(lambda: state(quiet, name) == "delivered", step_s=10.0)
     expect(page.locator(".order-head .tag").first).to_have_text("delivered")
     told = page.locator(".order-told")
     expect(told).to_contain_text(re.compile(r"ATV\d+ handed it over at M8 at "))
@@ -126,7 +126,7 @@ def test_what_a_machine_has_brought_has_the_same_page(
         own = (task["id"] for task in tasks if task["order"] == "" and not task["id"].startswith("T-"))
         return str(next(own, ""))
 
-    quiet.advance_until(lambda: brought() != "")
+    quiet.advance_until(lambda: brought() != "", step_s=10.0)
     name = brought()
     page = open_page(f"{factory}/#tasks?kind=transport&state=delivered&q={name}")
     page.locator("tbody tr").filter(has_text=name).get_by_role("link").focus()

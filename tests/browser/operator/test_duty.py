@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from calling_kit import BLOCKED, SOON_S, Calling, asks, do, on_duty, vehicle_calls
+from frames import LOOK_MS
 from gateway_kit import House
 from goods_aboard import REFERENCE, TASK, MachineWithGoods
 from manager_kit import as_manager
@@ -150,7 +151,10 @@ def test_nobody_chooses_before_the_page_knows_who_it_is(
     page = enter(before=lambda page: page.route("**/api/me", hold))
     expect(card(page, "ATV2")).to_be_visible()
     on = page.get_by_role("button", name="On duty", exact=True)
-    page.wait_for_timeout(500)
+    while not held:
+        page.wait_for_timeout(LOOK_MS)
+    # What it draws of all that it knows so far is drawn.
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
     expect(on).to_have_count(0)
     held.pop().continue_()
     on.tap()

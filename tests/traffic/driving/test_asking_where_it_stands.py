@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from rights_of_way import right_of_way
 
 from dray.body import Drive, ReleaseWay
 from dray.codec import decode, encode
@@ -15,13 +16,10 @@ from dray.messages.floor.traffic import (
     PlaceRequested,
     PlaceReservation,
 )
-from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Instruct, Send
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.numbers import ALONE_MAX, FAR
-from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 PLANT = load_plant("single-track")
@@ -37,21 +35,7 @@ class Vehicle:
     def __init__(self) -> None:
         self.life = Life()
         self.out = self.life.effects
-        spec = next(iter(PLANT.fleet.values()))
-        kind = PLANT.vehicle_types[spec.type]
-        orders = iter(range(1, 100))
-        self.row = RightOfWay(
-            "A",
-            1,
-            TRAFFIC.places,
-            TRAFFIC.ways(spec.type),
-            Surroundings("A", TRAFFIC.places, Keys(PLANT.id).floor, self.life),
-            self.life,
-            node=HERE,
-            top_mps=kind.max_speed_mps,
-            acceleration_mps2=kind.acceleration_mps2,
-            next_order=lambda: next(orders),
-        )
+        self.row = right_of_way(PLANT, TRAFFIC, self.life, HERE)
         self.row.start(0.0)
         self.row.on_holds_asked(COPY, HoldsAsked(district=DISTRICT, epoch=0), 0.0)
         self.number = 0

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from itertools import count
-
 import pytest
+from rights_of_way import right_of_way
 
 from dray.body import Drive, Hold
 from dray.messages import HoldsAsked, PlaceConfirmed, PlaceGranted, PlaceRequested
 from dray.messages.floor.traffic import PlaceReservation
-from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Instruct, Send
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving.right_of_way import RightOfWay
-from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray_sim.bodies.floor import Floor
 from dray_sim.clock.loop import JUMP, clock, run
@@ -31,20 +27,7 @@ class NewLife:
     def __init__(self, node: str, next_node: str = "", *, drives_beyond: bool) -> None:
         self.life = Life()
         self.out = self.life.effects
-        kind = PLANT.vehicle_types[TYPE]
-        self.row = RightOfWay(
-            "ATV1",
-            LIFE,
-            TRAFFIC.places,
-            TRAFFIC.ways(TYPE),
-            Surroundings("ATV1", TRAFFIC.places, Keys(PLANT.id).floor, self.life),
-            self.life,
-            node=node,
-            next_node=next_node,
-            top_mps=kind.max_speed_mps,
-            acceleration_mps2=kind.acceleration_mps2,
-            next_order=count(1).__next__,
-        )
+        self.row = right_of_way(PLANT, TRAFFIC, self.life, node, next_node, atv="ATV1", incarnation=LIFE)
         self.row.take_control(0.0, drives_beyond=drives_beyond)
         self.row.start(0.0)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from rights_of_way import right_of_way
 
 from dray.messages.floor.traffic import (
     Blocked,
@@ -14,7 +15,6 @@ from dray.messages.floor.traffic import (
     YieldAsked,
     YieldRefused,
 )
-from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
@@ -26,9 +26,7 @@ from dray.protocol.traffic.driving.right_of_way import (
     SHUT_OUT_S,
     WITH_TASK,
     Errand,
-    RightOfWay,
 )
-from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 PLANT = load_plant("single-track")
@@ -43,21 +41,7 @@ class Waiting:
     def __init__(self, blocked: Blocked) -> None:
         self.life = Life()
         self.out = self.life.effects
-        spec = next(iter(PLANT.fleet.values()))
-        kind = PLANT.vehicle_types[spec.type]
-        orders = iter(range(1, 100))
-        self.row = RightOfWay(
-            "A",
-            1,
-            TRAFFIC.places,
-            TRAFFIC.ways(spec.type),
-            Surroundings("A", TRAFFIC.places, Keys(PLANT.id).floor, self.life),
-            self.life,
-            node=HERE,
-            top_mps=kind.max_speed_mps,
-            acceleration_mps2=kind.acceleration_mps2,
-            next_order=lambda: next(orders),
-        )
+        self.row = right_of_way(PLANT, TRAFFIC, self.life, HERE)
         self.number = 0
         self.row.start(BEGUN_S)
         self.answer(Blocked.NO, BEGUN_S, HERE)

@@ -10,6 +10,7 @@ from typing import cast
 
 import pytest
 from replica import beat
+from rights_of_way import right_of_way
 
 from dray.adapters.security.signing import SigningKey, TrustedKeys, is_signed
 from dray.body import Drive
@@ -28,13 +29,11 @@ from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Ignore, Instruct, Send
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.place_requests import REQUEST_AGAIN
-from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.numbers import FAR, VERSION_LEAP
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.reservations.district import NEVER_GRANTED
 from dray.protocol.traffic.reservations.recovery_poll import POLL_S
 from dray.protocol.traffic.reservations.reservation_handling import ReservationHandling
-from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 PLANT = load_plant("single-track")
@@ -60,20 +59,7 @@ class Floor:
         self.life = Life()
         self.lives = {"A": self.life} | {replica: Life() for replica in REPLICAS}
         self.out: list[object] = []
-        spec = next(iter(PLANT.fleet.values()))
-        kind, orders = PLANT.vehicle_types[spec.type], iter(range(1, 100))
-        self.row = RightOfWay(
-            "A",
-            1,
-            PLACES,
-            traffic.ways(spec.type),
-            Surroundings("A", PLACES, keys.floor, self.life),
-            self.life,
-            node=HERE,
-            top_mps=kind.max_speed_mps,
-            acceleration_mps2=kind.acceleration_mps2,
-            next_order=lambda: next(orders),
-        )
+        self.row = right_of_way(PLANT, traffic, self.life, HERE)
         self.row.start(0.0)
         self._see(version)
         self.life.effects.clear()

@@ -195,6 +195,18 @@ def described(shape: type[object], description: str, example: object | None = No
     return {"description": description, "content": {"application/json": content}}
 
 
+def created_once(shape: type[object], what: str, example: object) -> dict[str, Any]:
+    """The answer to a request with an Idempotency-Key, for OpenAPI: something is on disk."""
+    headers = {
+        "Location": {"description": what, "schema": {"type": "string"}},
+        "Idempotency-Replayed": {
+            "description": "`true` when this is the answer to an earlier request",
+            "schema": {"type": "string"},
+        },
+    }
+    return described(shape, f"{what} is on disk", example) | {"headers": headers}
+
+
 def list_of(shape: type[object], description: str) -> dict[str, Any]:
     """A page of a list for OpenAPI."""
     schema = {

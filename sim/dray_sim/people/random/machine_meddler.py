@@ -6,10 +6,9 @@ import asyncio
 from random import Random
 
 from dray.adapters.security.signing import SigningKey
-from dray.messages import CommandAnswered, CommandRefusal, MachineCommand, MachineCommandKind, Message
+from dray.messages import CommandAnswered, CommandRefusal, MachineCommand, MachineCommandKind
 from dray.ports import Bus, Clock
-from dray_sim.people.answers import Answers
-from dray_sim.people.random.random_operator import AGAIN_S, FORGER, GRANT_S
+from dray_sim.people.random.command_giver import AGAIN_S, CommandGiver
 
 NAME = "meddler"
 """Its name on the bus."""
@@ -53,14 +52,10 @@ class MachineMeddler:
         areas: tuple[str, ...],
         random: Random,
     ) -> None:
-        self._session = bus.join(NAME, self._on_message)
-        self._clock = clock
-        self._authority = authority
+        self._giver = CommandGiver(bus, clock, authority, person=NAME, areas=areas, random=random)
         self._machines = machines
-        self._areas = areas
         self._random = random
         self._said = 0
-        self._answers = Answers()
 
     async def meddle(self) -> None:
         """Give commands until cancelled."""
@@ -69,7 +64,7 @@ class MachineMeddler:
             await asyncio.sleep(self._random.expovariate(1.0 / GAP_S))
             machine = self._random.choice(self._machines)
             command = self._command(self._random.choices(kinds, weights)[0])
-            self._session.send(machine, self._granted_somehow(machine, command))
+            self._giver.give(machine, command)
 
     async def put_right(self) -> None:
         """Let every machine work, at full speed and in service; returns when all do."""
@@ -86,12 +81,7 @@ class MachineMeddler:
             await asyncio.sleep(AGAIN_S)  # A broken machine is not put into service.
 
     async def _repeat_until_answered(self, machine: str, kind: MachineCommandKind) -> CommandAnswered:
-        command = self._command(kind, speed_frac=1.0)
-        with self._answers.to(command.command) as answer:
-            while not answer.done():
-                self._session.send(machine, self._granted(self._authority, machine, command, None))
-                await asyncio.wait((answer,), timeout=AGAIN_S)
-        return answer.result()
+        return await self._giver.repeat_until_answered(machine, self._command(kind, speed_frac=1.0))
 
     def _command(self, kind: MachineCommandKind, speed_frac: float | None = None) -> MachineCommand:
         self._said += 1
@@ -105,22 +95,3 @@ class MachineMeddler:
             after_work=kind is MachineCommandKind.TAKE_OUT and draw(0.0, 1.0) < 0.5,
             issued_by=NAME,
         )
-
-    def _granted_somehow(self, machine: str, command: MachineCommand) -> MachineCommand:
-        how = self._random.random()
-        if how < 0.1:
-            return command
-        if how < 0.2:
-            return self._granted(FORGER, machine, command, None)
-        area = (self._random.choice(self._areas),) if how < 0.4 and self._areas else None
-        return self._granted(self._authority, machine, command, area)
-
-    def _granted(
-        self, key: SigningKey, machine: str, command: MachineCommand, areas: tuple[str, ...] | None
-    ) -> MachineCommand:
-        until_s = self._clock.now_s() + GRANT_S
-        return key.grant(machine, command, person=NAME, areas=areas, valid_until_s=until_s)
-
-    def _on_message(self, _sender: str, message: Message) -> None:
-        if isinstance(message, CommandAnswered):
-            self._answers.take(message)

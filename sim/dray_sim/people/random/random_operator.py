@@ -8,22 +8,18 @@ is put right again.
 from __future__ import annotations
 
 import asyncio
-from hashlib import sha256
 from random import Random
 
 from dray.adapters.security.signing import SigningKey
-from dray.messages import CommandAnswered, CommandKind, CommandRefusal, Message, VehicleCommand
+from dray.messages import CommandAnswered, CommandKind, CommandRefusal, VehicleCommand
 from dray.ports import Bus, Clock
-from dray_sim.people.answers import Answers
+from dray_sim.people.random.command_giver import AGAIN_S, CommandGiver
 
 NAME = "passerby"
 """Its name on the bus. The name is in the traces of runs, and so it stays."""
 
 GAP_S = 40.0
 """Between two commands, in the mean."""
-
-AGAIN_S = 2.0
-"""A command that must be heard is said again after this long."""
 
 WEIGHTS = {
     CommandKind.STOP: 4,
@@ -37,11 +33,6 @@ WEIGHTS = {
 }
 
 LONGEST_PROMISE_S = 60.0
-
-GRANT_S = 30.0
-"""Longer than the slowest link takes."""
-
-FORGER = SigningKey(sha256(b"somebody whom no vehicle trusts").digest())
 
 
 class RandomOperator:
@@ -68,15 +59,10 @@ class RandomOperator:
         random: Random,
         grants: Random,
     ) -> None:
-        self._session = bus.join(NAME, self._on_message)
-        self._clock = clock
-        self._authority = authority
+        self._giver = CommandGiver(bus, clock, authority, person=NAME, areas=areas, random=grants)
         self._fleet = fleet
-        self._areas = areas
         self._random = random
-        self._grants = grants
         self._said = 0
-        self._answers = Answers()
 
     async def meddle(self) -> None:
         """Give commands until cancelled."""
@@ -85,7 +71,7 @@ class RandomOperator:
             await asyncio.sleep(self._random.expovariate(1.0 / GAP_S))
             kind = self._random.choices(kinds, weights)[0]
             atv = self._random.choice(self._fleet)
-            self._session.send(atv, self._granted_somehow(atv, self._command(kind)))
+            self._giver.give(atv, self._command(kind))
 
     async def put_right(self) -> None:
         """Let every vehicle drive on, at full speed and in service; returns when all do."""
@@ -105,13 +91,7 @@ class RandomOperator:
             await asyncio.sleep(AGAIN_S)
 
     async def _repeat_until_answered(self, atv: str, kind: CommandKind) -> CommandAnswered:
-        """Give a command until it is answered."""
-        command = self._command(kind, speed_frac=1.0)
-        with self._answers.to(command.command) as answer:
-            while not answer.done():
-                self._session.send(atv, self._granted(self._authority, atv, command, None))
-                await asyncio.wait((answer,), timeout=AGAIN_S)
-        return answer.result()
+        return await self._giver.repeat_until_answered(atv, self._command(kind, speed_frac=1.0))
 
     def _command(self, kind: CommandKind, speed_frac: float | None = None) -> VehicleCommand:
         self._said += 1
@@ -125,22 +105,3 @@ class RandomOperator:
             after_work=kind is CommandKind.TAKE_OUT and draw(0.0, 1.0) < 0.5,
             issued_by=NAME,
         )
-
-    def _granted_somehow(self, atv: str, command: VehicleCommand) -> VehicleCommand:
-        how = self._grants.random()
-        if how < 0.1:
-            return command
-        if how < 0.2:
-            return self._granted(FORGER, atv, command, None)
-        area = (self._grants.choice(self._areas),) if how < 0.4 and self._areas else None
-        return self._granted(self._authority, atv, command, area)
-
-    def _granted(
-        self, key: SigningKey, atv: str, command: VehicleCommand, areas: tuple[str, ...] | None
-    ) -> VehicleCommand:
-        until_s = self._clock.now_s() + GRANT_S
-        return key.grant(atv, command, person=NAME, areas=areas, valid_until_s=until_s)
-
-    def _on_message(self, _sender: str, message: Message) -> None:
-        if isinstance(message, CommandAnswered):
-            self._answers.take(message)

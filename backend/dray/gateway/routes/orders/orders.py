@@ -23,6 +23,7 @@ from dray.gateway.http.responses import (
     Limit,
     counted_in_turns,
     counted_list_of,
+    created_once,
     described,
     iso,
     problems,
@@ -167,16 +168,7 @@ DRAFTS = {
     status_code=HTTPStatus.CREATED,
     dependencies=[Depends(json_only)],
     responses={
-        201: described(PlacedOrder, "The order is on disk", _placed_order(EXAMPLE, ()))
-        | {
-            "headers": {
-                "Location": {"description": "The order", "schema": {"type": "string"}},
-                "Idempotency-Replayed": {
-                    "description": "`true` when this is the answer to an earlier request",
-                    "schema": {"type": "string"},
-                },
-            }
-        },
+        201: created_once(PlacedOrder, "The order", _placed_order(EXAMPLE, ())),
         **problems(
             p409="A request with this key is still being answered",
             p429="Too many orders of this caller are open",

@@ -26,6 +26,7 @@ from dray.gateway.http.responses import (
     Limit,
     counted,
     counted_list_of,
+    created_once,
     described,
     iso,
     problems,
@@ -187,16 +188,7 @@ DRAFTS = {
     status_code=HTTPStatus.CREATED,
     dependencies=[Depends(json_only)],
     responses={
-        201: described(TransportAnswer, "The transport is on disk", EXAMPLE)
-        | {
-            "headers": {
-                "Location": {"description": "The transport", "schema": {"type": "string"}},
-                "Idempotency-Replayed": {
-                    "description": "`true` when this is the answer to an earlier request",
-                    "schema": {"type": "string"},
-                },
-            }
-        },
+        201: created_once(TransportAnswer, "The transport", EXAMPLE),
         **problems(
             p403="The caller's key may not call for this: a place, a material or a priority is beyond its limits",
             p409="A request with this key is still being answered",
