@@ -296,6 +296,7 @@ export const de: Catalogue<typeof en> = {
   "reason.why.brought_back": "seine Ladung wurde zurückgebracht",
   "reason.why.handed_by_person": "ein Mensch übergibt seine Ladung",
 
+  "gate.title": "Versandtor",
   "alerts.none": "Keine Alarme",
   "alerts.alarm.one": "{n} Alarm",
   "alerts.alarm.other": "{n} Alarme",

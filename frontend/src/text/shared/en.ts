@@ -293,6 +293,7 @@ export const en = {
   "reason.why.brought_back": "its load was brought back",
   "reason.why.handed_by_person": "a person hands its load over",
 
+  "gate.title": "Delivery gate",
   "alerts.none": "No alarms",
   "alerts.alarm.one": "{n} alarm",
   "alerts.alarm.other": "{n} alarms",

@@ -296,6 +296,7 @@ export const es: Catalogue<typeof en> = {
   "reason.why.brought_back": "devolvieron su carga",
   "reason.why.handed_by_person": "una persona entrega su carga",
 
+  "gate.title": "Puerta de expedición",
   "alerts.none": "Sin alarmas",
   "alerts.alarm.one": "{n} alarma",
   "alerts.alarm.other": "{n} alarmas",
