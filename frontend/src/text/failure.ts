@@ -5,12 +5,23 @@ import { format, t, word } from "./index";
 import { factoryTime } from "./plant-time";
 import { waitText } from "./wait";
 
-/** Words of vehicles and controllers in which something is filled in. */
+/** Words of vehicles and of those who speak for controllers, in which something is filled in (`tests/contracts/test_problem_words.py`). */
 const FILLED = [
   { says: /^cannot carry an? (?<ability>.+)$/, key: "failure.carry" },
   { says: /^(?<left>-?\d+)% would be left, (?<needed>\d+)% are needed$/, key: "failure.left" },
+  { says: /^must charge: (?<left>\d+)% left, takes work again from (?<enough>\d+)% on$/, key: "failure.mustCharge" },
+  { says: /^on probation, and this is not short: it would take (?<time>\d+) s$/, key: "failure.notShort" },
+  { says: /^it has not come nearer to (?<node>\S+) for (?<time>\d+) s: (?<why>.+)$/, key: "failure.stuck" },
+  { says: /^(?<item>\S+) is a material$/, key: "failure.isMaterial" },
+  { says: /^uses (?<item>\S+) itself$/, key: "failure.usesItself" },
+  { says: /^makes (?<item>\S+) itself$/, key: "failure.makesItself" },
+  { says: /^no material (?<item>\S+)$/, key: "failure.noMaterial" },
+  { says: /^no storage holds (?<item>\S+)$/, key: "failure.noStorage" },
+  { says: /^(?<count>\d+) (?<item>\S+) do not fit into a buffer of (?<most>\d+)$/, key: "failure.noRoom" },
+  { says: /^(?<item>\S+) is listed twice$/, key: "failure.listedTwice" },
   { says: /^(?<time>\d+) s too late$/, key: "failure.late" },
   { says: /^(?<count>\d+) tasks$/, key: "failure.tasks" },
+  { says: /^no piece of (?<product>\S+) was counted for (?<time>\d+) s$/, key: "failure.noPiece" },
   { says: /^its controller is not heard: (?<why>.+)$/, key: "failure.notHeard" },
   { says: /^its controller has a fault: (?<what>.+)$/, key: "failure.fault" },
   { says: /^its controller has no value for (?<signal>\w+): (?<why>.+)$/, key: "failure.noValue" },
@@ -20,13 +31,62 @@ const FILLED = [
   { says: /^its count is in doubt \((?<number>\d+)\): (?<why>.+)$/, key: "failure.doubtOf" },
 ] as const;
 
+/** Why a controller is not heard, has no value, or its count is in doubt: what stands within the words above. */
+const WHY = [
+  { says: /^(?<where>[\w.]+:\/\/\S+): (?<why>.+)$/, key: "why.at" },
+  { says: /^(?<signal>\w+) went from (?<last>[\d,]+) to (?<now>[\d,]+): (?<most>[\d,]+) pieces at most can have been made since$/, key: "why.made" },
+  { says: /^(?<signal>\w+) went from (?<last>[\d,]+) to (?<now>[\d,]+): (?<most>[\d,]+) pieces at most can have been let in since$/, key: "why.letIn" },
+  { says: /^(?<signal>\w+) went from (?<last>[\d,]+) to (?<now>[\d,]+): it counts backwards$/, key: "why.backwards" },
+  { says: /^(?<signal>\w+) went from (?<last>[\d,]+) to (?<now>[\d,]+) while nobody listened: pieces made before that may be missing$/, key: "why.resetMade" },
+  { says: /^(?<signal>\w+) went from (?<last>[\d,]+) to (?<now>[\d,]+) while nobody listened: pieces let in before that may be missing$/, key: "why.resetLetIn" },
+  { says: /^(?<signal>\w+) was not heard for a while: pieces may be missing$/, key: "why.pulses" },
+  { says: /^(?<signal>\w+) showed a piece that was not admitted$/, key: "why.notAdmitted" },
+  { says: /^(?<value>.+) is no label$/, key: "why.noLabel" },
+  { says: /^(?<value>.+) is no count$/, key: "why.noCount" },
+  { says: /^(?<value>.+) is no pulse$/, key: "why.noPulse" },
+  { says: /^(?<value>.+) is neither true nor false$/, key: "why.noBit" },
+  { says: /^(?<value>.+) is no state that is known$/, key: "why.noState" },
+  { says: /^it is no single value but a (?<kind>\w+)$/, key: "why.noSingleOf" },
+  { says: /^its message is no JSON: (?<error>.+)$/, key: "why.noJson" },
+  { says: /^its message has nothing at (?<path>.+)$/, key: "why.nothingAt" },
+  { says: /^a message of (?<size>[\d,]+) bytes is none of a sensor$/, key: "why.tooLong" },
+  { says: /^nothing was said for (?<silent>[\d.]+) s$/, key: "why.silent" },
+  { says: /^it has ended the subscription: (?<status>.+)$/, key: "why.ended" },
+  { says: /^fault (?<code>[\d.e+-]+)$/, key: "why.faultOf" },
+] as const;
+
+/** Which of the names above are figures, grouped in thousands as the reader groups them. */
+const FIGURES: ReadonlySet<string> = new Set(["last", "now", "most", "size"]);
+/** Which of them say why, in words of their own. */
+const INNER: ReadonlySet<string> = new Set(["why", "what"]);
+
 /** What somebody reports in words of their own; some of them are known here. */
 export function failureText(said: string): string {
-  for (const { says, key } of FILLED) {
-    const found = says.exec(said);
-    if (found) return t(key, found.groups as never);
+  const text = filled(FILLED, said) ?? known("failure", said);
+  return text === said ? withNames(whyText(said)) : text;
+}
+
+function whyText(said: string): string {
+  return filled(WHY, said) ?? known("why", said);
+}
+
+/** What is not known here stays as it is: codes of controllers have lines in them. */
+function known(group: string, said: string): string {
+  const text = word(group, said);
+  return text === said.replaceAll("_", " ") ? said : text;
+}
+
+function filled(sentences: typeof FILLED | typeof WHY, said: string): string | null {
+  for (const { says, key } of sentences) {
+    const found = says.exec(said)?.groups;
+    if (found) return t(key, Object.fromEntries(Object.entries(found).map(([name, text]) => [name, inWords(name, text)])) as never);
   }
-  return withNames(word("failure", said));
+  return null;
+}
+
+function inWords(name: string, text: string): string {
+  if (FIGURES.has(name)) return format.count(Number(text.replaceAll(",", "")));
+  return INNER.has(name) ? whyText(text) : text;
 }
 
 /** One of the reasons of the wire. */

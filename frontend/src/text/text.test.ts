@@ -128,6 +128,25 @@ describe("texts", () => {
   });
 
   test.each([
+    [
+      "its count is in doubt (1796032800): pieces went from 70 to 9,000: 3 pieces at most can have been let in since",
+      "seine Zählung ist zweifelhaft (Nummer 1796032800): pieces sprang von 70 auf 9.000: höchstens 3 Stück können seither eingelassen worden sein",
+    ],
+    ["its controller has no value for goal: 'A_7' is no label", "seine Steuerung hat keinen Wert für goal ('A_7' ist kein Etikett)"],
+    ["its controller is not heard: opc.tcp://m8.plant:4840: it does not answer", "seine Steuerung ist nicht zu hören (opc.tcp://m8.plant:4840: sie antwortet nicht)"],
+    ["its controller has a fault: fault 17", "seine Steuerung hat eine Störung: Störung 17"],
+    ["fault 17", "Störung 17"],
+    ["must charge: 28% left, takes work again from 40% on", "muss laden: noch 28\u00a0%, nimmt ab 40\u00a0% wieder Arbeit an"],
+    ["it has not come nearer to m8 for 65 s: it stands, and does not say why", "es ist m8 seit 65\u00a0s nicht näher gekommen: es steht, und sagt nicht warum"],
+    ["AXIS_3_LIMIT", "AXIS_3_LIMIT"],
+    ["its controller has a fault: AXIS_3_LIMIT", "seine Steuerung hat eine Störung: AXIS_3_LIMIT"],
+  ])("tell in the reader's language what a controller's problem is, and in the controller's what it says: %s", (said, text) => {
+    speak("de", managerDe, "de-DE");
+    expect(failureText(said)).toBe(text);
+    speak("en", managerEn, "en-GB");
+  });
+
+  test.each([
     [["S3"], [], "Rotor (nothing in storage S3)"],
     [["S3", "S4"], ["S5"], "Rotor (nothing in storage S3, S4, no answer from storage S5)"],
     [[], [], "Rotor"],

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from signals_rig import BILL, CYCLE_S, ITEM, PRODUCT, PULSE, TWO_BITS, Rig
+from signals_rig import BILL, CYCLE_S, ITEM, PLANT, PRODUCT, PULSE, SPEC, TWO_BITS, Rig
 
 from dray.adapters.signals.signal import Edge, Quality, Signal, SignalMapping, Tag
 from dray.adapters.signals.workcell import DAMAGED, LATE_MIN_S
@@ -219,7 +219,7 @@ ODD = (
     Odd("a counter in tenths", tells((P, 10.0), (P, 20.0)), 2, "", {P: Tag("good", scale=10)}),
     Odd("a counter that is no number", tells((P, float("nan"))), 0, "no value for pieces: nan is no count"),
     Odd("a counter that is a text", tells((P, "1")), 0, "no value for pieces: '1' is no count"),
-    Odd("a value of bad quality", tells((P, 7), quality=Quality.BAD), 0, "no value for pieces: its controller says that it is bad"),
+    Odd("a value of bad quality", tells((P, 7), quality=Quality.BAD), 0, "no value for pieces: it is bad"),
     Odd("a value that is uncertain", tells((P, 7), quality=Quality.UNCERTAIN), 0, "it is uncertain"),
     Odd("a bad value that becomes good", lambda rig: (tells((P, 0), quality=Quality.BAD)(rig), tells((P, 1))(rig)), 1),
     Odd(
@@ -419,3 +419,78 @@ def test_a_mapping_that_makes_no_sense_is_refused(signals: dict[Signal, Tag], wh
 def test_a_machine_has_no_levels() -> None:
     with pytest.raises(ValueError, match="a machine's stock is reckoned"):
         SignalMapping({P: Tag("x")}, levels={ITEM: Tag("x")}).check_machine()
+
+
+# --- a broken connection ---
+
+OTHER = next(making.product for making in SPEC.makes if making.product != PRODUCT)
+ALL = {line.material: 100 for making in SPEC.makes for line in PLANT.products[making.product].bill}
+
+
+def made(rig: Rig) -> list[str]:
+    """What was reported as made since this was asked last."""
+    return [report.product for report in rig.heard() if isinstance(report, CycleDone)]
+
+
+def away_with_run(*, pieces: int) -> Rig:
+    """A machine whose connection was broken while it had `run`; so many pieces are counted when it is back."""
+    rig = Rig(TWO_BITS, ALL)
+    rig.start()
+    rig.clock.pass_s(1.0)
+    rig.body.on_link_lost("the cable is out")
+    rig.clock.pass_s(10 * PIECE_S)
+    rig.tell(Signal.PIECES, pieces)
+    rig.body.on_link()
+    assert made(rig) == [PRODUCT] * pieces
+    return rig
+
+
+def test_a_piece_begun_without_a_connection_is_no_piece_of_the_next_product() -> None:
+    rig = away_with_run(pieces=2)
+    rig.start(OTHER)
+    assert (rig.state.cycling, rig.body.outputs[Signal.RUN]) == (OTHER, False)
+    rig.clock.pass_s(0.9 * PIECE_S)
+    rig.tell(Signal.PIECES, 3)
+    assert (made(rig), rig.state.cycling) == ([PRODUCT], OTHER)
+    rig.clock.pass_s(2 * PIECE_S)
+    assert rig.body.outputs[Signal.RUN] is True
+    rig.clock.pass_s(PIECE_S)
+    rig.tell(Signal.PIECES, 4)
+    assert (made(rig), rig.state.cycling) == ([OTHER], "")
+    assert (rig.state.stock[PRODUCT], rig.state.stock[OTHER]) == (3, 1)
+
+
+def test_the_same_product_does_not_wait_after_a_broken_connection_and_another_one_waits_once() -> None:
+    rig = away_with_run(pieces=1)
+    rig.start()
+    assert rig.body.outputs[Signal.RUN] is True
+    rig.clock.pass_s(2 * PIECE_S)
+    rig.tell(Signal.PIECES, 2)
+    rig.start(OTHER)
+    assert rig.body.outputs[Signal.RUN] is True
+
+
+@pytest.mark.parametrize("restarts", [False, True])
+def test_a_product_that_waits_waits_anew_after_a_broken_connection_and_over_a_restart(restarts: bool) -> None:
+    rig = away_with_run(pieces=1)
+    rig.start(OTHER)
+    rig.clock.pass_s(PIECE_S)
+    rig.body.on_link_lost("the cable is out")
+    if restarts:
+        rig.begin()
+    rig.clock.pass_s(5 * PIECE_S)
+    assert rig.body.outputs[Signal.RUN] is False
+    rig.tell(Signal.PIECES, 2)
+    rig.body.on_link()
+    assert (made(rig), rig.state.cycling) == ([PRODUCT], OTHER)
+    rig.clock.pass_s(1.9 * PIECE_S)
+    assert rig.body.outputs[Signal.RUN] is False
+    rig.clock.pass_s(0.2 * PIECE_S)
+    assert rig.body.outputs[Signal.RUN] is True
+    assert rig.state.stock[PRODUCT] == 2
+
+
+def test_a_machine_that_begins_for_the_first_time_waits_for_nothing() -> None:
+    rig = Rig(TWO_BITS, ALL)
+    rig.start(OTHER)
+    assert rig.body.outputs[Signal.RUN] is True

@@ -28,6 +28,13 @@ WORDS = {
     "es": "su controlador rechaza el permiso para el contenedor que está allí (admitted: BadOutOfRange)",
 }
 
+NAMES = {"en": "Delivery gate", "de": "Versandtor", "es": "Puerta de expedición"}
+
+CUT = """card => [...card.querySelectorAll(".tag")]
+    .filter((tag) => tag.getBoundingClientRect().right > card.getBoundingClientRect().right)
+    .map((tag) => tag.textContent)"""
+"""Marks that the card does not show as a whole."""
+
 
 @pytest.fixture
 def house(sqlite_url: str) -> Iterator[OpenHouse]:
@@ -49,9 +56,11 @@ def test_the_card_of_the_gate_and_an_alert_say_why_no_container_comes_in(
     page.mouse.click(*on_map(page, PLANT, box.x_m, box.y_m))
     said = page.locator(".card.place .problem")
     expect(said).to_have_text(WORDS[language])
+    assert page.locator(".card.place").evaluate(CUT) == []
     screenshot(page, f"gate-card-{language}")
     page.locator(".alerts-button").click()
     expect(page.locator("main > section").first).to_contain_text(WORDS[language])
+    expect(page.locator("main > section").first).to_contain_text(NAMES[language])
     screenshot(page, f"gate-alert-{language}")
     house.do(lambda inside: beat(inside, 2, ""))
     expect(page.locator("main > section").first).not_to_contain_text(WORDS[language])

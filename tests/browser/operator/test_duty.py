@@ -34,6 +34,13 @@ from dray.messages import (
 Screenshot = Callable[..., Path]
 OpenPage = Callable[..., Page]
 
+MOST_LINES = """all => Math.max(...all.map((each) => {
+    const words = document.createRange();
+    words.selectNodeContents(each);
+    return new Set([...words.getClientRects()].map((line) => Math.round(line.top))).size;
+}))"""
+"""Lines of the longest label."""
+
 LOOKS: dict[str, tuple[dict[str, Any], dict[str, str]]] = {
     "en": (
         {"viewport": LYING, "color_scheme": "light", "locale": "en-GB"},
@@ -128,6 +135,8 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     screenshot(page, f"duty-expected-{language}")
     expect(page.locator(".call-answers")).to_have_count(1)
     expect(card(page, "ATV2").locator(".promises")).to_have_count(0)
+    # A third line would touch the edges of its button.
+    assert page.locator(".duty-choices .button").evaluate_all(MOST_LINES) <= 2
     screenshot(page, f"duty-card-{language}", of=".duty")
     # The way is clear: nobody is needed any more.
     house.do(beat(vehicle, status=AtvStatus.WORKING, problem="", help=None))

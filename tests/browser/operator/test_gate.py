@@ -19,12 +19,21 @@ Screenshot = Callable[..., Path]
 
 AT_GATE = "AREA1"
 
-WHY = "its count is in doubt (1796032800): pieces went from 70 to 75"
+WHY = "its count is in doubt (1796032800): pieces went from 70 to 21,075: 3 pieces at most can have been let in since"
 
 WORDS = {
-    "lying-light-en": ("Delivery gate", "its count is in doubt (number 1796032800"),
-    "upright-dark-de": ("Versandtor", "seine Zählung ist zweifelhaft (Nummer 1796032800"),
-    "phone-dark-es": ("Puerta de expedición", "su cuenta está en duda (número 1796032800"),
+    "lying-light-en": (
+        "Delivery gate",
+        "its count is in doubt (number 1796032800): pieces went from 70 to 21,075: 3 pieces at most",
+    ),
+    "upright-dark-de": (
+        "Versandtor",
+        "seine Zählung ist zweifelhaft (Nummer 1796032800): pieces sprang von 70 auf 21.075: höchstens 3 Stück",
+    ),
+    "phone-dark-es": (
+        "Puerta de expedición",
+        "su cuenta está en duda (número 1796032800): pieces pasó de 70 a 21.075: desde entonces",
+    ),
 }
 
 
@@ -40,7 +49,6 @@ def test_the_tablet_at_the_gate_says_why_nothing_is_counted(
     card, (title, why) = page.locator("#gate-problem"), WORDS[look]
     expect(card.get_by_role("heading")).to_have_text(title)
     expect(card).to_contain_text(why)
-    expect(card).to_contain_text("70")
     screenshot(page, f"gate-problem-{look}")
     house.do(lambda inside: beat(inside, 2, ""))
     expect(card).to_have_count(0)

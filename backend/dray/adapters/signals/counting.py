@@ -94,5 +94,5 @@ def count_pulse(last: bool, now: bool, edge: Edge, *, gap: bool) -> Reading:
         gap: whether pulses may have been missed in between.
     """
     if gap:
-        return Reading(0, "its pulses could not be heard for a while: pieces may be missing")
+        return Reading(0, "was not heard for a while: pieces may be missing")
     return Reading(int(last != now and now is (edge is Edge.RISING)))

@@ -56,6 +56,10 @@ from dray.ports import Clock, nobody_hears
 LATE_CYCLES, LATE_MIN_S = 5.0, 60.0
 """A missing piece is reported after this number of cycle times, but not earlier than these seconds."""
 
+HELD_CYCLES = 2.0
+"""Cycle times for which another product waits after a broken connection. A controller that keeps `run` meanwhile makes another piece of the
+last product. It ends within one cycle; the rest is for cycles that take longer than the plant file says."""
+
 STANDS = {
     "notavailable": "not available",
     "outofservice": "out of service",
@@ -80,6 +84,8 @@ class Kept(Struct, frozen=True):
     cycling: str = ""
     last: str = ""
     """The product last asked for: pieces made without an instruction count as this."""
+    held: str = ""
+    """The product that may still come, while `cycling` waits for its end after a broken connection; empty for none."""
     doubt: str = ""
     """Why counts may be wrong, until a person has checked them."""
     opened: tuple[str, ...] = ()
@@ -150,6 +156,8 @@ class SignalledWorkcell:
         """The reason why the controller is not connected; empty while it is."""
         self._gaps = {Signal.PIECES, Signal.BAD}
         """Counts whose values may have been missed since the last one."""
+        self._has_worked, self._held_until_s = kept is not None, -math.inf
+        """Whether the controller may have made pieces without a connection; until when another product waits."""
         self._silent: dict[Signal, str] = {}
         """Signals with invalid values, with the reason."""
         self._refused: dict[Signal, str] = {}
@@ -163,16 +171,17 @@ class SignalledWorkcell:
         self._told: tuple[str, Problem, bool] = ("", NOTHING_KNOWN, False)
         self.outputs: dict[str, Value] = {}
         # A piece begun in an earlier life is still wanted.
-        self._put(Signal.PRODUCT, self._kept.cycling)
-        self._put(Signal.RUN, bool(self._kept.cycling))
+        wanted = "" if self._kept.held else self._kept.cycling
+        self._put(Signal.PRODUCT, wanted)
+        self._put(Signal.RUN, bool(wanted))
         # A vehicle at the dock keeps its permit, without interruption.
         for vehicle in self._kept.opened:
             self._dock.want(vehicle)
         self._put(Signal.DOCK_PERMIT, bool(self._dock.vehicle))
         self._put(Signal.DOCK_VEHICLE, self._dock.vehicle)
         self._judge()
-        if self._kept.cycling:
-            self._expect(self._kept.cycling)
+        if wanted:
+            self._expect(wanted)
 
     # --- Body ---
 
@@ -229,6 +238,11 @@ class SignalledWorkcell:
     def on_link(self) -> None:
         """The controller is connected, and its values come."""
         self._away = ""
+        if self._has_worked:
+            last = self._kept.held or self._kept.last
+            self._held_until_s = self._clock.now_s() + HELD_CYCLES * self._cycle_s.get(last, 0.0)
+            self._wait()
+        self._has_worked = True
         self._settle()
 
     def on_link_lost(self, reason: str) -> None:
@@ -250,7 +264,7 @@ class SignalledWorkcell:
         value = sample.value if sample.quality is Quality.GOOD else None
         understood = None if value is None else self._take(signal, value)
         if value is None:
-            self._silent[signal] = sample.reason or f"its controller says that it is {sample.quality.value}"
+            self._silent[signal] = sample.reason or f"it is {sample.quality.value}"
         elif understood is not None:
             self._silent[signal] = brief(understood)
         else:
@@ -334,12 +348,14 @@ class SignalledWorkcell:
         """Count finished pieces."""
         reports = []
         for _ in range(min(pieces, COUNT_MAX)):
-            product, self._turn = self._kept.cycling or self._kept.last, self._turn + 1
-            if not self._kept.cycling:
+            wanted, self._turn = "" if self._kept.held else self._kept.cycling, self._turn + 1
+            product = wanted or self._kept.held or self._kept.last
+            if not wanted:
                 self._use(product)
             if not bad:
                 self._stock[product] = min(self._stock.get(product, 0) + 1, COUNT_MAX)
-            self._kept = replace(self._kept, cycling="", seq=self._kept.seq + 1)
+            cycling = self._kept.cycling if self._kept.held else ""
+            self._kept = replace(self._kept, cycling=cycling, seq=self._kept.seq + 1)
             self._late = ""
             reports.append(CycleDone(product=product, seq=self._kept.seq, bad=bad))
         if pieces:
@@ -359,13 +375,35 @@ class SignalledWorkcell:
         if reason := self._why_not(product):
             self._report(CycleFailed(product=product, reason=reason))
             return
+        if self._kept.held:
+            return
         if not self._kept.cycling:
             self._use(product)
-        self._kept = replace(self._kept, cycling=product, last=product)
+        waits = product != self._kept.last and self._clock.now_s() < self._held_until_s
+        self._kept = replace(self._kept, cycling=product, last=product, held=self._kept.last if waits else "")
         self._keep()
+        if waits:
+            self._wait()
+        else:
+            self._run(product)
+
+    def _run(self, product: str) -> None:
+        """Let the controller make a piece."""
         self._put(Signal.PRODUCT, product)
         self._put(Signal.RUN, True)
         self._expect(product)
+
+    def _wait(self) -> None:
+        """Let the held product begin when nothing of the last one can come any more."""
+        if self._kept.held:
+            self._clock.call_at(self._held_until_s, self._release)
+
+    def _release(self) -> None:
+        if not self._kept.held or self._away or self._clock.now_s() < self._held_until_s:
+            return
+        self._kept = replace(self._kept, held="")
+        self._keep()
+        self._run(self._kept.cycling)
 
     def _why_not(self, product: str) -> str:
         """The reason why a piece cannot be begun; empty for none."""

@@ -38,3 +38,8 @@ test("goods are told by the vehicle that has them, and not by their order", () =
   const unknown = alert({ order: "O-1", goods });
   expect([subjectOf(unknown), orderOf(unknown)]).toEqual(["O-1", "O-1"]);
 });
+
+test("the gate is told by what people call it", () => {
+  expect(subjectOf(alert({ kind: "gate_error", agent: "gate" }))).toBe("Delivery gate");
+  expect(subjectOf(alert({ kind: "station_lost", agent: "S3" }))).toBe("S3");
+});

@@ -1,6 +1,7 @@
 /** Whom an alert is about, in people's words, and the way there. */
 import { chosenOf, isOfPlant } from "../../alerts/alerts";
 import type { AlertView } from "../../api/types";
+import { GATE } from "../../plant/places";
 import { choose } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { t } from "../../text";
@@ -18,7 +19,8 @@ export function subjectOf(alert: AlertView): string {
   if (goods !== null && agent !== "") return agent;
   const order = orderOf(alert);
   if (order !== "") return orderName(order);
-  return task === "" ? agent : taskName(task, world.value?.tasks.get(task)?.order ?? "");
+  if (task === "") return agent === GATE ? t("gate.title") : agent;
+  return taskName(task, world.value?.tasks.get(task)?.order ?? "");
 }
 
 /** The page of the order or transport by whose name an alert is told; empty where it is told by another one. */

@@ -250,7 +250,6 @@ export const de: Catalogue<typeof en> = {
   "machine.need.lost": "stumm",
   "machine.need.out": "außer Betrieb",
   "machine.need.well": "arbeitet",
-  "gate.title": "Versandtor",
   "gate.waits": "Was dort ankommt, wartet und wird nicht gezählt.",
   "machine.since": "seit {at}",
   "machine.noGoals": "Kein Ziel wartet auf sie.",

@@ -248,7 +248,6 @@ export const en = {
   "machine.need.lost": "silent",
   "machine.need.out": "out of service",
   "machine.need.well": "works",
-  "gate.title": "Delivery gate",
   "gate.waits": "What arrives there waits, and is not counted.",
   "machine.since": "since {at}",
   "machine.noGoals": "No goal waits for it.",

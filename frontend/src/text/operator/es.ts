@@ -250,7 +250,6 @@ export const es: Catalogue<typeof en> = {
   "machine.need.lost": "en silencio",
   "machine.need.out": "fuera de servicio",
   "machine.need.well": "trabaja",
-  "gate.title": "Puerta de expedición",
   "gate.waits": "Lo que llega espera allí y no se cuenta.",
   "machine.since": "desde {at}",
   "machine.noGoals": "Ningún objetivo la espera.",

@@ -51,7 +51,7 @@ FOR_ADMIN = """\
 LINKS = """\
 Each of these links logs in once, within a day:
 {links}
-Whoever has a secret needs no link: dray user password manager{db}, dray user pin NAME{db}.
+With a secret of their own people need no link: dray user password manager{db}, dray user pin NAME{db}.
 """
 
 

@@ -2,6 +2,7 @@
 import { signal } from "@preact/signals";
 import { commandAtv } from "../../../api/client";
 import type { CommandRequest } from "../../../api/types";
+import { failureText } from "../../../text/failure";
 import { t, word } from "../../../text/manager";
 import { problemText } from "../../problem-text";
 
@@ -25,7 +26,7 @@ export async function tell(atv: string, command: CommandRequest): Promise<void> 
   try {
     const { detail, done, reason } = await commandAtv(atv, command);
     const what = t(`tell.${command.kind as "stop"}`);
-    const why = reason === null ? detail : [word("refusal.command", reason), detail].filter((each) => each !== "").join(": ");
+    const why = reason === null ? detail : [word("refusal.command", reason), failureText(detail)].filter((each) => each !== "").join(": ");
     keep(atv, done ? { good: true, text: t("tell.done", { id: atv, what }) } : { good: false, text: t("tell.refused", { id: atv, reason: why }) });
   } catch (error) {
     keep(atv, { good: false, text: t("tell.failed", { reason: problemText(error) }) });

@@ -127,7 +127,7 @@ export const order = {
   "links.title": "Customer’s link",
   "links.valid.one": "{n} valid",
   "links.valid.other": "{n} valid",
-  "links.hint": "Whoever has a link sees how far the order is, when it is expected and why it waits; no vehicles and no map.",
+  "links.hint": "Anybody with a link sees how far the order is, when it is expected and why it waits; no vehicles and no map.",
   "links.make": "Make a link",
   "links.revoke": "Take all back",
   "links.revokeSure": "Take all links of this order back? Their pages say so from now on.",

@@ -27,7 +27,7 @@ export const products: Catalogue<typeof en> = {
   "products.material": "Material",
   "products.amount": "Piezas",
   "products.machine": "Máquina",
-  "products.seconds": "Segundos por pieza",
+  "products.seconds": "s por pieza",
   "products.addMaterial": "Añadir un material",
   "products.addMachine": "Añadir una máquina",
   "products.addDocument": "Añadir un documento",

@@ -67,7 +67,7 @@ export const recurring = {
   "recurring.kept": "{name} is kept.",
   "recurring.failed": "Not done: {reason}",
   "recurring.paused": "paused",
-  "recurring.ownerGone": "Whoever it was for may ask for nothing any more: the key was taken back or has run out, or the person may not log in. Whoever lets it go on has it from then on.",
+  "recurring.ownerGone": "Its owner may not ask for anything any more: the key was taken back or has run out, or the person may not log in. The person who lets it go on owns it from then on.",
   "recurring.omit": "Skip",
   "recurring.omitOf": "Skip {at} of {name}",
   "recurring.omitted": "skipped: {at}",

@@ -62,7 +62,7 @@ export const transports = {
   "called.page.partly": "Not all that happened is told here.",
   "called.page.ended": "Ended",
   "called.links.title": "Link to follow it",
-  "called.links.hint": "Whoever has a link sees what is brought, from where to where, how far it is and when it is expected; no vehicles and no map.",
+  "called.links.hint": "Anybody with a link sees what is brought, from where to where, how far it is and when it is expected; no vehicles and no map.",
   "called.links.sure": "Take all links of this transport back? Their pages say so from now on.",
   "called.is.waiting": "waiting",
   "called.is.assigned": "being fetched",

@@ -5,7 +5,7 @@ import { Table } from "../../../../parts/Table";
 import { Tag } from "../../../../parts/Tag";
 import { nowS } from "../../../../stream/stream";
 import { format, n, t, tables } from "../../../../text/views/products";
-import { factoryTime } from "../../../../text/plant-time";
+import { inFactoryTime } from "../../../../text/plant-time";
 import { speakAlso } from "../../../../text/speech";
 import { Choice } from "../../../parts/filters/Choice";
 import { names, plant } from "../../../state";
@@ -51,7 +51,7 @@ export function Products() {
   return (
     <Table
       title={t("nav.products")}
-      heads={HEADS.map((head) => t(`products.${head}`))}
+      heads={HEADS.map((head) => (head === "machines" ? inFactoryTime(t("products.machines")) : t(`products.${head}`)))}
       hint={t("products.hint")}
       empty={failed.value === null ? t(answer.value ? "products.none" : "products.loading") : t("products.unread", { reason: failed.value })}
       busy={answer.value === null && failed.value === null}
@@ -146,7 +146,7 @@ function UnfitRow({ definition }: { definition: Definition }) {
 
 function Row({ definition, product }: { definition: Definition | undefined; product: ProductAnswer }) {
   const bill = Object.entries(product.bill).map(([material, pieces]) => `${format.count(pieces)} ${names.value(material)}`);
-  const machines = Object.entries(product.machines).map(([machine, cycleS]) => t("products.cycle", { machine, cycle: factoryTime(cycleS) }));
+  const machines = Object.entries(product.machines).map(([machine, cycleS]) => t("products.cycle", { machine, cycle: format.duration(cycleS) }));
   return (
     <tr>
       <Tick definition={definition} />
