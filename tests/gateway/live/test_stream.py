@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -13,7 +15,7 @@ from heartbeats import atv_heartbeat, machine_heartbeat
 from wall_clock import NOW_S, Wall
 
 from dray.gateway.access.principal import ADMIN
-from dray.gateway.live.frames import Snapshot
+from dray.gateway.live.frames import COLLECTIONS, Snapshot
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream import FACTORY_S, QUIET_S, Client, Hub
 from dray.gateway.live.timescale import TimeScale
@@ -25,6 +27,9 @@ pytestmark = pytest.mark.anyio
 
 QUEUE = 4
 """Frames that wait for a client here."""
+
+WORLD = Path(__file__).parents[3] / "frontend" / "src" / "stream" / "world.ts"
+"""The stream as panels read it."""
 
 
 class Stage:
@@ -324,3 +329,8 @@ def test_frames_are_made_at_the_rate_that_was_asked_for_however_much_happens() -
 
     # Two seconds of virtual time.
     assert run(main()) in (19, 20)
+
+
+def test_panels_know_every_kind_of_entity_by_its_name() -> None:
+    told = WORLD.read_text(encoding="utf-8").partition("export const COLLECTIONS = {")[2].partition("}")[0]
+    assert dict(re.findall(r'(\w+): "(\w+)"', told)) == COLLECTIONS

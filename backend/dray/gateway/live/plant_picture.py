@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 from dray.gateway.live.frames import Snapshot
@@ -109,15 +109,11 @@ class PlantPicture(Protocol):
     @property
     def stations(self) -> Agents: ...
     @property
-    def news(self) -> Kind: ...
-    @property
-    def alerts(self) -> Kind: ...
-    @property
     def closures(self) -> Kind: ...
     @property
-    def obstacles(self) -> Kind: ...
-    @property
-    def waits(self) -> Kind: ...
+    def kinds(self) -> Mapping[str, Kind]:
+        """All kinds of entities, by their field in a frame (`dray.gateway.live.frames.Entities`)."""
+        ...
 
     def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
         """The complete state; at most `most` entities of each collection in `MANY`, if given."""

@@ -7,7 +7,7 @@ gone once, if they had been shown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 from msgspec.structs import replace
@@ -15,10 +15,7 @@ from msgspec.structs import replace
 from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.views import FactoryView
-from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility, goal_alias, news_alias
-
-Show = Callable[[Any], Any]
-"""Turns a view into its form in the areas; None when it is not seen."""
+from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility, Show, goal_alias, news_alias
 
 
 class StreamScope(Protocol):
@@ -143,25 +140,13 @@ class AreaScope:
 
     def __init__(self, projection: PlantPicture, visibility: AreaVisibility) -> None:
         self._projection, self._visibility = projection, visibility
-        self._others: Mapping[str, tuple[Show, Callable[[], Iterable[Any]]]] = {
-            "machine": (visibility.machine, projection.machines.views),
-            "station": (visibility.station, projection.stations.views),
-            "task": (visibility.task, projection.tasks.views),
-            "news": (visibility.news, projection.news.views),
-            "alert": (visibility.alert, projection.alerts.views),
-            "command": (visibility.command, projection.commands.views),
-            "closure": (visibility.closure, projection.closures.views),
-            "obstacle": (visibility.obstacle, projection.obstacles.views),
-            "wait": (visibility.wait, projection.waits.views),
-        }
-        """Per kind except vehicles: the filter, and the source of all views."""
-        self._shown: dict[str, dict[str, Any]] = {kind: {} for kind in ("atv", *self._others)}
+        self._shows = visibility.shows()
+        self._shown: dict[str, dict[str, Any]] = {kind: {} for kind in self._shows}
         """Entities shown and still valid, by kind and id."""
         self._plant_at_s: float | None = None
         """What the last delta told of when the plant became as it is: a snapshot is for one client only."""
-        self._show("atv", visibility.atv, projection.atvs.views())
-        for kind, (show, views) in self._others.items():
-            self._show(kind, show, views())
+        for kind in self._shows:
+            self._show(kind, self._all(kind))
 
     def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
         """See `StreamScope.snapshot`: everything shown so far, since only that is reported as gone later."""
@@ -194,14 +179,16 @@ class AreaScope:
     def delta(self, told: Delta) -> Delta:
         """See `StreamScope.delta`."""
         before = set(self._shown["atv"])
-        atvs, gone = self._show("atv", self._visibility.atv, told.atvs)
+        atvs, gone = self._show("atv", told.atvs)
         # A vehicle that enters or leaves gains or loses its name in everything that mentions it.
         crossed = bool(gone) or any(atv.id not in before for atv in atvs)
-        seen: dict[str, Any] = {}
-        for kind, (show, views) in self._others.items():
-            collection = COLLECTIONS[kind]
-            seen[collection], left = self._show(kind, show, views() if crossed else getattr(told, collection))
-            gone += left
+        seen: dict[str, Any] = {"atvs": atvs}
+        for kind in self._shows:
+            if kind != "atv":
+                collection = COLLECTIONS[kind]
+                views = self._all(kind) if crossed else getattr(told, collection)
+                seen[collection], left = self._show(kind, views)
+                gone += left
         gone += self._forget(told.gone)
         factory = self._factory(told.at_s)
         before_s, self._plant_at_s = self._plant_at_s, factory.plant_at_s
@@ -209,7 +196,6 @@ class AreaScope:
             number=told.number,
             at_s=told.at_s,
             factory=factory if factory.plant_at_s != before_s else None,
-            atvs=atvs,
             gone=tuple(gone),
             **seen,
         )
@@ -218,13 +204,17 @@ class AreaScope:
         """What an area is told of the factory: its speed, and when its plant changed last."""
         return FactoryView(speed=self._projection.speed, plant_at_s=self._projection.plant_at_s(wall_s))
 
-    def _show(self, kind: str, show: Show, views: Iterable[Any]) -> tuple[tuple[Any, ...], list[str]]:
-        """Filter some views.
+    def _all(self, kind: str) -> Sequence[Any]:
+        """The views of a kind in the whole plant."""
+        return self._projection.kinds[COLLECTIONS[kind]].views()
+
+    def _show(self, kind: str, views: Iterable[Any]) -> tuple[tuple[Any, ...], list[str]]:
+        """Filter some views of a kind.
 
         Returns:
             Views that differ from those shown, and the names of those no longer seen.
         """
-        shown, told, gone = self._shown[kind], [], []
+        show, shown, told, gone = self._shows[kind], self._shown[kind], [], []
         for view in views:
             seen, last = show(view), shown.get(view.id)
             if seen is not None and seen != last:

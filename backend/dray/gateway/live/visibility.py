@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import re
 import secrets
+from collections.abc import Callable, Mapping
 from hashlib import blake2s
 from itertools import groupby, takewhile
+from typing import Any
 
 from msgspec.structs import replace
 
@@ -43,6 +45,9 @@ from dray.messages.keys import GATE
 from dray.plant import Plant
 from dray.plant.floor.doors import doors_along
 from dray.plant.model import PlantFile
+
+Show = Callable[[Any], Any]
+"""Turns a view into the form that a caller sees; None if it is not seen."""
 
 ELSEWHERE = "*"
 """Stands for a vehicle outside the areas: its existence is seen, its name is not."""
@@ -201,6 +206,21 @@ class AreaVisibility:
         self._lanes = tuple(lane for lane in plant.driven.lanes if lane.start in inside or lane.end in inside)
         # A lane across the border is seen with both of its ends.
         self._nodes = inside.union(*((lane.start, lane.end) for lane in self._lanes))
+
+    def shows(self) -> Mapping[str, Show]:
+        """By kind of entity, its form in the areas; entities of other kinds are not seen."""
+        return {
+            "atv": self.atv,
+            "machine": self.machine,
+            "station": self.station,
+            "task": self.task,
+            "news": self.news,
+            "alert": self.alert,
+            "command": self.command,
+            "closure": self.closure,
+            "obstacle": self.obstacle,
+            "wait": self.wait,
+        }
 
     def reaches(self, x_m: float, y_m: float) -> bool:
         """Whether a point lies in the areas."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
 
 from msgspec import UNSET
 
-from dray.gateway.live.frames import COLLECTIONS, MANY, Delta, Snapshot
+from dray.gateway.live.frames import MANY, VIEWS, Delta, Snapshot
 from dray.gateway.live.projection.agents.atvs import Atvs
 from dray.gateway.live.projection.agents.disputes import Disputes
 from dray.gateway.live.projection.agents.machines import BROKEN, DOWN, RESTING, Machines
@@ -67,6 +68,7 @@ class Projection:
     Attributes:
         plant: its id.
         site: the places of everything in the plant.
+        kinds: the kinds of entities, by their field in a frame.
     """
 
     def __init__(
@@ -112,9 +114,8 @@ class Projection:
         self.news, self.waits = News(time.to_wall_s), Waits(time.to_wall_s)
         self.interventions, self._overload = Interventions(), Overload()
         self._on_fact = self._rooms_by_fact()
-        self._kinds = {collection: getattr(self, collection) for collection in COLLECTIONS.values()}
-        """Collections of a frame, by their field."""
-        self._all = tuple(kind.changes for kind in self._kinds.values())
+        self.kinds: Mapping[str, Any] = {collection: getattr(self, collection) for collection in VIEWS}
+        self._all = tuple(kind.changes for kind in self.kinds.values())
         self.heard = 0
         """Messages that told something new."""
         self.ignored = 0
@@ -358,7 +359,7 @@ class Projection:
             fault_injection=self.faults.possible,
             **{
                 collection: kind.views(most) if collection in MANY else kind.views()
-                for collection, kind in self._kinds.items()
+                for collection, kind in self.kinds.items()
             },
         )
 
@@ -374,7 +375,7 @@ class Projection:
             factory=factory,
             **{
                 collection: kind.take_changed(most) if collection in MANY else kind.take_changed()
-                for collection, kind in self._kinds.items()
+                for collection, kind in self.kinds.items()
             },
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )

@@ -8,37 +8,16 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Iterator, KeysView, Sequence
-from typing import Any, get_args
+from typing import Any
 
 import msgspec
-import msgspec.structs
 
-from dray.gateway.live.frames import COLLECTIONS, MANY, Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, MANY, VIEWS, Delta, Snapshot
 from dray.gateway.live.projection.site import Site
-from dray.gateway.live.views import (
-    AlertView,
-    AtvView,
-    ClosureView,
-    CommandView,
-    FactoryView,
-    MachineView,
-    NewsView,
-    ObstacleView,
-    OrderView,
-    StationView,
-    TaskView,
-    WaitView,
-)
+from dray.gateway.live.views import CommandView, FactoryView
 from dray.store.replay.recordings import Piece
 
 Line = dict[str, Any]
-
-VIEWS: dict[str, Any] = {
-    field.name: get_args(field.type)[0]
-    for field in msgspec.structs.fields(Snapshot)
-    if field.name in COLLECTIONS.values()
-}
-"""By collection of a frame: the form of its entities."""
 
 
 class _Shelf:
@@ -106,18 +85,14 @@ class Picture:
         """Time of the last frame played."""
         self._fault_injection = bool(first.get("fault_injection", False))
         self._factory: Any = first["factory"]
-        self.atvs, self.tasks, self.commands = _Shelf(AtvView), _Shelf(TaskView), _Commands()
-        self.orders = _Shelf(OrderView)
-        self.machines, self.stations = _Shelf(MachineView), _Shelf(StationView)
-        self.news, self.alerts = _Shelf(NewsView), _Shelf(AlertView)
-        self.closures, self.obstacles, self.waits = (
-            _Shelf(ClosureView),
-            _Shelf(ObstacleView),
-            _Shelf(WaitView),
+        self.kinds: dict[str, _Shelf] = {name: _Shelf(view) for name, view in VIEWS.items()}
+        self.kinds["commands"] = self.commands = _Commands()
+        self.atvs, self.machines, self.stations = (
+            self.kinds[name] for name in ("atvs", "machines", "stations")
         )
-        self._shelves = {
-            name: getattr(self, name, None) or _Shelf(VIEWS[name]) for name in COLLECTIONS.values()
-        }
+        self.tasks, self.orders, self.closures = (
+            self.kinds[name] for name in ("tasks", "orders", "closures")
+        )
         self.play(first)
 
     @property
@@ -136,24 +111,24 @@ class Picture:
             line["gone"] = [
                 f"{kind}:{entity}"
                 for kind, name in COLLECTIONS.items()
-                for entity in self._shelves[name].ids() - {each["id"] for each in line.get(name, ())}
+                for entity in self.kinds[name].ids() - {each["id"] for each in line.get(name, ())}
             ]
         self.at_s = line["at_s"]
         self._factory = line.get("factory") or self._factory
-        for name, shelf in self._shelves.items():
+        for name, shelf in self.kinds.items():
             if name in line:
                 shelf.put(line[name])
         for name in line.get("gone", ()):
             kind, _, entity = name.partition(":")
             if kind in COLLECTIONS:
-                self._shelves[COLLECTIONS[kind]].drop(entity)
+                self.kinds[COLLECTIONS[kind]].drop(entity)
         if "areas" in line:
             self.commands.note_areas(line["areas"])
 
     def told(self, line: Line) -> Delta:
         """The content of a frame just played, as whole entities."""
         views: dict[str, Any] = {}
-        for name, shelf in self._shelves.items():
+        for name, shelf in self.kinds.items():
             if name in line:
                 found = (shelf.view(patch["id"]) for patch in line[name])
                 views[name] = tuple(view for view in found if view is not None)
@@ -164,7 +139,7 @@ class Picture:
         """See `PlantPicture.snapshot`."""
         told: dict[str, Any] = {
             name: shelf.views()[:most] if name in MANY else shelf.views()
-            for name, shelf in self._shelves.items()
+            for name, shelf in self.kinds.items()
         }
         return Snapshot(
             number=number,
