@@ -22,13 +22,14 @@ from dray_sim.bodies.stores import Storage
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.controllers.opcua_controllers import OpcUaControllers
 from dray_sim.controllers.opcua_server import ControllerServer
+from dray_sim.factory.installation import Bodies
 
 
 class _Controlled(LinkListener, Body, Protocol):
     """A body with a controller."""
 
 
-class OpcUaBodies:
+class OpcUaBodies(Bodies):
     """All machines, stores and the gate of a plant with their controllers, and the bodies of their agents. Made on the factory's loop.
 
     Args:
@@ -44,6 +45,8 @@ class OpcUaBodies:
         stores: the bodies of storages and source warehouses, likewise.
         gate: the body of the gate; None before its agent's first life.
     """
+
+    has_levels = True
 
     def __init__(
         self,

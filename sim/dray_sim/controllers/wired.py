@@ -27,6 +27,7 @@ from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.controllers.gate import GateController
 from dray_sim.controllers.machine import COUNTERS, MODULUS, MachineController
 from dray_sim.controllers.store import StoreController
+from dray_sim.factory.installation import Bodies
 
 SIGNALS = (
     *(Signal.PIECES, Signal.BAD, Signal.FAULT, Signal.DOCK_READY),
@@ -115,7 +116,7 @@ class Wired:
             self.controller.on_write(Signal.ALIVE, self._beats)
 
 
-class WiredBodies:
+class WiredBodies(Bodies):
     """All machines, stores and the gate of a plant with their controllers, and the bodies of their agents.
 
     Args:
@@ -126,6 +127,8 @@ class WiredBodies:
     Attributes:
         wired: by agent, once it has lived.
     """
+
+    has_levels = True
 
     def __init__(self, plant: Plant, clock: Clock, *, modulus: int = MODULUS) -> None:
         self._plant, self._clock, self._modulus = plant, clock, modulus

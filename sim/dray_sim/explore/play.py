@@ -36,7 +36,6 @@ from dray_sim.explore.bodies import RESTS_S, check_counts, play_cuts
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.run import Run, draw
 from dray_sim.explore.story import Story
-from dray_sim.factory.installation import itself
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Fault, Faults, LaneBlocked, LoadDropped, describe, kind_of
 from dray_sim.faults import play as let_happen
@@ -181,9 +180,7 @@ class _Game:
             listener=listeners,
             traffic=run.traffic,
             strategists=run.strategists,
-            embody_machine=itself if bodies is None else bodies.embody_machine,
-            embody_store=itself if bodies is None else bodies.embody_store,
-            embody_gate=itself if bodies is None else bodies.embody_gate,
+            bodies=bodies,
         )
         if bodies is not None:
             factory.arrived = bodies.arrived

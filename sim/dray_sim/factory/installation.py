@@ -54,21 +54,28 @@ def directly(_spec: VehicleSpec, vehicle: SimVehicle, _life: int) -> Body:
     return vehicle
 
 
-EmbodyMachine = Callable[[SimWorkcell, int], Body]
-"""Makes the body of one life of a machine's agent, from the workcell and the number of that life."""
+class Bodies:
+    """Makes the bodies of the agents of machines, storages and the gate: one for each life of an agent, by its number.
 
+    This class puts nothing between an agent and the simulated thing. A subclass puts controllers or people there.
 
-EmbodyStore = Callable[[Storage, int], Body]
-"""Makes the body of one life of a station, from its storage and the number of that life."""
+    Attributes:
+        has_levels: whether stations learn by the levels of controllers what lies in their storages.
+    """
 
+    has_levels = False
 
-EmbodyGate = Callable[[Gate, int], Body]
-"""Makes the body of one life of the gate's agent, from the gate and the number of that life."""
+    def embody_machine(self, workcell: SimWorkcell, _life: int) -> Body:
+        """The body of the next life of a machine's agent."""
+        return workcell
 
+    def embody_store(self, storage: Storage, _life: int) -> Body:
+        """The body of the next life of a station."""
+        return storage
 
-def itself(body: Body, _life: int) -> Body:
-    """An `EmbodyMachine`, `EmbodyStore` and `EmbodyGate` that puts nothing between a body and its agent."""
-    return body
+    def embody_gate(self, gate: Gate, _life: int) -> Body:
+        """The body of the next life of the gate's agent."""
+        return gate
 
 
 def always(body: Body | None) -> MakeBody:

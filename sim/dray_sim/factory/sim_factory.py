@@ -40,16 +40,13 @@ from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.computer import ComputerClock
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.installation import (
+    Bodies,
     Embody,
-    EmbodyGate,
-    EmbodyMachine,
-    EmbodyStore,
     Installation,
     MakeAgent,
     MakeBody,
     always,
     directly,
-    itself,
 )
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.factory.request_keys import RequestKeys
@@ -60,14 +57,14 @@ from dray_sim.network.sim_network import SimNetwork
 
 
 def with_gate(
-    plant: Plant, gate: Gate, strategists: tuple[str, ...], embody: EmbodyGate = itself
+    plant: Plant, gate: Gate, strategists: tuple[str, ...], bodies: Bodies
 ) -> Iterator[tuple[str, Kind, MakeAgent, MakeBody]]:
     """The gate and each strategist: how its agent is made, and its body. Strategists have none."""
     yield (
         GATE,
         Kind.GATE,
         lambda life, software, _probation: DeliveryGate(plant, incarnation=life, software=software),
-        partial(embody, gate),
+        partial(bodies.embody_gate, gate),
     )
     for strategist in strategists:
         yield strategist, Kind.STRATEGIST, _maker(plant, strategist, strategists), always(None)
@@ -96,9 +93,7 @@ class SimFactory:
         authority: grants the commands of simulated people, and is the one that vehicles believe; follows from the seed by default.
         traffic: whether vehicles drive with right of way; else as if each were alone.
         embody: makes an adapter between a vehicle and each life of its agent; none by default.
-        embody_machine: makes an adapter between a workcell and each life of its agent; none by default.
-        embody_store: likewise between a storage and its station.
-        embody_gate: likewise between the gate and its agent.
+        bodies: likewise for machines, storages and the gate.
         strategists: how many there are.
 
     Attributes:
@@ -131,13 +126,12 @@ class SimFactory:
         authority: SigningKey | None = None,
         traffic: bool = False,
         embody: Embody = directly,
-        embody_machine: EmbodyMachine = itself,
-        embody_store: EmbodyStore = itself,
-        embody_gate: EmbodyGate = itself,
+        bodies: Bodies | None = None,
         strategists: int = 1,
     ) -> None:
         self._embody = embody
-        self.has_levels = embody_store is not itself
+        bodies = bodies or Bodies()
+        self.has_levels = bodies.has_levels
         self.plant = plant
         self.clock = clock
         self.keys = Keys(plant.id)
@@ -168,16 +162,15 @@ class SimFactory:
         self._incarnation = incarnation
         self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
-            self._employ(
-                machine, Kind.MACHINE, self._machine(machine, plant), partial(embody_machine, workcell)
-            )
+            body = partial(bodies.embody_machine, workcell)
+            self._employ(machine, Kind.MACHINE, self._machine(machine, plant), body)
         for storage, place in self.storages.items():
-            self._employ(storage, Kind.STATION, self._station(storage), partial(embody_store, place))
+            self._employ(storage, Kind.STATION, self._station(storage), partial(bodies.embody_store, place))
         for spec in plant.fleet.values():
             self._man(spec)
         self.strategists = strategists_of(strategists)
-        for agent, kind, make, body in with_gate(plant, self.gate, self.strategists, embody_gate):
-            self._employ(agent, kind, make, body)
+        for agent, kind, make, embodied in with_gate(plant, self.gate, self.strategists, bodies):
+            self._employ(agent, kind, make, embodied)
 
     @property
     def journals(self) -> Mapping[str, HeldJournal]:

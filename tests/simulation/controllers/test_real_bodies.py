@@ -65,9 +65,7 @@ async def worked(broker: BrokerAddress, server: ControllerServer) -> Shift:
         stock_frac=(0.02, 0.15),
         listener=listeners,
         embody=fleet.embody,
-        embody_machine=bodies.embody_machine,
-        embody_store=bodies.embody_store,
-        embody_gate=bodies.embody_gate,
+        bodies=bodies,
     )
     invariants = Invariants(factory)
     listeners.add(invariants)

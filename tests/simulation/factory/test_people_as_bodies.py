@@ -35,6 +35,7 @@ from dray.ports import Body, Clock
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import JUMP, clock, run
+from dray_sim.factory.installation import Bodies
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners
 from dray_sim.people.demand import Order
@@ -155,16 +156,24 @@ class People:
             self._loads[message.machine] = message.people.loads
 
 
+class Workplaces(Bodies):
+    """People stand between each workcell and its machine's agent."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self.places: dict[str, Workplace] = {}
+
+    def embody_machine(self, workcell: SimWorkcell, _life: int) -> Body:
+        if workcell.id not in self.places:
+            self.places[workcell.id] = Workplace(workcell, self._clock)
+        return self.places[workcell.id].live()
+
+
 async def shift(seed: int, span_s: float) -> tuple[SimFactory, dict[str, Workplace], Invariants, People]:
     """An order of each product, while agents are killed, and then a while in peace."""
     now, listeners, chance = clock(), Listeners(), Random(seed)
-    places: dict[str, Workplace] = {}
-
-    def embody(workcell: SimWorkcell, _life: int) -> Body:
-        if workcell.id not in places:
-            places[workcell.id] = Workplace(workcell, now)
-        return places[workcell.id].live()
-
+    bodies = Workplaces(now)
+    places = bodies.places
     factory = SimFactory(
         PLANT,
         now,
@@ -172,7 +181,7 @@ async def shift(seed: int, span_s: float) -> tuple[SimFactory, dict[str, Workpla
         stock_frac=(0.02, 0.15),
         listener=listeners,
         traffic=True,
-        embody_machine=embody,
+        bodies=bodies,
     )
     invariants = Invariants(factory)
     listeners.add(invariants)

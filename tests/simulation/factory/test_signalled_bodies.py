@@ -43,9 +43,7 @@ async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dic
         stock_frac=(0.02, 0.15),
         listener=listeners,
         traffic=True,
-        embody_machine=bodies.embody_machine,
-        embody_store=bodies.embody_store,
-        embody_gate=bodies.embody_gate,
+        bodies=bodies,
     )
     controllers = bodies.wired
     invariants = Invariants(factory)

@@ -47,7 +47,7 @@ from dray.store import Store, open_store
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
 from dray_sim.clock.loop import VirtualClock, paced, virtual_loop
 from dray_sim.clock.wall import HurryingClock, Wall
-from dray_sim.factory.installation import directly, itself
+from dray_sim.factory.installation import directly
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.network.bridge import BridgedBus, SimThread
@@ -185,9 +185,7 @@ def _life(
                 strategists=service.settings.strategists,
                 traffic=service.settings.traffic,
                 embody=directly if fleet is None else fleet.embody,
-                embody_machine=itself if bodies is None else bodies.embody_machine,
-                embody_store=itself if bodies is None else bodies.embody_store,
-                embody_gate=itself if bodies is None else bodies.embody_gate,
+                bodies=bodies,
             )
             faults = Faults(factory)
         else:
