@@ -141,9 +141,9 @@ def that_gives_orders_back_with_an_open_gate(patch: pytest.MonkeyPatch) -> None:
 
     def give_back(self: OrderRevocations, order: OrderInWork) -> None:
         for goal in list(order.goals.values()):
-            self._end(goal, "withdrawn")
+            self._auctions.close_goal(goal, "withdrawn")
             self._book.withdraw(goal)
-        self._end_if_done(order)
+        self._ends.end_if_done(order)
 
     patch.setattr(OrderRevocations, "shut", give_back)
 

@@ -44,6 +44,9 @@ NOWHERE = Place(x_m=0.0, y_m=0.0, reach_m=0.0)
 REASON_CHARS = 500
 """Maximum length of a reason; a large plant has more machines than a person reads."""
 
+GOAL_CHECK = "goal check"
+"""Alarm of the check of a goal, by goal: the strategist sets it while it follows the goal."""
+
 TAKERS = "takers"
 """Alarm of the check whether any machine could take a goal, by product."""
 
@@ -113,7 +116,8 @@ class GoalAuctions(Coordinator):
             self._check_takers(product, now_s)
 
     def close_goal(self, goal: OpenGoal, outcome: Outcome) -> None:
-        """A goal has ended, with or without an auction."""
+        """A goal has ended, with or without an auction; it is not followed any more."""
+        self._life.cancel((GOAL_CHECK, goal.id))
         if self._asking.get(goal.work.product) == goal.id:
             del self._asking[goal.work.product]
         task = self.get(goal.id)
@@ -127,7 +131,8 @@ class GoalAuctions(Coordinator):
             self._life.record(ended)
 
     def give_up(self, goal: OpenGoal) -> None:
-        """Another strategist holds the order of a goal: withdraw an auction; a contract stands."""
+        """Another strategist holds the order of a goal, and follows it: withdraw an auction; a contract stands."""
+        self._life.cancel((GOAL_CHECK, goal.id))
         if self._asking.get(goal.work.product) == goal.id:
             del self._asking[goal.work.product]
         task = self.get(goal.id)

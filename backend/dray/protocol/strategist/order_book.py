@@ -101,6 +101,11 @@ class OrderBook:
         """The order of an open goal."""
         return self._orders[goal.work.order]
 
+    @property
+    def in_work(self) -> int:
+        """Number of orders in work."""
+        return len(self._orders)
+
     def orders(self) -> list[OrderInWork]:
         """All orders in work, oldest first."""
         return list(self._orders.values())

@@ -8,16 +8,16 @@ are saved than asked.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from msgspec import UNSET
 from msgspec.structs import replace
 
 from dray.body import Admit
 from dray.messages import GoalBrief, GoalRevised, GoalRevisionTaken, OrderItem, OrderReleased, OrderTaken
-from dray.messages.fact import GoalReduced, OrderChanged, Outcome
+from dray.messages.fact import GoalReduced
 from dray.protocol.runtime.life import Life
+from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.order_book import DELIVERY_S, OpenGoal, OrderBook, OrderInWork
+from dray.protocol.strategist.order_ends import OrderEnds
 
 
 class OrderChanges:
@@ -25,23 +25,18 @@ class OrderChanges:
 
     Args:
         book: all orders and goals.
-        end: follows a goal no longer, with its outcome.
-        deliver: called with a goal whose wanted pieces have all arrived.
-        done: called with a goal of which nothing is wanted any more, and that is followed no longer.
-        ask: puts up the next goal of a product.
+        auctions: those of the goals.
+        ends: ends goals and orders.
     """
 
     def __init__(
         self,
         book: OrderBook,
+        auctions: GoalAuctions,
+        ends: OrderEnds,
         life: Life,
-        end: Callable[[OpenGoal, Outcome], None],
-        deliver: Callable[[OpenGoal], None],
-        done: Callable[[OpenGoal], None],
-        ask: Callable[[str, float], None],
     ) -> None:
-        self._book, self._life = book, life
-        self._end, self._deliver, self._done, self._ask = end, deliver, done, ask
+        self._book, self._auctions, self._ends, self._life = book, auctions, ends, life
         self._askers: dict[str, str] = {}
         """By order: the agent that waits for the end of a change; an unknown one asks again."""
 
@@ -79,19 +74,11 @@ class OrderChanges:
         if order.wanted:
             settled = [self._spare(order, index) for index in range(len(order.items))]
             if all(settled):
-                self.close(order)
+                self._ends.end_change(order)
         for product in dict.fromkeys(goal.work.product for goal in order.goals.values() if not goal.machine):
-            self._ask(product, now_s)
+            self._auctions.ask_next(product, now_s)
         if not order.wanted:
             self._answer(order)
-
-    def close(self, order: OrderInWork) -> None:
-        """End a change under way: the order stays as it is now."""
-        if order.wanted:
-            order.wanted = []
-            self._book.touch(order)
-            changed = OrderChanged(order.id, order.release, order.change, order.quantities)
-            self._life.record(changed)
 
     def on_taken(self, sender: str, message: GoalRevisionTaken, now_s: float) -> None:
         """A machine has answered what it keeps."""
@@ -131,10 +118,10 @@ class OrderChanges:
                 self._book.add_goals(order, work.item, rest)
         self.settle(order, now_s)
         if not goal.work.quantity:
-            self._end(goal, "withdrawn")
-            self._done(goal)
+            self._auctions.close_goal(goal, "withdrawn")
+            self._ends.close(goal)
         elif goal.arrived >= goal.work.quantity and self._book.goal(goal.id) is goal:
-            self._deliver(goal)
+            self._ends.deliver(goal)
 
     def _reduce(self, goal: OpenGoal, kept: int) -> None:
         work = goal.work
@@ -176,7 +163,7 @@ class OrderChanges:
 
     def _replace(self, goal: OpenGoal, quantity: int) -> None:
         """Put a goal without a machine up anew, or drop it."""
-        self._end(goal, "withdrawn")
+        self._auctions.close_goal(goal, "withdrawn")
         if quantity:
             self._book.succeed(goal, quantity)
         else:

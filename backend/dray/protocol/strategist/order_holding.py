@@ -18,7 +18,8 @@ A noted order is forgotten, too, when its holder reports its end.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from msgspec import UNSET
 from msgspec.structs import replace
@@ -31,8 +32,8 @@ from dray.messages.fact import MemoryLost, OrderDropped, OrderFulfilled, OrderRe
 from dray.messages.gate import OrderHeld
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Commit
-from dray.protocol.runtime.life import Life
-from dray.protocol.strategist.order_book import ENDED_KEPT, ORDERS_MAX
+from dray.protocol.runtime.life import Change, Life
+from dray.protocol.strategist.order_book import ENDED_KEPT, ORDERS_MAX, OrderBook
 from dray.protocol.strategist.peers import Peers
 
 TURN_S = 1.0
@@ -53,34 +54,46 @@ def life_of(agent: str, incarnation: int, others: Sequence[str]) -> str:
     return f"s{sorted((agent, *others)).index(agent) + 1}r{incarnation}"
 
 
+@dataclass(frozen=True, slots=True)
+class OrderGranted(Change):
+    """The gate has granted an order to this strategist.
+
+    Attributes:
+        held: the gate's report.
+        release: its last release; None if unknown.
+    """
+
+    held: OrderHeld
+    release: OrderReleased | None
+
+
+@dataclass(frozen=True, slots=True)
+class OrderLost(Change):
+    """Another strategist holds an order that was held here."""
+
+    order: str
+
+
+@dataclass(frozen=True, slots=True)
+class OrderHeard(Change):
+    """A message about an order is to be answered here: the order is held here, or has ended here."""
+
+    sender: str
+    message: Said
+
+
 class OrderHolding:
     """The holding of orders of one strategist among several.
 
     Args:
         agent: its id.
         peers: the other strategists.
-        life: the agent's life; alarms are named ``(CLAIM, order)``.
-        is_over: whether a message is about an order that has ended here, and can be answered.
-        can_take: whether an order can be made, and there is room for it.
-        granted: called with the gate's report of a newly held order, its last release (None if unknown), and now_s.
-        lost: called with an order that another strategist holds, and now_s.
-        heard: called with sender, message and now_s, for messages about a newly held order.
+        life: the agent's life; alarms are named ``(CLAIM, order)``. It notes `OrderGranted`, `OrderLost` and `OrderHeard`.
+        book: the orders that the strategist has in work, and those that have ended.
     """
 
-    def __init__(
-        self,
-        agent: str,
-        peers: Peers,
-        life: Life,
-        is_over: Callable[[Said], bool],
-        can_take: Callable[[OrderReleased], bool],
-        granted: Callable[[OrderHeld, OrderReleased | None, float], None],
-        lost: Callable[[str, float], None],
-        heard: Callable[[str, Said, float], None],
-    ) -> None:
-        self._agent, self._peers, self._life = agent, peers, life
-        self._is_over, self._can_take = is_over, can_take
-        self._granted, self._lost, self._heard = granted, lost, heard
+    def __init__(self, agent: str, peers: Peers, life: Life, book: OrderBook) -> None:
+        self._agent, self._peers, self._life, self._book = agent, peers, life, book
         self._held: BoundedMap[str, int] = BoundedMap(ENDED_KEPT)
         """Epochs of the orders that this strategist holds, including ended ones."""
         self._noted: dict[str, OrderNoted] = {}
@@ -89,9 +102,9 @@ class OrderHolding:
         """The last unanswered message about orders that are not held here."""
         self._unwritten: dict[str, None] = {}
 
-    def start(self, held: Mapping[str, int], known: Callable[[str], bool], now_s: float) -> None:
+    def start(self, held: Mapping[str, int], now_s: float) -> None:
         """Continue the held orders by the gate's report; the gate is asked about unknown ones."""
-        self._held.update({order: epoch for order, epoch in held.items() if known(order)})
+        self._held.update({order: epoch for order, epoch in held.items() if self._knows(order)})
         for order, noted in self._noted.items():
             if order in self._held:
                 continue
@@ -129,11 +142,12 @@ class OrderHolding:
 
     # --- messages ---
 
-    def on_said(self, sender: str, message: Said, now_s: float) -> bool:
-        """Handle a message about an order; returns whether this strategist is to answer it at once."""
+    def on_said(self, sender: str, message: Said, now_s: float) -> None:
+        """Handle a message about an order."""
         order = message.order
         if self._is_over(message):
-            return True
+            self._life.note(OrderHeard(sender, message))
+            return
         noted = self._noted.get(order)
         if isinstance(message, OrderReleased) and (
             noted is None or (message.release, message.change) > (noted.release.release, noted.release.change)
@@ -141,13 +155,13 @@ class OrderHolding:
             before = noted or OrderNoted(message, sender)
             self._note(order, replace(before, release=message, asker=sender))
         if order in self._held:
-            return True
+            self._life.note(OrderHeard(sender, message))
+            return
         self._waiting[order] = (sender, message)
         if noted is None or not noted.holder or self._peers.is_silent(noted.holder, now_s):
             self._take_turn(order, now_s)
         else:
             self._life.ignore("a message about an order that another strategist holds")
-        return False
 
     def on_event(self, sender: str, event: Event, now_s: float) -> None:
         """Another strategist reports that an order has ended, or that it has lost its notes."""
@@ -186,7 +200,7 @@ class OrderHolding:
         elif noted is not None or order in self._waiting:
             self._life.instruct(HoldOrder(order, 1 if noted is None else noted.epoch + 1))
 
-    def on_held(self, report: OrderHeld, now_s: float) -> None:
+    def on_held(self, report: OrderHeld, _now_s: float) -> None:
         """The gate reports the holder of an order."""
         order, noted = report.order, self._noted.get(report.order)
         if noted is not None and (noted.holder, noted.epoch) != (report.holder, report.epoch):
@@ -194,17 +208,31 @@ class OrderHolding:
         if report.holder != self._agent:
             self._forget(order, report.over)
             if self._held.pop(order, None) is not None:
-                self._lost(order, now_s)
+                self._life.note(OrderLost(order))
             return
         if self._held.get(order) != report.epoch:
             self._held[order] = report.epoch
-            self._granted(report, None if noted is None else noted.release, now_s)
+            self._life.note(OrderGranted(report, None if noted is None else noted.release))
         if order in self._waiting:
-            self._heard(*self._waiting.pop(order), now_s)
+            self._life.note(OrderHeard(*self._waiting.pop(order)))
         elif noted is not None:
-            self._heard(noted.asker, noted.release, now_s)
+            self._life.note(OrderHeard(noted.asker, noted.release))
 
     # --- internals ---
+
+    def _knows(self, order: str) -> bool:
+        return self._book.order(order) is not None or self._book.is_over(order)
+
+    def _is_over(self, message: Said) -> bool:
+        """Whether a message is about an order that has ended here, and is answered so."""
+        order = message.order
+        if self._book.order(order) is not None:
+            return False
+        return not isinstance(message, OrderCancelled) and self._book.knows(order, message.release)
+
+    def _can_take(self, release: OrderReleased) -> bool:
+        """Whether an order can be made, and there is room for it."""
+        return not self._book.is_full and all(map(self._book.can_be_made, release.items))
 
     def _forget(self, order: str, release: int) -> None:
         noted = self._noted.get(order)

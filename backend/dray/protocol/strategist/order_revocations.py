@@ -5,14 +5,14 @@ An order that is taken back ends when the gate is shut for all of its goals; the
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from dray.body import Admit
 from dray.body.gate import EVERY_RELEASE
 from dray.messages import CancellationTaken, OrderCancelled, OrderRevoked, Reason, RevocationTaken
-from dray.messages.fact import GoalWithdrawn, OrderDropped, Outcome
+from dray.messages.fact import GoalWithdrawn, OrderDropped
 from dray.protocol.runtime.life import Life
+from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
+from dray.protocol.strategist.order_ends import OrderEnds
 from dray.protocol.strategist.part_goals import PartGoals
 
 
@@ -21,33 +21,28 @@ class OrderRevocations:
 
     Args:
         book: all orders and goals.
+        auctions: those of the goals.
         parts: goals of parts.
-        end: follows a goal no longer, with its outcome.
-        end_if_done: ends an order without open goals.
-        has_ended: called with a dropped or never begun order, and the last release to which that applies.
-        ask: puts up the next goal of a product.
+        ends: ends goals and orders.
     """
 
     def __init__(
         self,
         book: OrderBook,
+        auctions: GoalAuctions,
         parts: PartGoals,
+        ends: OrderEnds,
         life: Life,
-        *,
-        end: Callable[[OpenGoal, Outcome], None],
-        end_if_done: Callable[[OrderInWork], None],
-        has_ended: Callable[[str, int], None],
-        ask: Callable[[str, float], None],
     ) -> None:
-        self._book, self._parts, self._life = book, parts, life
-        self._end, self._end_if_done, self._has_ended, self._ask = end, end_if_done, has_ended, ask
+        self._book, self._auctions, self._parts = book, auctions, parts
+        self._ends, self._life = ends, life
 
     def on_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
         """Drop an order, and answer every request, even for an order that has not come yet."""
         order = self._book.close_order(message.order)
         if order is not None:
             self._drop(order, now_s)
-        self._has_ended(message.order, EVERY_RELEASE)
+        self._ends.tell(message.order, EVERY_RELEASE)
         self._life.send(sender, CancellationTaken(order=message.order))
 
     def _drop(self, order: OrderInWork, now_s: float) -> None:
@@ -55,9 +50,9 @@ class OrderRevocations:
             if goal.machine and not goal.work.part_of:
                 # From now on the gate is shut for it, as for any goal without a machine.
                 self._life.instruct(Admit(goal=goal.id, quantity=0))
-            self._end(goal, "withdrawn")
+            self._auctions.close_goal(goal, "withdrawn")
         for goal in order.goals.values():
-            self._ask(goal.work.product, now_s)
+            self._auctions.ask_next(goal.work.product, now_s)
         self._life.record(OrderDropped(order=order.id))
 
     def on_revoked(self, sender: str, message: OrderRevoked, now_s: float) -> None:
@@ -71,7 +66,7 @@ class OrderRevocations:
             self._book.revoke(order, sender)
             self.shut(order)
             for item in order.items:
-                self._ask(item.product, now_s)
+                self._auctions.ask_next(item.product, now_s)
 
     def shut(self, order: OrderInWork) -> None:
         """Withdraw goals without a machine, and shut the gate for the others, whose last count is awaited."""
@@ -81,17 +76,17 @@ class OrderRevocations:
                 goal.failure = goal.failure or Reason.WITHDRAWN
                 self._life.instruct(Admit(goal=goal.id, quantity=0))
             else:
-                self._end(goal, "withdrawn")
+                self._auctions.close_goal(goal, "withdrawn")
                 self._book.withdraw(goal)
-        self._end_if_done(order)
+        self._ends.end_if_done(order)
 
     def take_out(self, goal: OpenGoal) -> None:
         """The gate is shut and has counted: end a goal of an order that was taken back."""
-        self._end(goal, "withdrawn")
+        self._auctions.close_goal(goal, "withdrawn")
         order = self._book.withdraw(goal)
         held = self._book.held_with(order.id)
         self._life.record(GoalWithdrawn(goal.id, goal.machine, goal.arrived, held))
-        self._end_if_done(order)
+        self._ends.end_if_done(order)
 
     def _answer(self, asker: str, message: OrderRevoked) -> None:
         """Repeat how an order was taken back; one that has not come will not be begun."""
@@ -99,7 +94,7 @@ class OrderRevocations:
         returned = self._book.returned(message.order)
         if not self._book.knows(message.order, message.release):
             self._book.give_back(message.order, message.release)
-            self._has_ended(message.order, message.release)
+            self._ends.tell(message.order, message.release)
         elif returned is not None and returned.release == message.release:
             outstanding = returned.outstanding
         self._life.send(asker, RevocationTaken(message.order, message.release, outstanding))

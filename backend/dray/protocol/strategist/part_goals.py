@@ -8,11 +8,12 @@ from typing import Any
 from msgspec import UNSET
 
 from dray.messages import AtvHeartbeat, GoalBrief, MachineHeartbeat, Message, StationHeartbeat
-from dray.messages.fact import GoalWithdrawn, Outcome
+from dray.messages.fact import GoalWithdrawn
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
+from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
 from dray.protocol.strategist.part_leads import PartLeads
@@ -30,11 +31,10 @@ class PartGoals:
         plant: its parts; without parts there are no subscriptions.
         keys: the plant's bus keys.
         book: all goals.
+        auctions: those of the goals.
         machines: the machines and their products.
         life: the agent's life; alarms are named `PLAN`.
         shutdown: of the strategist: while it drains it gives nothing out.
-        ask_next: called with a product that has goals to put up, and now_s.
-        end: called with a goal that is followed no longer, and its outcome.
 
     Attributes:
         message_handlers, alarms: entries for the strategist's tables.
@@ -45,16 +45,13 @@ class PartGoals:
         plant: Plant,
         keys: Keys,
         book: OrderBook,
+        auctions: GoalAuctions,
         machines: MachineMonitor,
         life: Life,
         shutdown: GracefulShutdown,
-        *,
-        ask_next: Callable[[str, float], None],
-        end: Callable[[OpenGoal, Outcome], None],
     ) -> None:
         self._plant, self._keys, self._book = plant, keys, book
-        self._life, self._shutdown = life, shutdown
-        self._ask_next, self._end = ask_next, end
+        self._auctions, self._life, self._shutdown = auctions, life, shutdown
         self._leads = PartLeads(machines, plant.working_time)
         self._stock = PartStock(plant)
         self._planner = PartPlanner(plant, book, self._stock, self._leads)
@@ -93,7 +90,7 @@ class PartGoals:
 
     def lose(self, goal: OpenGoal) -> None:
         """End a part goal whose machine has failed or that is unneeded. Made pieces stay; the rest is planned anew."""
-        self._end(goal, "withdrawn")
+        self._auctions.close_goal(goal, "withdrawn")
         self._book.close(goal)
         if goal.machine:
             self._life.record(GoalWithdrawn(goal.id, goal.machine, 0, self._book.held_with(goal.work.order)))
@@ -107,4 +104,4 @@ class PartGoals:
         self._life.alarm(PLAN, now_s + PLAN_EVERY_S)
         if not self._shutdown.begun:
             for part in dict.fromkeys(goal.work.product for goal in self._planner.plan(now_s)):
-                self._ask_next(part, now_s)
+                self._auctions.ask_next(part, now_s)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from dray.messages import StrategistHeartbeat
 from dray.messages.keys import Keys
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, WORKING_INTERVAL_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
+from dray.protocol.strategist.order_book import OrderBook
 
 PEER_SILENCE_S = GOAL_SILENCE_S
 """Silence after which a strategist's orders are taken over (s): a restart takes less."""
@@ -23,7 +22,7 @@ class Peers:
         others: all other strategists of the plant.
         keys: the plant's bus keys.
         life: the agent's life; its alarm is named `BEAT`.
-        orders: how many orders the strategist has in work.
+        book: the strategist's orders.
     """
 
     def __init__(
@@ -33,10 +32,10 @@ class Peers:
         others: tuple[str, ...],
         keys: Keys,
         life: Life,
-        orders: Callable[[], int],
+        book: OrderBook,
     ) -> None:
         self._agent, self._incarnation, self._keys, self._life = agent, incarnation, keys, life
-        self._orders = orders
+        self._book = book
         self._heard_s = dict.fromkeys(others, 0.0)
         self._newest = dict.fromkeys(others, (0, 0))
         """Incarnation and number of the newest heartbeat."""
@@ -53,7 +52,7 @@ class Peers:
     def beat(self, now_s: float) -> None:
         """Send a heartbeat."""
         said = StrategistHeartbeat(
-            self._agent, self._incarnation, self._life.count_beat(), now_s, self._orders()
+            self._agent, self._incarnation, self._life.count_beat(), now_s, self._book.in_work
         )
         self._life.publish(self._keys.strategist_heartbeat(self._agent), said)
         self._life.beat_again(WORKING_INTERVAL_S, now_s)
@@ -80,7 +79,7 @@ class Peers:
 
     def before(self, order: str, now_s: float) -> int:
         """How many peers bid less for an order: fewer orders in work, or as many and an earlier rank by name."""
-        own = (self._orders(), spread_frac(f"{order} {self._agent}"), self._agent)
+        own = (self._book.in_work, spread_frac(f"{order} {self._agent}"), self._agent)
         return sum(
             not self.is_silent(other, now_s) and (load, spread_frac(f"{order} {other}"), other) < own
             for other, load in self._load.items()

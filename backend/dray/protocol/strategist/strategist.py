@@ -13,7 +13,7 @@ An order whose release is revoked ends in the same way (`order_revocations`). Th
 goals were counted. It names the missing pieces, so that another release orders exactly those.
 
 Each of several strategists answers for the orders that it holds, and goes on with those of a silent one
-(`shared_orders`).
+(`order_holding`).
 
 A strategist that is asked to leave takes no order and puts nothing up; it stays while a machine may still answer.
 
@@ -30,52 +30,46 @@ from collections.abc import Callable
 from typing import Any
 
 from dray.body import Admit, BodyState, GateState, GoodsArrived, Report
-from dray.body.gate import EVERY_RELEASE
 from dray.errors import ProtocolViolation
 from dray.memory import Memory
 from dray.messages import (
     Accepted,
     Bid,
     Declined,
-    GoalClosed,
     GoalRevisionTaken,
     MachineHeartbeat,
+    Message,
     OrderCancelled,
     OrderReleased,
     OrderRevoked,
     Reason,
-    RevocationTaken,
 )
 from dray.messages.fact import (
     GoalLost,
     GoodsDelivered,
     OrderAccepted,
-    OrderFulfilled,
-    OrderReturned,
-    Outcome,
+    OrderTakenOver,
 )
-from dray.messages.gate import GoalOf
+from dray.messages.gate import GoalHeld, GoalOf
 from dray.messages.keys import STRATEGIST, Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
-from dray.protocol.runtime.agent import AgentBase
+from dray.protocol.runtime.agent import AgentBase, Handler
 from dray.protocol.runtime.events import Instruct
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
-from dray.protocol.strategist.goal_auctions import GoalAuctions, GoalTaken
+from dray.protocol.strategist.goal_auctions import GOAL_CHECK, GoalAuctions, GoalTaken
 from dray.protocol.strategist.machine_monitor import MachineMonitor
-from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
+from dray.protocol.strategist.order_book import OpenGoal, OrderBook
 from dray.protocol.strategist.order_changes import OrderChanges
-from dray.protocol.strategist.order_holding import life_of
+from dray.protocol.strategist.order_ends import OrderEnds
+from dray.protocol.strategist.order_holding import OrderGranted, OrderHeard, OrderLost, life_of
 from dray.protocol.strategist.order_revocations import OrderRevocations
 from dray.protocol.strategist.part_goals import PartGoals
 from dray.protocol.strategist.shared_orders import SharedOrders
 
 ORDER_ID_MAX = 96
 """Maximum characters of an order's id: its goals' ids begin with it, and have at most 128."""
-
-GOAL_CHECK = "goal check"
-"""Alarm of the check of a goal, by goal."""
 
 
 class Strategist(AgentBase):
@@ -109,28 +103,18 @@ class Strategist(AgentBase):
             self._shutdown,
             incarnation=incarnation,
         )
-        self._changes = OrderChanges(
-            self._book, self._life, self._end, self._deliver, self._close, self._auctions.ask_next
-        )
         self._parts = PartGoals(
-            plant,
-            self._keys,
-            self._book,
-            self._monitor,
-            self._life,
-            self._shutdown,
-            ask_next=self._auctions.ask_next,
-            end=self._end,
+            plant, self._keys, self._book, self._auctions, self._monitor, self._life, self._shutdown
         )
-        self._revocations = OrderRevocations(
-            self._book,
-            self._parts,
-            self._life,
-            end=self._end,
-            end_if_done=self._end_if_done,
-            has_ended=self._has_ended,
-            ask=self._auctions.ask_next,
-        )
+        self._shared = self._sharing(others) if others else None
+        self._ends = OrderEnds(self._book, self._auctions, self._parts, self._shared, self._life)
+        self._changes = OrderChanges(self._book, self._auctions, self._ends, self._life)
+        self._revocations = OrderRevocations(self._book, self._auctions, self._parts, self._ends, self._life)
+        self._answers: dict[type[Message], Handler] = {
+            OrderReleased: self._on_released,
+            OrderCancelled: self._revocations.on_cancelled,
+            OrderRevoked: self._revocations.on_revoked,
+        }
         self._message_handlers = {
             GoalRevisionTaken: self._changes.on_taken,
             Bid: self._auctions.on_bid,
@@ -138,9 +122,7 @@ class Strategist(AgentBase):
             Declined: self._auctions.on_declined,
             MachineHeartbeat: self._on_machine,
             **self._parts.message_handlers,
-            OrderReleased: self._on_released,
-            OrderCancelled: self._revocations.on_cancelled,
-            OrderRevoked: self._revocations.on_revoked,
+            **self._answers,
         }
         self._report_handlers: dict[type[Report], Callable[[Any, float], None]] = {
             GoodsArrived: self._on_arrived
@@ -150,33 +132,28 @@ class Strategist(AgentBase):
             **self._parts.alarms,
             **self._auctions.alarms,
         }
-        self._reactions = {GoalTaken: self._on_taken}
-        self._shared: SharedOrders | None = None
-        if others:
-            self._share(others)
+        self._reactions = {
+            GoalTaken: self._on_taken,
+            OrderGranted: self._on_granted,
+            OrderLost: self._on_lost,
+            OrderHeard: self._on_heard,
+        }
+        if self._shared is not None:
+            self._message_handlers = {**self._message_handlers, **self._shared.message_handlers}
+            self._report_handlers |= self._shared.report_handlers
+            self._alarm_handlers = {**self._alarm_handlers, **self._shared.alarms}
+            self._committers.append(self._shared.commits)
 
-    def _share(self, others: tuple[str, ...]) -> None:
-        """Set up the sharing of orders with other strategists."""
-        self._shared = shared = SharedOrders(
+    def _sharing(self, others: tuple[str, ...]) -> SharedOrders:
+        return SharedOrders(
             self._keys,
             self._book,
-            self._auctions,
             self._life,
             self._shutdown,
             agent=self.id,
             incarnation=self.incarnation,
             others=others,
-            handlers=self._message_handlers,
-            follow=lambda goal, now_s: self._follow(goal, now_s, admit=False),
-            unfollow=lambda goal: self._life.cancel((GOAL_CHECK, goal.id)),
-            settle=self._changes.settle,
-            end_if_done=self._end_if_done,
-            take_back=self._revocations.shut,
         )
-        self._message_handlers = {**self._message_handlers, **shared.message_handlers}
-        self._report_handlers |= shared.report_handlers
-        self._alarm_handlers = {**self._alarm_handlers, **shared.alarms}
-        self._committers.append(shared.commits)
 
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, GateState):
@@ -207,7 +184,7 @@ class Strategist(AgentBase):
             self._follow(goal, now_s, admit=not self._book.order_of(goal).revoked_by)
             self._note_arrived(goal, gate.arrived.get(goal.id, 0))
             if goal.arrived >= goal.work.quantity:
-                self._deliver(goal)
+                self._ends.deliver(goal)
         for order in self._book.orders():
             if order.revoked_by:
                 self._revocations.shut(order)
@@ -248,28 +225,8 @@ class Strategist(AgentBase):
             self._life.record(OrderAccepted(order.id, tuple(order.goals), held))
             for item in message.items:
                 self._auctions.ask_next(item.product, now_s)
-            self._end_if_done(order)
+            self._ends.end_if_done(order)
         self._life.send(sender, self._changes.taken(message.order, message.release, message.change))
-
-    def _end_if_done(self, order: OrderInWork) -> None:
-        if not order.is_delivered:
-            return
-        self._changes.close(order)
-        self._parts.withdraw(order)
-        if any(order.withdrawn):
-            returned = self._book.give_back(order.id, order.release)
-            self._life.record(OrderReturned(order.id, order.release, returned.outstanding))
-        else:
-            self._book.close_order(order.id, fulfilled=True)
-            self._life.record(OrderFulfilled(order=order.id))
-        self._has_ended(order.id, order.release if any(order.withdrawn) else EVERY_RELEASE)
-        if order.revoked_by:
-            taken = RevocationTaken(order.id, order.release, tuple(order.withdrawn))
-            self._life.send(order.revoked_by, taken)
-
-    def _has_ended(self, order: str, release: int) -> None:
-        if self._shared is not None:
-            self._shared.has_ended(order, release)
 
     def _was_deaf(self, span_s: float) -> None:
         self._monitor.excuse(span_s)
@@ -278,6 +235,50 @@ class Strategist(AgentBase):
             self._shared.excuse(span_s)
         for goal in self._book:
             goal.named_s += span_s
+
+    # --- orders shared with other strategists ---
+
+    def _on_heard(self, heard: OrderHeard, now_s: float) -> None:
+        self._answers[type(heard.message)](heard.sender, heard.message, now_s)
+
+    def _on_granted(self, granted: OrderGranted, now_s: float) -> None:
+        """Continue an order that another strategist has begun; a fresh one is handled as with one strategist."""
+        held, release = granted.held, granted.release
+        is_fresh = held.epoch == 1 and not held.goals and not any(held.arrived) and not held.over
+        if is_fresh or release is None or self._book.knows(release.order, release.release):
+            return
+        order = self._book.take_over(release, held.arrived, held.goals)
+        self._life.record(OrderTakenOver(order.id, held.epoch, tuple(order.goals)))
+        for goal in order.goals.values():
+            if goal.machine:
+                self._follow(goal, now_s, admit=False)
+        if held.over >= release.release:
+            # It was taken back, or has arrived: that is repeated on request, and nothing is made.
+            self._revocations.shut(order)
+            return
+        for known in (*held.done, *held.goals):
+            # No other strategist reports what has arrived while none held the order.
+            if known.arrived:
+                self._tell_arrived(known, release.items[known.of.item].product)
+        self._changes.settle(order, now_s)
+        if self._book.order(order.id) is order:
+            self._ends.end_if_done(order)
+
+    def _tell_arrived(self, goal: GoalHeld, product: str) -> None:
+        of, pieces = goal.of, goal.arrived
+        told = GoodsDelivered(goal.goal, of.order, of.item, product, quantity=pieces, delivered=pieces)
+        self._life.record(told)
+
+    def _on_lost(self, lost: OrderLost, now_s: float) -> None:
+        """Another strategist goes on with an order: end its goals here."""
+        given_up = self._book.give_up(lost.order)
+        goals = () if given_up is None else tuple(given_up.goals.values())
+        for goal in goals:
+            self._auctions.give_up(goal)
+        for product in dict.fromkeys(goal.work.product for goal in goals):
+            self._auctions.ask_next(product, now_s)
+
+    # --- goals ---
 
     def _on_taken(self, change: GoalTaken, now_s: float) -> None:
         self._follow(change.goal, now_s)
@@ -308,7 +309,7 @@ class Strategist(AgentBase):
             elif goal.machine == machine:
                 goal.named_s = now_s
                 if self._parts.on_brief(goal, brief, now_s):
-                    self._deliver(goal)
+                    self._ends.deliver(goal)
                 if goal.offered is not (brief.offered is True):
                     goal.offered = not goal.offered
                     self._check_goal(goal.id, now_s)
@@ -331,7 +332,7 @@ class Strategist(AgentBase):
         if news and report.vehicle:
             goal.brought[report.vehicle] = goal.brought.get(report.vehicle, 0) + news
         if goal.arrived >= goal.work.quantity:
-            self._deliver(goal)
+            self._ends.deliver(goal)
         elif goal.failure and not report.admitted:
             if self._book.order_of(goal).revoked_by:
                 self._revocations.take_out(goal)
@@ -352,19 +353,6 @@ class Strategist(AgentBase):
         told = GoodsDelivered(goal.id, work.order, work.item, work.product, quantity=news, delivered=arrived)
         self._life.record(told)
         return news
-
-    def _deliver(self, goal: OpenGoal) -> None:
-        self._life.send(goal.machine, GoalClosed(goal=goal.id))
-        self._end(goal, "delivered")
-        self._close(goal)
-
-    def _close(self, goal: OpenGoal) -> None:
-        self._end_if_done(self._book.close(goal))
-
-    def _end(self, goal: OpenGoal, outcome: Outcome) -> None:
-        """Stop following a goal."""
-        self._life.cancel((GOAL_CHECK, goal.id))
-        self._auctions.close_goal(goal, outcome)
 
     def _check_goal(self, goal_id: str, now_s: float) -> None:
         """Check whether a goal is still made. If not, and another machine could, have the gate shut for it."""
@@ -398,7 +386,7 @@ class Strategist(AgentBase):
 
     def _give_to_others(self, goal: OpenGoal, now_s: float) -> None:
         """The gate is shut and has counted: put the missing pieces up as a new goal."""
-        self._end(goal, "withdrawn")
+        self._auctions.close_goal(goal, "withdrawn")
         successor = self._book.succeed(goal)
         held = self._book.held_with(goal.work.order)
         self._life.record(GoalLost(goal.id, goal.machine, goal.arrived, successor.id, held))
