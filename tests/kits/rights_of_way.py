@@ -24,7 +24,6 @@ def right_of_way(
 ) -> RightOfWay:
     """The right of way of a vehicle of the type of the plant's first one, not started yet."""
     type_ = next(iter(plant.fleet.values())).type
-    kind = plant.vehicle_types[type_]
     return RightOfWay(
         atv,
         incarnation,
@@ -34,7 +33,6 @@ def right_of_way(
         life,
         node=node,
         next_node=next_node,
-        top_mps=kind.max_speed_mps,
-        acceleration_mps2=kind.acceleration_mps2,
+        kind=plant.vehicle_types[type_],
         next_order=count(1).__next__,
     )

@@ -223,9 +223,8 @@ def open_services(
         authority=authority,
         projection=projection,
         floor=projection.site.plant,
-        plant_s=lambda: time.to_plant_s(wall_s()),
+        time=time,
         wall_s=wall_s,
-        speed=time.speed,
         name=f"{settings.gateway_name}.{incarnation}",
         timeout_s=settings.command_timeout_s,
     )

@@ -20,6 +20,7 @@ from dray.gateway.factory.awaited import Awaited
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.places import areas_of
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import CommandView
 from dray.messages import CommandAnswered, CommandKind, MachineCommand, Message, VehicleCommand
 from dray.messages.base import CLOCKS_AGREE_S
@@ -67,9 +68,8 @@ class Commands:
         authority: signs the grants.
         projection: shows commands, and knows the vehicles' positions.
         floor: knows the areas of positions.
-        plant_s: the plant's clock.
+        time: plant clock and wall clock.
         wall_s: the wall clock.
-        speed: plant seconds per wall second.
         name: prefix of command names; differs in every run of the gateway.
         timeout_s: wall seconds to wait for the answer.
     """
@@ -81,15 +81,14 @@ class Commands:
         authority: SigningKey,
         projection: Projection,
         floor: Plant,
-        plant_s: Callable[[], float],
+        time: TimeScale,
         wall_s: Callable[[], float],
-        speed: float,
         name: str,
         timeout_s: float,
     ) -> None:
         self._send, self._authority = send, authority
         self._projection, self._floor = projection, floor
-        self._plant_s, self._wall_s, self._speed = plant_s, wall_s, speed
+        self._time, self._wall_s = time, wall_s
         self._timeout_s = timeout_s
         self._sent: Awaited[Sent] = Awaited(name)
         self._words = Limit(wall_s, tries=WORDS_TRIES, rate_hz=WORDS_HZ)
@@ -268,7 +267,9 @@ class Commands:
         # A grant expires after answer timeout plus clock skew, so an unconfirmed command never executes
         # later. Only a stop lasts longer.
         valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_AGREE_S
-        until_s = self._plant_s() + valid_s * self._speed + self.ahead_s(sent.agent)
+        until_s = (
+            self._time.to_plant_s(self._wall_s()) + valid_s * self._time.speed + self.ahead_s(sent.agent)
+        )
         if isinstance(sent.said, MachineCommand):
             return granted(self._authority, sent.agent, sent.said, by, until_s)
         return granted(self._authority, sent.agent, sent.said, by, until_s)

@@ -164,7 +164,6 @@ class BoxPilot(Agent):
         self._wanted = ("", False)
 
     def _make(self, next_node: str) -> RightOfWay:
-        kind = self.carrier.kind
         return RightOfWay(
             self.carrier.atv,
             self._life,
@@ -174,8 +173,7 @@ class BoxPilot(Agent):
             self.life,
             node=self.carrier.travel.node,
             next_node=next_node,
-            top_mps=kind.max_speed_mps,
-            acceleration_mps2=kind.acceleration_mps2,
+            kind=self.carrier.kind,
             next_order=self._next_order,
         )
 

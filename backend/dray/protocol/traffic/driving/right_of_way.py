@@ -23,6 +23,7 @@ from dray.messages.floor.traffic import (
     YieldAsked,
     YieldRefused,
 )
+from dray.plant.model import VehicleType
 from dray.plant.restrictions import OPEN, Ends, Restrictions
 from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.timers import spread_frac
@@ -87,7 +88,7 @@ class RightOfWay:
         places, ways: of the plant.
         surroundings: its knowledge of other vehicles.
         node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.
-        top_mps, acceleration_mps2: of the vehicle.
+        kind: the vehicle's type.
         next_order: numbers ways.
         restrictions: returns what people have closed or made slow, as far as the vehicle knows.
         obstructed: returns the lanes with an obstacle, likewise.
@@ -112,8 +113,7 @@ class RightOfWay:
         *,
         node: str,
         next_node: str = "",
-        top_mps: float,
-        acceleration_mps2: float,
+        kind: VehicleType,
         next_order: Callable[[], int],
         restrictions: Callable[[], Restrictions] = lambda: OPEN,
         obstructed: Callable[[], frozenset[Ends]] = frozenset,
@@ -134,7 +134,7 @@ class RightOfWay:
         self._places = places
         self._ways = ways
         self._life = life
-        self._wheels = Wheels(top_mps, acceleration_mps2, next_order, restrictions)
+        self._wheels = Wheels(kind.max_speed_mps, kind.acceleration_mps2, next_order, restrictions)
         self._rank: Rank = (IDLE, 0.0, atv)
         self._surroundings = surroundings
         self._outlook = Outlook(surroundings, restrictions, obstructed)
