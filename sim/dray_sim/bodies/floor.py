@@ -21,11 +21,11 @@ from dray.plant import Plant, with_machine
 from dray.plant.floor.rectangles import Rectangle
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Clock
-from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.doors import Doors
 from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.held_out import HeldOut
 from dray_sim.bodies.obstacles import Ends, Obstacles, behind
+from dray_sim.bodies.stands import Stands
 from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
 from dray_sim.bodies.vehicle.condition import LOAD_DROPPED, SHIFTED
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
@@ -114,16 +114,15 @@ class Floor:
         self.obstacles = Obstacles(plant, self.doors if plant.doors else None)
         self.lifted: set[str] = set()
         self.carried: set[str] = set()
-        self._places: dict[str, Place] = {
+        places: dict[str, Place] = {
             **dict.fromkeys(plant.source_warehouses, self.source),
             **self.storages,
             **self.workcells,
             **self.delivery,
         }
-        self._docks = {place: plant.node_of(place) for place in self._places}
-        self._places |= self.held_out
-        self._docks |= {node: node for node in self.held_out}
-        self._chargers = Chargers()
+        self._stands = Stands(plant, places)
+        for node, held_out in self.held_out.items():
+            self._stands.add(node, held_out, node)
         for spec in plant.fleet.values():
             self.add_vehicle(spec)
 
@@ -266,9 +265,7 @@ class Floor:
             vehicle_type,
             self._plant,
             self._clock,
-            self._places,
-            self._docks,
-            self._chargers,
+            self._stands,
             self._seed,
             self.obstacles,
         )
@@ -286,8 +283,8 @@ class Floor:
         """
         plant = with_machine(self._plant, spec, spec.id)
         workcell = SimWorkcell(spec, plant, self._clock, seed=self._seed)
-        self.workcells[spec.id] = self._places[spec.id] = workcell
-        self._docks[spec.id] = spec.node
+        self.workcells[spec.id] = workcell
+        self._stands.add(spec.id, workcell, spec.node)
         return workcell
 
     def add(self, spec: VehicleSpec | MachineSpec) -> Body:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Body, Clock
-from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.stands import Stands
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
@@ -37,6 +37,5 @@ def body_of(spec: VehicleSpec, plant: Plant, clock: Clock) -> Body:
         clock: the plant's clock.
     """
     places = (*plant.storages, *plant.machines, *plant.warehouses)
-    docks = {place: plant.node_of(place) for place in places}
     kind = plant.vehicle_types[spec.type]
-    return SimVehicle(spec, kind, plant, clock, dict.fromkeys(places, _Nowhere()), docks, Chargers())
+    return SimVehicle(spec, kind, plant, clock, Stands(plant, dict.fromkeys(places, _Nowhere())))

@@ -16,7 +16,7 @@ from dray.messages.fact import HandoverDisputed, TaskClosed
 from dray.plant import default_plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Body
-from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.stands import Stands
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import JUMP, clock, run
@@ -79,12 +79,11 @@ async def shift(span_s: float, tell: Tell | None) -> tuple[Seen, SimFactory, Inv
     seen, listeners, now = Seen(), Listeners(), clock()
     fleet = MemoryFleet(PLANT, now, lambda _: load_profile("dray-sim"))
     places = dict.fromkeys(PLANT.places, Anywhere())
-    docks = {place: PLANT.node_of(place) for place in places}
     running: list[asyncio.Task[None]] = []
 
     def embody(spec: VehicleSpec, _double: SimVehicle, life: int) -> Body:
         kind = PLANT.vehicle_types[spec.type]
-        real = SimVehicle(spec, kind, PLANT, now, places, docks, Chargers())
+        real = SimVehicle(spec, kind, PLANT, now, Stands(PLANT, places))
         body = fleet.embody(spec, real, life)
         if tell is None:
             return body

@@ -42,8 +42,8 @@ from dray.plant import (
 )
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Body
-from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.obstacles import Obstacles
+from dray_sim.bodies.stands import Stands
 from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
@@ -133,14 +133,14 @@ class Yard:
         self.delivery = DeliveryWarehouse("DELIVERY", PLANT.materials)
         self.storage = AttendedStorage(PLANT.storages["S1"], self.clock, self.source)
         self.workcell = SimWorkcell(PLANT.machines["M1"], PLANT, self.clock)
-        self.places: dict[str, Place] = {
+        places: dict[str, Place] = {
             "SOURCE": self.source,
             "DELIVERY": self.delivery,
             "S1": self.storage,
             "M1": self.workcell,
         }
-        self.docks = {place: PLANT.node_of(place) for place in self.places}
-        self.chargers = Chargers()
+        self.stands = Stands(PLANT, places)
+        self.places, self.chargers = self.stands.places, self.stands.chargers
         self.obstacles = Obstacles(plant)
         self.listen("M1", self.workcell)
 
@@ -153,9 +153,7 @@ class Yard:
             type_,
             self.plant,
             self.clock,
-            self.places,
-            self.docks,
-            self.chargers,
+            self.stands,
             obstacles=self.obstacles,
         )
         self.listen(id_, vehicle)

@@ -7,15 +7,12 @@ for the battery.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from dray.body import ActionDone, ActionFailed, Charge, Drop, Pick
 from dray.plant import Plant
 from dray.plant.model import VehicleType
-from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.durations import Durations
 from dray_sim.bodies.reporter import Reporter
-from dray_sim.bodies.stores import Place
+from dray_sim.bodies.stands import Stands
 
 Action = Pick | Drop | Charge
 
@@ -29,9 +26,7 @@ class Handling:
         vehicle: its id.
         vehicle_type: its load capacity and its handling times.
         plant: items, stations and chargers.
-        places: stations by id where it can load and unload; some may come later.
-        docks: the node of each.
-        chargers: the plugs; shared by the fleet.
+        stands: where it can load, unload and charge.
         reporter: the vehicle's reports.
         seed: how long each manoeuvre takes follows from it, where that varies.
 
@@ -47,9 +42,7 @@ class Handling:
         vehicle: str,
         vehicle_type: VehicleType,
         plant: Plant,
-        places: Mapping[str, Place],
-        docks: Mapping[str, str],
-        chargers: Chargers,
+        stands: Stands,
         reporter: Reporter,
         seed: int,
     ) -> None:
@@ -60,9 +53,7 @@ class Handling:
         self._vehicle = vehicle
         self._type = vehicle_type
         self._plant = plant
-        self._places = places
-        self._docks = docks
-        self._chargers = chargers
+        self._stands = stands
         self._reporter = reporter
         self._durations = Durations(f"{seed} handling {vehicle}")
         self._charger = ""
@@ -105,7 +96,7 @@ class Handling:
 
     def follow(self, action: Pick | Drop) -> str:
         """Repeat the pick or drop of the vehicle whose double this is; returns why the load cannot change hands here."""
-        if action.station not in self._places:
+        if action.station not in self._stands.places:
             return f"no station {action.station}"
         if isinstance(action, Drop):
             return self._transfer(action) if self.load else "nothing on board"
@@ -119,7 +110,7 @@ class Handling:
 
     def _transfer(self, action: Pick | Drop) -> str:
         """Let the load change hands, at once and wholly; returns why it cannot."""
-        place = self._places[action.station]
+        place = self._stands.places[action.station]
         if isinstance(action, Drop):
             reason = place.put(self._vehicle, self.load, self.quantity, action.goal)
             if not reason:
@@ -142,7 +133,7 @@ class Handling:
 
     def unplug(self) -> None:
         """Leave the charger; harmless at none."""
-        self._chargers.unplug(self._charger, self._vehicle)
+        self._stands.chargers.unplug(self._charger, self._vehicle)
         self._charger = ""
 
     def _refusal(self, action: Action, node: str) -> str:
@@ -154,10 +145,10 @@ class Handling:
                 return f"no charger {action.charger}"
             if self._plant.node_of(action.charger) != node:
                 return f"not at {action.charger}"
-            return self._chargers.plug(action.charger, self._vehicle)
-        if action.station not in self._places:
+            return self._stands.chargers.plug(action.charger, self._vehicle)
+        if action.station not in self._stands.places:
             return f"no station {action.station}"
-        if self._docks[action.station] != node:
+        if self._stands.nodes[action.station] != node:
             return f"not at {action.station}"
         if isinstance(action, Drop):
             return "" if self.load else "nothing on board"

@@ -18,7 +18,7 @@ An action needs a vehicle that stands at the station's node with its way finishe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 
 from dray.body import (
@@ -44,10 +44,9 @@ from dray.messages import NOTHING_KNOWN, Link, Problem
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
-from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.obstacles import Ends, Obstacles
 from dray_sim.bodies.reporter import Reporter
-from dray_sim.bodies.stores import Place
+from dray_sim.bodies.stands import Stands
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED, SHIFTED, Condition
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.handling import Action, Handling
@@ -101,9 +100,7 @@ class SimVehicle:
         vehicle_type: its abilities.
         plant: roads and stations.
         clock: the plant's clock.
-        places: stations by id where it can load and unload; some may come later.
-        docks: the node of each.
-        chargers: the plugs; shared by the fleet.
+        stands: where it can load, unload and charge.
         seed: how long each manoeuvre takes follows from it, where that varies.
         obstacles: on the lanes; shared by the fleet.
 
@@ -117,9 +114,7 @@ class SimVehicle:
         vehicle_type: VehicleType,
         plant: Plant,
         clock: Clock,
-        places: Mapping[str, Place],
-        docks: Mapping[str, str],
-        chargers: Chargers,
+        stands: Stands,
         seed: int = 0,
         obstacles: Obstacles | None = None,
     ) -> None:
@@ -129,7 +124,7 @@ class SimVehicle:
         self._reporter = Reporter(clock)
         self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s(), obstacles)
         self._detection = ObstacleDetection(spec.id, self._travel, self._reporter)
-        self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers, self._reporter, seed)
+        self._handling = Handling(spec.id, vehicle_type, plant, stands, self._reporter, seed)
         self._power = Power(
             vehicle_type,
             spec.battery_frac,
