@@ -102,6 +102,19 @@ class Caller(Protocol):
         """Whether it hears all messages; with only its radio it does not."""
 
 
+class PlaceCaller:
+    """A machine or a station in the form that calls need: it stands at its place, and hears everything."""
+
+    hears_all = True
+
+    def __init__(self, plant: Plant, life: Life) -> None:
+        self.id, self.incarnation, self._plant = life.agent, life.incarnation, plant
+
+    @property
+    def place_m(self) -> tuple[float, float]:
+        return self._plant.position_of(self.id)
+
+
 @dataclass(frozen=True, slots=True)
 class NotComing(Change):
     """The operator who took the agent's own call has given it back or has gone: later promises are void.

@@ -26,7 +26,6 @@ class Auctions:
         place: where it stands.
         audience: for a task's work and a radius (m), the bus keys of the agents to ask.
         arrivals: arrival statistics of heartbeats; None if the coordinator follows nobody.
-        incarnation: how often the coordinator was started.
         assessor: checks bids and adds surcharges.
     """
 
@@ -37,7 +36,6 @@ class Auctions:
         audience: Callable[[Work, float], tuple[str, ...]],
         life: Life,
         arrivals: ArrivalStatistics | None,
-        incarnation: int,
         assessor: Assessor,
     ) -> None:
         self._coordinator = coordinator
@@ -45,7 +43,7 @@ class Auctions:
         self._audience = audience
         self._life = life
         self._arrivals = arrivals
-        self._numbers = count((incarnation - 1) * AWARDS_PER_LIFE + 1)
+        self._numbers = count((life.incarnation - 1) * AWARDS_PER_LIFE + 1)
         self._assessor = assessor
         self.waits: Callable[[Work, float], tuple[Wait, ...]] = lambda _work, _now_s: ()
         """The coordinator's known waits at the places of a work, at a time (s)."""

@@ -55,7 +55,6 @@ class Coordinator:
         life: the agent's life; alarms are named ``(PRIMARY_AUCTION, task)``.
         assessor: checks bids and adds surcharges.
         arrivals: arrival statistics of heartbeats; None if the agent follows nobody.
-        incarnation: how often the agent was started.
 
     Attributes:
         alarms: handlers of this class's alarms, called with (task, now_s).
@@ -69,15 +68,13 @@ class Coordinator:
         life: Life,
         assessor: Assessor,
         arrivals: ArrivalStatistics | None = None,
-        *,
-        incarnation: int = 1,
     ) -> None:
         self._rules = rules
         self._life = life
         self._open: dict[str, OpenTask] = {}
         self._closed: BoundedMap[str, ClosedTask] = BoundedMap(CLOSED_KEPT)
         self._assessor = assessor
-        self._auctions = Auctions(agent, place, self._audience, life, arrivals, incarnation, assessor)
+        self._auctions = Auctions(agent, place, self._audience, life, arrivals, assessor)
         self.alarms: dict[str, Callable[[str, float], None]] = {PRIMARY_AUCTION: self._wake_auction}
 
     def __iter__(self) -> Iterator[OpenTask]:

@@ -127,12 +127,11 @@ class Machine(AgentBase):
             rules or AuctionRules(),
             self._life,
             self._shutdown,
-            incarnation=incarnation,
             tells_node=joining,
         )
         self._documents = GoalDocuments(self._goals, self._life)
         self._cycle = Cycle(self._goals, self._supply, self._documents, self._life)
-        self._breakdown = Breakdown(machine, incarnation, plant, self._goals, self._life)
+        self._breakdown = Breakdown(plant, self._goals, self._life)
         authority, goods = CommandAuthorisation(machine, plant, trusts), self._flow.goods_recovery
         held = self._flow.held
         self._commands = MachineCommandHandling(

@@ -25,7 +25,6 @@ from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.put_away import PUT_AWAY, PutAway
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.life import Life
-from dray.protocol.runtime.running import life_mark
 from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.receiving import GateCount
@@ -45,7 +44,6 @@ class MaterialFlow(TransportFlow):
         supply: its buffers and goods.
         rules: time-outs and radius of its auctions.
         shutdown: of the machine: while it drains it sets nothing aside for others.
-        incarnation: how often it has been started.
         tells_node: whether every transport names its node, because others' plant files lack it.
 
     Attributes:
@@ -66,17 +64,16 @@ class MaterialFlow(TransportFlow):
         life: Life,
         shutdown: GracefulShutdown,
         *,
-        incarnation: int,
         tells_node: bool,
     ) -> None:
         self._goals = goals
         self._supply = supply
         self._node = plant.node_of(machine) if tells_node else ""
-        self.task_count, self._mark = 0, life_mark(incarnation)
-        super().__init__(machine, plant, keys, supply.materials, supply, rules, life, incarnation=incarnation)
+        self.task_count, self._mark = 0, life.mark
+        super().__init__(machine, plant, keys, supply.materials, supply, rules, life)
         self.goods = FinishedGoods(machine, plant, goals, supply, self.tasks, life)
         self.cycling = ""
-        self.put_away = PutAway(machine, plant, life, incarnation=incarnation)
+        self.put_away = PutAway(machine, plant, life)
         self._book = Reservations({item: plant.materials[item].buffer for item in supply.materials})
         goals.promised = self._book.promised
         self._issuing = Issuing(

@@ -19,7 +19,6 @@ from dray.messages import (
 )
 from dray.plant import Plant
 from dray.protocol.runtime.life import Life
-from dray.protocol.runtime.running import life_mark
 
 PUT_AWAY = "put away"
 
@@ -38,15 +37,14 @@ class PutAway:
         machine: the machine's id.
         plant: the storages, and their container sizes.
         life: the agent's life; alarms are named ``(PUT_AWAY, transport)``.
-        incarnation: how often the machine was started.
 
     Attributes:
         count: requests so far, over all lives.
     """
 
-    def __init__(self, machine: str, plant: Plant, life: Life, *, incarnation: int) -> None:
+    def __init__(self, machine: str, plant: Plant, life: Life) -> None:
         self._machine, self._plant = machine, plant
-        self._life, self._mark = life, life_mark(incarnation)
+        self._life, self._mark = life, life.mark
         self._asked: dict[str, PutAwayMemory] = {}
         """By part: the open request."""
         self._since_s: dict[str, float] = {}

@@ -54,7 +54,7 @@ class AgentBase:
     def __init__(self, agent: str, incarnation: int, *, leaves_within_s: float) -> None:
         self.id = agent
         self.incarnation = incarnation
-        self._life = Life(agent)
+        self._life = Life(agent, incarnation)
         self._life.react = self._react
         self._shutdown = GracefulShutdown(leaves_within_s)
         self._last_word = Leave()

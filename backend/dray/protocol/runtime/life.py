@@ -33,6 +33,7 @@ class Life:
 
     Args:
         agent: its id.
+        incarnation: how often the agent has been started, 1 for the first time.
 
     Attributes:
         beats: the number of its newest heartbeat.
@@ -43,16 +44,21 @@ class Life:
         unwritten: whether what the agent is bound by has changed in this step.
     """
 
-    __slots__ = ("_agent", "beats", "changes", "effects", "react", "timers", "unwritten")
+    __slots__ = ("agent", "beats", "changes", "effects", "incarnation", "react", "timers", "unwritten")
 
-    def __init__(self, agent: str = "") -> None:
-        self._agent = agent
+    def __init__(self, agent: str = "", incarnation: int = 1) -> None:
+        self.agent, self.incarnation = agent, incarnation
         self.beats = 0
         self.changes: list[Change] = []
         self.effects: list[Effect] = []
         self.react: Callable[[Change, float], None] | None = None
         self.timers = Timers()
         self.unwritten = False
+
+    @property
+    def mark(self) -> str:
+        """Suffix of the names that the agent gives in this life, so that names differ between lives; empty in the first one."""
+        return "" if self.incarnation == 1 else f".{self.incarnation}"
 
     def do(self, *effects: Effect) -> None:
         """Append effects to those of this step, in order; the methods below are shorter for single effects."""
@@ -118,7 +124,7 @@ class Life:
     def beat_again(self, interval_s: float, now_s: float) -> None:
         """Set the alarm of the next heartbeat; the first interval is shortened by a fraction from the agent's name."""
         if self.beats == 1:
-            interval_s *= 0.5 + spread_frac(self._agent) / 2
+            interval_s *= 0.5 + spread_frac(self.agent) / 2
         self.alarm(BEAT, now_s + interval_s)
 
     def alarm(self, name: Hashable, at_s: float) -> None:

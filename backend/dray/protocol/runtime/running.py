@@ -20,8 +20,3 @@ class Running:
 
 ALONE = Running()
 """An agent that is not started again."""
-
-
-def life_mark(incarnation: int) -> str:
-    """Suffix of the names that an agent gives in one life, so that names differ between lives; empty in the first one."""
-    return "" if incarnation == 1 else f".{incarnation}"

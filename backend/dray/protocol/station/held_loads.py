@@ -14,7 +14,7 @@ from dray.memory import CommandMemory
 from dray.messages import CommandRefusal, Grant, MachineCommand, MachineCommandKind, Message, PeopleAsBody
 from dray.messages.heartbeat import LOADS_TOLD
 from dray.plant import Plant
-from dray.protocol.calls.help_calls import HelpCalls
+from dray.protocol.calls.help_calls import HelpCalls, PlaceCaller
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.words import PassedWords
@@ -26,25 +26,10 @@ ONLY_LOADS = "a station takes a person's word about loads alone"
 """Explanation of a refusal, for people."""
 
 
-class _Caller:
-    """The station in the form that calls need."""
-
-    hears_all = True
-
-    def __init__(self, station: str, incarnation: int, plant: Plant) -> None:
-        self.id, self.incarnation, self._plant = station, incarnation, plant
-
-    @property
-    def place_m(self) -> tuple[float, float]:
-        return self._plant.position_of(self.id)
-
-
 class HeldLoads:
     """The held loads of one station.
 
     Args:
-        station: its id.
-        incarnation: of its agent.
         plant: its areas and places.
         held: its held transports.
         aboard: things for it on board of failed vehicles.
@@ -58,8 +43,6 @@ class HeldLoads:
 
     def __init__(
         self,
-        station: str,
-        incarnation: int,
         plant: Plant,
         held: HeldTransports,
         aboard: GoodsRecovery,
@@ -67,11 +50,11 @@ class HeldLoads:
         life: Life,
     ) -> None:
         self._held, self._aboard = held, aboard
-        self._place_m = plant.position_of(station)
+        self._place_m = plant.position_of(life.agent)
         self._granted = GrantedCommands[MachineCommand](authority, self._try, _detail, life)
         self.words = PassedWords(self._granted, life)
         self.people: PeopleAsBody | None = None
-        self._calls = HelpCalls(_Caller(station, incarnation, plant), plant, life)
+        self._calls = HelpCalls(PlaceCaller(plant, life), plant, life)
         self._listens = False
         self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
             **self._calls.message_handlers

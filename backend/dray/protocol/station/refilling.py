@@ -15,7 +15,7 @@ from typing import Protocol
 from dray.messages import Transport
 from dray.plant import Plant
 from dray.plant.model import Storage
-from dray.protocol.runtime.running import life_mark
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.lead_time import first_lead_s
 from dray.protocol.transports.reservations import Reservations
 
@@ -41,14 +41,12 @@ class Refilling:
         plant: the suppliers of materials.
         book: its stock and reservations.
         flow: has loads set aside and fetched.
-        incarnation: how often its station was started; it makes transport names differ between lives.
+        life: its station's life; transport names differ between lives.
     """
 
-    def __init__(
-        self, storage: Storage, plant: Plant, book: Reservations, flow: Flow, incarnation: int
-    ) -> None:
+    def __init__(self, storage: Storage, plant: Plant, book: Reservations, flow: Flow, life: Life) -> None:
         self._storage, self._plant, self._book, self._flow = storage, plant, book, flow
-        self._names = f"{storage.id}{life_mark(incarnation)}-refill"
+        self._names = f"{storage.id}{life.mark}-refill"
         self._count = 0
         self._rules: dict[str, tuple[int, int]] = {}
         """By material: its reorder point, and the pieces of one order."""

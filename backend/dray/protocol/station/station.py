@@ -85,7 +85,6 @@ class Station(AgentBase):
             self._book,
             rules or AuctionRules(),
             self._life,
-            incarnation=incarnation,
         )
         self._issuing = Issuing(
             storage,
@@ -97,11 +96,9 @@ class Station(AgentBase):
             self._shutdown,
         )
         authority = CommandAuthorisation(storage, plant, trusts)
-        self._held_loads = HeldLoads(
-            storage, incarnation, plant, self._flow.held, self._flow.goods_recovery, authority, self._life
-        )
+        self._held_loads = HeldLoads(plant, self._flow.held, self._flow.goods_recovery, authority, self._life)
         self._fills_itself = spec.refill == "itself"
-        self._refilling = Refilling(spec, plant, self._book, self._flow, incarnation)
+        self._refilling = Refilling(spec, plant, self._book, self._flow, self._life)
         self._message_handlers = {
             **self._flow.message_handlers,
             **self._issuing.message_handlers,

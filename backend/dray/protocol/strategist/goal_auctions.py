@@ -62,38 +62,24 @@ class GoalAuctions(Coordinator):
     """The goals of one strategist, put up for auction.
 
     Args:
-        strategist: the strategist's id.
         keys: the plant's bus keys.
         book: all goals.
         watch: the monitor of machines.
         life: the agent's life; alarms are named ``(TAKERS, product)`` beside those of its base.
         assessor: checks bids and adds surcharges.
         shutdown: of the strategist: while it drains it auctions nothing.
-        incarnation: how often the strategist was started.
     """
 
     def __init__(
         self,
-        strategist: str,
         keys: Keys,
         book: OrderBook,
         watch: MachineMonitor,
         life: Life,
         assessor: Assessor,
         shutdown: GracefulShutdown,
-        *,
-        incarnation: int,
     ) -> None:
-        super().__init__(
-            strategist,
-            NOWHERE,
-            GOAL_RULES,
-            life,
-            assessor,
-            watch.arrivals,
-            incarnation=incarnation,
-        )
-        self._strategist = strategist
+        super().__init__(life.agent, NOWHERE, GOAL_RULES, life, assessor, watch.arrivals)
         self._keys = keys
         self._book = book
         self._watch = watch
@@ -206,7 +192,7 @@ class GoalAuctions(Coordinator):
     def _contracted(self, task: OpenTask, now_s: float) -> None:
         goal = self._book.goal(task.id)
         if goal is None:
-            raise ProtocolViolation(f"{self._strategist}: {task.id} was put up and is in no order")
+            raise ProtocolViolation(f"{self._life.agent}: {task.id} was put up and is in no order")
         self._book.contract(goal, task.primary, now_s)
         work = goal.work
         contracted = GoalContracted(

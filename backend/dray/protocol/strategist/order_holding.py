@@ -86,14 +86,13 @@ class OrderHolding:
     """The holding of orders of one strategist among several.
 
     Args:
-        agent: its id.
         peers: the other strategists.
         life: the agent's life; alarms are named ``(CLAIM, order)``. It notes `OrderGranted`, `OrderLost` and `OrderHeard`.
         book: the orders that the strategist has in work, and those that have ended.
     """
 
-    def __init__(self, agent: str, peers: Peers, life: Life, book: OrderBook) -> None:
-        self._agent, self._peers, self._life, self._book = agent, peers, life, book
+    def __init__(self, peers: Peers, life: Life, book: OrderBook) -> None:
+        self._agent, self._peers, self._life, self._book = life.agent, peers, life, book
         self._held: BoundedMap[str, int] = BoundedMap(ENDED_KEPT)
         """Epochs of the orders that this strategist holds, including ended ones."""
         self._noted: dict[str, OrderNoted] = {}

@@ -17,24 +17,20 @@ class Peers:
     """The peers of one strategist.
 
     Args:
-        agent: the strategist's id.
-        incarnation: how often it was started.
         others: all other strategists of the plant.
         keys: the plant's bus keys.
-        life: the agent's life; its alarm is named `BEAT`.
+        life: the strategist's life; its alarm is named `BEAT`.
         book: the strategist's orders.
     """
 
     def __init__(
         self,
-        agent: str,
-        incarnation: int,
         others: tuple[str, ...],
         keys: Keys,
         life: Life,
         book: OrderBook,
     ) -> None:
-        self._agent, self._incarnation, self._keys, self._life = agent, incarnation, keys, life
+        self._agent, self._keys, self._life = life.agent, keys, life
         self._book = book
         self._heard_s = dict.fromkeys(others, 0.0)
         self._newest = dict.fromkeys(others, (0, 0))
@@ -52,7 +48,7 @@ class Peers:
     def beat(self, now_s: float) -> None:
         """Send a heartbeat."""
         said = StrategistHeartbeat(
-            self._agent, self._incarnation, self._life.count_beat(), now_s, self._book.in_work
+            self._agent, self._life.incarnation, self._life.count_beat(), now_s, self._book.in_work
         )
         self._life.publish(self._keys.strategist_heartbeat(self._agent), said)
         self._life.beat_again(WORKING_INTERVAL_S, now_s)

@@ -35,7 +35,7 @@ class SharedOrders:
         book: the orders that it has in work.
         life: the agent's life; see `OrderHolding` for the changes that it notes.
         shutdown: of the strategist: while it drains it sends no heartbeats, and claims nothing.
-        agent, incarnation, others: its id, how often it was started, and the other strategists.
+        others: the other strategists.
 
     Attributes:
         message_handlers, report_handlers, alarms: entries for the strategist's tables.
@@ -47,14 +47,11 @@ class SharedOrders:
         book: OrderBook,
         life: Life,
         shutdown: GracefulShutdown,
-        *,
-        agent: str,
-        incarnation: int,
         others: tuple[str, ...],
     ) -> None:
         self._book, self._shutdown = book, shutdown
-        self._peers = Peers(agent, incarnation, others, keys, life, book)
-        self._holding = OrderHolding(agent, self._peers, life, book)
+        self._peers = Peers(others, keys, life, book)
+        self._holding = OrderHolding(self._peers, life, book)
         book.held_with = self._holding.epoch
         self.message_handlers: dict[type[Message], Handler] = {
             OrderReleased: self._holding.on_said,

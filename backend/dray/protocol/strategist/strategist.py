@@ -94,19 +94,19 @@ class Strategist(AgentBase):
         self._book = OrderBook(plant, self._monitor.machines_for, life)
         self._committers = [self._book.commits]
         self._auctions = GoalAuctions(
-            agent,
             self._keys,
             self._book,
             self._monitor,
             self._life,
             Assessor(plant, self._life),
             self._shutdown,
-            incarnation=incarnation,
         )
         self._parts = PartGoals(
             plant, self._keys, self._book, self._auctions, self._monitor, self._life, self._shutdown
         )
-        self._shared = self._sharing(others) if others else None
+        self._shared = (
+            SharedOrders(self._keys, self._book, self._life, self._shutdown, others) if others else None
+        )
         self._ends = OrderEnds(self._book, self._auctions, self._parts, self._shared, self._life)
         self._changes = OrderChanges(self._book, self._auctions, self._ends, self._life)
         self._revocations = OrderRevocations(self._book, self._auctions, self._parts, self._ends, self._life)
@@ -143,17 +143,6 @@ class Strategist(AgentBase):
             self._report_handlers |= self._shared.report_handlers
             self._alarm_handlers = {**self._alarm_handlers, **self._shared.alarms}
             self._committers.append(self._shared.commits)
-
-    def _sharing(self, others: tuple[str, ...]) -> SharedOrders:
-        return SharedOrders(
-            self._keys,
-            self._book,
-            self._life,
-            self._shutdown,
-            agent=self.id,
-            incarnation=self.incarnation,
-            others=others,
-        )
 
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, GateState):

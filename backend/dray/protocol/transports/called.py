@@ -32,7 +32,6 @@ from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.runtime.events import Commit
 from dray.protocol.runtime.life import Life
-from dray.protocol.runtime.running import life_mark
 from dray.protocol.transports.sourcing import Sourcing
 from dray.protocol.transports.transports import Stock, Transports
 
@@ -131,17 +130,14 @@ class CalledTransports:
         stock: the place's stock.
         flow: has loads set aside and fetched.
         life: the agent's life; alarms are named ``(WISH_ENDS, transport)``.
-        incarnation: how often the agent was started; it makes task names differ between lives.
 
     Attributes:
         alarms: handlers of these alarms.
     """
 
-    def __init__(
-        self, place: str, plant: Plant, stock: Stock, flow: Flow, life: Life, incarnation: int
-    ) -> None:
+    def __init__(self, place: str, plant: Plant, stock: Stock, flow: Flow, life: Life) -> None:
         self._place, self._plant, self._stock, self._flow = place, plant, stock, flow
-        self._life, self._mark = life, life_mark(incarnation)
+        self._life, self._mark = life, life.mark
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {WISH_ENDS: self._end_wish}
         self._open: dict[str, CalledTransport] = {}
         self._ended: dict[str, TransportState] = {}

@@ -79,7 +79,6 @@ class TransportFlow:
         items: the items that may be brought to it.
         stock: its stock.
         rules: time-outs and radius of its auctions.
-        incarnation: how often the agent was started.
 
     Attributes:
         tasks: its open transports.
@@ -106,8 +105,6 @@ class TransportFlow:
         stock: Stock,
         rules: AuctionRules,
         life: Life,
-        *,
-        incarnation: int,
     ) -> None:
         self._place, self._plant = place, plant
         self._life = life
@@ -127,7 +124,6 @@ class TransportFlow:
             self.subscriptions,
             self.door,
             Assessor(plant, life),
-            incarnation=incarnation,
         )
         self.sourcing = self.tasks.sourcing
         self.held = HeldTransports(plant, self.tasks)
@@ -142,7 +138,7 @@ class TransportFlow:
             life,
         )
         self._recovery = Recovery(place, plant, self.subscriptions, self.tasks, life, items=items)
-        self.called = CalledTransports(place, plant, stock, self, life, incarnation)
+        self.called = CalledTransports(place, plant, stock, self, life)
         self.message_handlers: dict[type[Message], Callable[..., None]] = {
             AtvHeartbeat: self._on_vehicle,
             Bid: self.tasks.on_bid,

@@ -115,7 +115,6 @@ class Transports(Coordinator):
         subscriptions: its heartbeat subscriptions.
         door: the door of its dock.
         assessor: checks bids, and rates carriers.
-        incarnation: how often it was started.
 
     Attributes:
         sourcing: needs without a hired vehicle, and the material that is set aside for transports.
@@ -135,14 +134,10 @@ class Transports(Coordinator):
         subscriptions: HeartbeatSubscriptions,
         door: Door,
         assessor: Assessor,
-        *,
-        incarnation: int = 1,
     ) -> None:
         x_m, y_m = plant.position_of(place)
         centre = Place(x_m=x_m, y_m=y_m, reach_m=plant.diameter_m)
-        super().__init__(
-            place, centre, rules, life, assessor, subscriptions.arrivals, incarnation=incarnation
-        )
+        super().__init__(place, centre, rules, life, assessor, subscriptions.arrivals)
         self._place, self._plant, self._keys = place, plant, keys
         self._stock, self._door = stock, door
         self.reliability = assessor.reliability

@@ -31,7 +31,7 @@ from dray.messages.fact import HelpAsked, HelpPromised
 from dray.messages.keys import Keys
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.plant import Plant
-from dray.protocol.calls.help_calls import HelpCalls
+from dray.protocol.calls.help_calls import HelpCalls, PlaceCaller
 from dray.protocol.liveness.suspicion import BREAKDOWN_S
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_for_people
@@ -45,25 +45,10 @@ PATIENCE_OVER = "patience over"
 """Alarm of the end of the goals' wait."""
 
 
-class _Caller:
-    """The machine in the form that calls need."""
-
-    hears_all = True
-
-    def __init__(self, machine: str, incarnation: int, plant: Plant) -> None:
-        self.id, self.incarnation, self._plant = machine, incarnation, plant
-
-    @property
-    def place_m(self) -> tuple[float, float]:
-        return self._plant.position_of(self.id)
-
-
 class Breakdown:
     """The problem that stops one machine.
 
     Args:
-        machine: its id.
-        incarnation: of its agent.
         plant: its plant.
         goals: its goals, which wait.
         life: the agent's life; its alarm is named `PATIENCE_OVER`.
@@ -78,12 +63,12 @@ class Breakdown:
         alarms: by name, handlers called with (None, now_s).
     """
 
-    def __init__(self, machine: str, incarnation: int, plant: Plant, goals: GoalBook, life: Life) -> None:
-        self._machine, self._keys = machine, Keys(plant.id)
+    def __init__(self, plant: Plant, goals: GoalBook, life: Life) -> None:
+        self._machine, self._keys = life.agent, Keys(plant.id)
         self._goals = goals
         self._life = life
         self._experience = Experience()
-        self.calls = HelpCalls(_Caller(machine, incarnation, plant), plant, life)
+        self.calls = HelpCalls(PlaceCaller(plant, life), plant, life)
         self._since_s = self._judged_until_s = self._promised_s = self._comes_after_s = 0.0
         self.problem = ""
         self.about: Problem = NOTHING_KNOWN
