@@ -166,7 +166,6 @@ class Machine(AgentBase):
         self._message_handlers = self._reservation_handling.handlers(self._message_handlers)
         self._committers += [*self._reservation_handling.committers, self._flow.called.commits]
         self._report = StatusReport(
-            self,
             software,
             introduction(self._spec) if joining else None,
             self._keys,
@@ -180,6 +179,7 @@ class Machine(AgentBase):
             self._probation,
             self._reservation_handling,
             self._life,
+            self._shutdown,
         )
         self._report_handlers = {
             CycleDone: self._cycle_done,
@@ -373,11 +373,6 @@ class Machine(AgentBase):
         if not self._shutdown.begun:
             self._flow.announce_needs(self._cycle.product, now_s)
         self._report.update(now_s)
-
-    @property
-    def is_draining(self) -> bool:
-        """Whether it was asked to leave."""
-        return self._shutdown.begun
 
     # --- what follows from changes ---
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 from msgspec import UNSET, UnsetType
 
 from dray.messages import (
@@ -29,6 +27,7 @@ from dray.protocol.machine.people.command_handling import MachineCommandHandling
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.traffic.reservations.reservation_handling import ReservationHandling
 
 Stock = tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...], tuple[DocumentBrief, ...]]
@@ -37,26 +36,15 @@ Stock = tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...], tuple[DocumentBr
 _Levels = tuple[BufferLevel, ...] | UnsetType
 
 
-class Owner(Protocol):
-    """The machine's own facts beside its parts."""
-
-    id: str
-    incarnation: int
-
-    @property
-    def is_draining(self) -> bool:
-        """Whether it was asked to leave."""
-
-
 class StatusReport:
     """Composes a machine's heartbeats.
 
     Args:
-        owner: the machine.
         software: the version it runs.
         joining: its own data, if others' plant files lack it.
         keys: the plant's bus keys.
         goals, supply, flow, cycle, documents, breakdown, commands, probation, reservation_handling: the machine's parts.
+        shutdown: whether it was asked to leave.
 
     Attributes:
         status: the status last reported.
@@ -64,7 +52,6 @@ class StatusReport:
 
     def __init__(
         self,
-        owner: Owner,
         software: str,
         joining: JoiningMachine | None,
         keys: Keys,
@@ -78,11 +65,11 @@ class StatusReport:
         probation: Probation,
         reservation_handling: ReservationHandling,
         life: Life,
+        shutdown: GracefulShutdown,
     ) -> None:
-        self._owner = owner
         self._software = software
         self._joining = joining
-        self._key = keys.machine_heartbeat(owner.id)
+        self._key = keys.machine_heartbeat(life.agent)
         self._goals = goals
         self._supply = supply
         self._flow = flow
@@ -92,7 +79,7 @@ class StatusReport:
         self._commands = commands
         self._probation = probation
         self._reservation_handling = reservation_handling
-        self._life = life
+        self._life, self._shutdown = life, shutdown
         self.status = MachineStatus.IDLE
         self._told: Stock | None = None
         self._told_s = 0.0
@@ -105,8 +92,8 @@ class StatusReport:
         breakdown = self._breakdown
         buffers, goods, documents = self._stock(now_s)
         heartbeat = MachineHeartbeat(
-            machine=self._owner.id,
-            incarnation=self._owner.incarnation,
+            machine=self._life.agent,
+            incarnation=self._life.incarnation,
             seq=self._life.count_beat(),
             at_s=now_s,
             status=self.status,
@@ -124,7 +111,7 @@ class StatusReport:
             out_of_service=self._commands.service.out or UNSET,
             speed_frac=UNSET if self._goals.speed_frac == 1.0 else self._goals.speed_frac,
             software=self._software,
-            draining=self._owner.is_draining,
+            draining=self._shutdown.begun,
             probation=self._probation.brief(),
             joining=self._joining,
             people=self._commands.people or UNSET,
