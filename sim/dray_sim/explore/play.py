@@ -6,6 +6,7 @@ import asyncio
 from collections import Counter
 from contextlib import suppress
 from random import Random
+from typing import Protocol
 
 from dray.adapters.system_clock import SLEW_FRAC
 from dray.errors import DrayError
@@ -146,6 +147,16 @@ class _Powered:
         if type(message) is AtvHeartbeat and message.problem == BATTERY_EMPTY:
             seen = f"{message.atv} has run flat at {message.node} though nothing had gone wrong"
             raise InvariantBroken(12, at_s, seen)
+
+
+class _Meddler(Protocol):
+    """A person who acts at random."""
+
+    async def meddle(self) -> None:
+        """Act until cancelled."""
+
+    async def put_right(self) -> None:
+        """Undo it; returns when everything works as before."""
 
 
 class _Game:
@@ -338,6 +349,13 @@ class _Game:
         await asyncio.sleep(gone_s(IDLE_INTERVAL_S))
         office.carry_away(INSIDER)
 
+    async def _until_quiet(self, meddler: _Meddler) -> None:
+        """Let somebody meddle until the quiet phase, and then put everything right."""
+        try:
+            await asyncio.wait_for(meddler.meddle(), self._run.faults_until_s)
+        except TimeoutError:
+            await meddler.put_right()
+
     async def _press_at_random(self, factory: SimFactory) -> None:
         run = self._run
         random_operator = RandomOperator(
@@ -349,20 +367,14 @@ class _Game:
             random=Random(f"{run.seed} passerby"),
             grants=Random(f"{run.seed} passerby's grants"),
         )
-        try:
-            await asyncio.wait_for(random_operator.meddle(), run.faults_until_s)
-        except TimeoutError:
-            await random_operator.put_right()
+        await self._until_quiet(random_operator)
 
     async def _answer_at_random(self, factory: SimFactory) -> None:
         run = self._run
         random = Random(f"{run.seed} answers at random")
         answers = RandomAnswers(factory.bus, factory.clock, factory.keys, random)
         factory.bus.kinds[AT_RANDOM] = Kind.OPERATOR
-        try:
-            await asyncio.wait_for(answers.meddle(), run.faults_until_s)
-        except TimeoutError:
-            await answers.put_right()
+        await self._until_quiet(answers)
 
     async def _meddle_with_machines(self, factory: SimFactory) -> None:
         run = self._run
@@ -374,10 +386,7 @@ class _Game:
             areas=tuple(run.plant.areas),
             random=Random(f"{run.seed} meddler"),
         )
-        try:
-            await asyncio.wait_for(meddler.meddle(), run.faults_until_s)
-        except TimeoutError:
-            await meddler.put_right()
+        await self._until_quiet(meddler)
 
     async def _await_end(self, factory: SimFactory, liveness: LivenessCheck) -> None:
         """Wait until the faults are over, the quiet phase has passed, and no work is open any more."""
