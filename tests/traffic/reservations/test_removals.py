@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from msgspec import UNSET
 from msgspec.structs import replace
 from replica import (
@@ -32,6 +34,7 @@ from dray.messages.floor.traffic import Blocked, HoldsAsked
 from dray.messages.heartbeat import AWAITED_MAX
 from dray.protocol.runtime.events import Ignore, Publish, Send, Subscribe, Unsubscribe
 from dray.protocol.runtime.throttle import TOLD_EVERY_S
+from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.removal_authorisation import (
     BEFORE_S,
     EXPIRED,
@@ -147,6 +150,47 @@ def test_a_replica_whose_clock_is_behind_takes_no_word_after_the_report_for_one_
     assert replica.holder(HERE) == "A"
     how = {"reported_s": FIRST_S + behind_s, "signed_s": now_s + behind_s}
     assert replica.remove(now_s, heard=OUTDATED, **how) == []
+
+
+@pytest.mark.parametrize("older", [(1, 0), (1, 7), (0, 2**40)], ids=["first", "named", "earlier-life"])
+@pytest.mark.parametrize("reported_s", [None, DIED_S + 0.5], ids=["untimed", "timed"])
+def test_an_older_heartbeat_does_not_make_a_report_count_that_a_later_one_has_refuted(
+    replica: Replica, older: tuple[int, int], reported_s: float | None
+) -> None:
+    """It came late, or a thief of the vehicle's certificate has sent it."""
+    life, seq = older
+    replica.told("A", beat(seq=8), DIED_S + 1.0)
+    replica.told("A", beat(life=life, seq=seq), DIED_S + 2.0)
+    for silent_s in (GONE_S + 0.1, 10_000.0):
+        now_s = DIED_S + 2.0 + silent_s
+        assert replica.remove(now_s, reported_s=reported_s, signed_s=now_s) == [HEARD_SINCE]
+    assert replica.holder(HERE) == "A"
+
+
+@given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 9), st.booleans()), min_size=1, max_size=9))
+def test_whatever_a_thief_sends_and_in_which_order_lowers_nothing_that_was_heard(
+    beats: list[tuple[int, int, bool]],
+) -> None:
+    """Of any life, with any number, shortened for radio or whole."""
+    neighbours = Neighbours()
+    for at, (life, seq, whole) in enumerate(beats, 1):
+        said = beat(life=life, seq=seq)
+        neighbours.on_vehicle(said if whole else replace(said, floor=UNSET), float(at))
+        last = neighbours.last("A")
+        assert last is not None
+        assert last.said == max((life, seq) for life, seq, _ in beats[:at])
+        assert last.at_s == at
+
+
+def test_a_vehicle_that_counts_from_one_again_without_its_journal_can_be_carried_away_all_the_same(
+    replica: Replica,
+) -> None:
+    """Its time tells that its newest word came before the report."""
+    replica.told("A", beat(life=5, seq=900), DIED_S + 1.0)
+    replica.told("A", beat(life=1, seq=3), DIED_S + 2.0)
+    now_s = DIED_S + 2.0 + GONE_S + 0.1
+    assert replica.remove(now_s, heard=(1, 3), reported_s=DIED_S + 2.0 + BEFORE_S) == []
+    assert replica.holder(HERE) == ""
 
 
 def test_what_came_before_the_report_does_not_bring_the_vehicle_back(replica: Replica) -> None:
