@@ -20,7 +20,15 @@ from dray.gateway.http.fault_codes import CODES
 from dray.gateway.http.problems import AWAY
 from dray.gateway.live.projection.auctions.why import ASKED, LATE, QUEUE, SILENT
 from dray.gateway.live.replay.recorder import MarkKind
-from dray.gateway.live.views import AlertKind, AtvView, MachineView, OrderView, TaskView, WhyView
+from dray.gateway.live.views import (
+    AlertKind,
+    AtvView,
+    MachineView,
+    OrderView,
+    RemovalRefusalView,
+    TaskView,
+    WhyView,
+)
 from dray.gateway.live.views.duty import DutyChoice
 from dray.gateway.orders.wanted_vehicle import Unwilling
 from dray.messages import (
@@ -97,6 +105,7 @@ def problem_kinds() -> set[str]:
 
 SHOWN: Mapping[str, Iterable[str]] = {
     "alertLog.is": literals(AlertKind),
+    "carry.refused": of(RemovalRefusalView, "reason"),
     "answer": literals(Refusal) | {ASKED, LATE, QUEUE, SILENT},
     "atv": of(AtvView, "status"),
     "machine": of(MachineView, "status") | {"lost"},

@@ -11,7 +11,7 @@
     dray fault ...      inject faults into a running `dray up`
     dray bench          benchmarks
     dray shut-out       exclude an agent; `dray readmit` ends that
-    dray carried-away   report that a vehicle is off the floor: its places become free
+    dray carried-away   report that a vehicle is off the floor: its places become free; or list what came of it
     dray user ...       people and their logins
     dray key ...        API keys of other systems
     dray link ...       customers' links to their orders

@@ -137,7 +137,7 @@ from dray.messages.product import (
     PartDefinition,
     ProductDefinition,
 )
-from dray.messages.reason import CommandRefusal, Implausible, Reason
+from dray.messages.reason import CommandRefusal, Implausible, Reason, RemovalRefusal
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
 from dray.messages.transport import (
@@ -266,6 +266,7 @@ __all__ = [
     "Refusal",
     "Release",
     "Removal",
+    "RemovalRefusal",
     "Removals",
     "ReportTime",
     "Resigned",

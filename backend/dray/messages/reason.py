@@ -153,6 +153,25 @@ class CommandRefusal(StrEnum):
     """A vehicle is loading or unloading that item: count it when the vehicle has gone."""
 
 
+class RemovalRefusal(StrEnum):
+    """Why the replica of a reservation table does not believe a person's report that a vehicle was carried away, or is put back."""
+
+    NOT_TRUSTED = "not_trusted"
+    """The grant has no trusted signature for this report."""
+    EXPIRED = "expired"
+    """The grant has expired."""
+    NO_PLACE = "no_place"
+    """The plant file has no such place to put it back."""
+    NOT_THERE = "not_there"
+    """The grant does not cover where the vehicle was heard last, or where it is put back."""
+    TOO_EARLY = "too_early"
+    """The replica has not listened for long enough."""
+    IS_HEARD = "is_heard"
+    """The vehicle is still heard."""
+    HEARD_SINCE = "heard_since"
+    """The vehicle was heard after the report: only a new report can be believed."""
+
+
 class Implausible(StrEnum):
     """Why a coordinator does not believe a contractor."""
 

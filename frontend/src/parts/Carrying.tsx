@@ -3,6 +3,7 @@ import { useId } from "preact/hooks";
 import { carryAway, putBack } from "../api/client";
 import type { AtvView, PlantFile } from "../api/types";
 import { freePlaces } from "../plant/free-places";
+import { refusalsOf } from "../plant/removal-refusals";
 import { isLost } from "../plant/silence";
 import { isPast } from "../stream/freshness";
 import { freshness } from "../stream/stream";
@@ -61,12 +62,30 @@ function keptText(kept: boolean, isSimulated: boolean): "carry.kept" | "carry.st
   return isSimulated ? "carry.stands" : "carry.kept";
 }
 
-/** Factory seconds from when all machines should free its places, until people are told that one may refuse. */
+/** Factory seconds from when all machines should free its places, until people are told that one may refuse, though none has said so. */
 const FREED_WITHIN_S = 60;
 
-/** Whether a machine seems to refuse the report: for good, if it has heard the vehicle later. */
+/** Whether a machine seems to refuse the report, and its answer is not known here. */
 function isRefused({ holds, removal }: AtvView, leftS: number): boolean {
   return removal?.freed.length === 0 && holds.length > 0 && leftS < -FREED_WITHIN_S;
+}
+
+/** Who refuses the report, and why. */
+function Refused({ atv, leftS }: { atv: AtvView; leftS: number }) {
+  const refusals = [...refusalsOf(atv)];
+  if (refusals.length === 0) return isRefused(atv, leftS) ? <p role="alert">{t("carry.notFree")}</p> : null;
+  return (
+    <div role="alert">
+      {refusals.map(([reason, agents]) => (
+        <p key={reason}>
+          {t("carry.refused", {
+            agents: format.list(agents.map((agent) => (agent === "" ? t("carry.elsewhere") : agent))),
+            reason: t(`carry.refused.${reason}`),
+          })}
+        </p>
+      ))}
+    </div>
+  );
 }
 
 interface Acting extends Props {
@@ -125,7 +144,7 @@ function Back({ act, atv, atvs, busy, isSimulated, nowS, plant, speed }: Acting)
           ? t("carry.freed", { places: format.list(away.freed) })
           : leftS > 0 && t("carry.soon", { time: factoryTime(leftS * speed, speed) })}
       </p>
-      {isRefused(atv, leftS * speed) && <p role="alert">{t("carry.notFree")}</p>}
+      <Refused atv={atv} leftS={leftS * speed} />
       {away.node !== "" && <p role="status">{t(keptText(away.kept, isSimulated), { node: away.node })}</p>}
       <label for={id}>{t("carry.where")}</label>
       <div class="put-back">

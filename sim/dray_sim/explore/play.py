@@ -46,7 +46,7 @@ from dray_sim.network.listeners import Listeners
 from dray_sim.people.carriers import Carriers
 from dray_sim.people.crew import hire
 from dray_sim.people.floor_manager import FloorManager
-from dray_sim.people.floor_office import FloorOffice
+from dray_sim.people.floor_office import KEPT_WITHIN_S, FloorOffice
 from dray_sim.people.load_looker import LoadLooker
 from dray_sim.people.operators import Operator
 from dray_sim.people.order_client import OrderClient
@@ -335,7 +335,8 @@ class _Game:
         """Let an insider lie to the end: in the quiet phase, too, all open work must end.
 
         An insider that claims floor is sent away before: people have seen which vehicle holds it, and a person's word
-        frees it. One with a vehicle's key is sent away, too: the vehicle would stand.
+        frees it. They say it anew from time to time, because a machine that has heard the insider since refuses the
+        first word for good. One with a vehicle's key is sent away, too: the vehicle would stand.
         """
         behaviour = BEHAVIOURS[self._run.insider]
         lies = bring_in(factory, behaviour).run()
@@ -347,7 +348,9 @@ class _Game:
         if behaviour.has_key:
             return
         await asyncio.sleep(gone_s(IDLE_INTERVAL_S))
-        office.carry_away(INSIDER)
+        while True:
+            office.carry_away(INSIDER)
+            await asyncio.sleep(KEPT_WITHIN_S)
 
     async def _until_quiet(self, meddler: _Meddler) -> None:
         """Let somebody meddle until the quiet phase, and then put everything right."""

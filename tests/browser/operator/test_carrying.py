@@ -15,8 +15,8 @@ from puppets import Puppet
 from tablet_kit import LOOKS, Cable, Enter, be_cut_off, can_be_cut_off, card, forgive
 from variants import variants
 
-from dray.messages import Event
-from dray.messages.fact import PlaceKept, PlacesFreed
+from dray.messages import Event, RemovalRefusal
+from dray.messages.fact import PlaceKept, PlacesFreed, RemovalRefused
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import load_plant
 
@@ -78,9 +78,18 @@ def dead(house: OpenHouse) -> Puppet:
     return house.do(join)
 
 
-def tell(house: OpenHouse, number: int, fact: PlacesFreed | PlaceKept) -> None:
+HEARD_SINCE = {
+    "en": "The vehicle was heard there after this report",
+    "de": "Das Fahrzeug wurde dort nach dieser Meldung gehört",
+    "es": "El vehículo se oyó allí después de este aviso",
+}
+
+
+def tell(
+    house: OpenHouse, number: int, fact: PlacesFreed | PlaceKept | RemovalRefused, agent: str = "M8"
+) -> None:
     async def say(inside: House) -> None:
-        inside.bus.say(Event(agent="M8", incarnation=1, number=number, at_s=0.0, fact=fact))
+        inside.bus.say(Event(agent=agent, incarnation=1, number=number, at_s=0.0, fact=fact))
 
     house.do(say)
 
@@ -141,7 +150,14 @@ def test_if_its_places_do_not_become_free_its_card_says_why_and_what_to_do(
     house.do(_wait)
     expect(steps.get_by_role("alert")).to_contain_text(REFUSED[look[-2:]])
     screenshot(page, f"carry-refused-{look}")
-    tell(house, 1, PlacesFreed(atv=DEAD, number=number_of(house), by="x", places=(HERE,)))
+    number = number_of(house)
+    for agent in ("M8", "M7", "M1"):
+        tell(house, 1, RemovalRefused(DEAD, number, RemovalRefusal.HEARD_SINCE), agent)
+    expect(steps.get_by_role("alert")).to_contain_text(HEARD_SINCE[look[-2:]])
+    expect(steps.get_by_role("alert")).not_to_contain_text(REFUSED[look[-2:]])
+    expect(steps.get_by_role("alert")).to_contain_text("M8")
+    screenshot(page, f"carry-refused-why-{look}")
+    tell(house, 2, PlacesFreed(atv=DEAD, number=number, by="x", places=(HERE,)))
     expect(steps.get_by_role("alert")).to_have_count(0)
 
 

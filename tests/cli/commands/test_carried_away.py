@@ -7,6 +7,8 @@ from collections.abc import Callable
 
 import pytest
 
+from dray.messages import Event, RemovalRefusal
+from dray.messages.fact import PlacesFreed, RemovalRefused
 from dray.store import open_store
 from dray.store.access.audit import AuditFilter, AuditRow
 from dray.store.factory.removals import RemovalRow
@@ -57,4 +59,51 @@ def test_what_is_not_said_in_so_many_words_is_not_said(
     code, _, error = dray(*args)
     assert code != 0
     assert said in error
+    assert look(database) == ([], [])
+
+
+def answer(database: str, *answers: tuple[str, PlacesFreed | RemovalRefused]) -> None:
+    """What machines have told, and a gateway has stored."""
+    events = [
+        Event(agent=agent, incarnation=1, number=number, at_s=float(number), fact=fact)
+        for number, (agent, fact) in enumerate(answers, 1)
+    ]
+
+    async def store() -> None:
+        opened = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
+        async with opened.write() as work:
+            await work.events.add(events, lambda plant_s: plant_s)
+        await opened.close()
+
+    asyncio.run(store())
+
+
+def test_without_a_vehicle_it_lists_who_is_off_the_floor_and_what_machines_have_answered(
+    dray: Run, database: str
+) -> None:
+    dray("ATV3", "--off-the-floor")
+    (earlier,), _ = look(database)
+    dray("ATV3", "--off-the-floor")
+    dray("GHOST", "--off-the-floor")
+    number = next(row.number for row in look(database)[0] if row.atv == "ATV3")
+    answer(
+        database,
+        ("M2", RemovalRefused("ATV3", earlier.number, RemovalRefusal.EXPIRED)),
+        ("M4", RemovalRefused("ATV3", number, RemovalRefusal.HEARD_SINCE)),
+        ("M5", PlacesFreed(atv="ATV3", number=number, by="console:maria", places=("b3", "c3"))),
+    )
+    code, out, _ = dray()
+    assert code == 0
+    words = " ".join(out.split())
+    assert "ATV3 maria" in words
+    assert "M4: it has heard the vehicle after the report" in words
+    assert "M5: b3, c3 free" in words
+    assert "no answer yet" in words
+    assert "M2" not in words
+
+
+def test_off_the_floor_needs_the_name_of_the_vehicle(dray: Run, database: str) -> None:
+    code, _, error = dray("--off-the-floor")
+    assert code != 0
+    assert "name the vehicle" in error
     assert look(database) == ([], [])

@@ -16,8 +16,10 @@ from wall_clock import NOW_S
 from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.factory.carrying import Carrying
 from dray.gateway.http.provided import provided
-from dray.messages import Event, Message, Removal, Removals, removed_words, reported_words
-from dray.messages.fact import PlaceKept, PlacesFreed
+from dray.gateway.live.projection.agents.removals import REFUSED_KEPT
+from dray.gateway.live.visibility import visibility_of
+from dray.messages import Event, Message, Removal, RemovalRefusal, Removals, removed_words, reported_words
+from dray.messages.fact import PlaceKept, PlacesFreed, RemovalRefused
 from dray.messages.heartbeat import FloorBrief
 from dray.store.factory.removals import FROM_CONSOLE, RemovalRow
 
@@ -153,6 +155,96 @@ async def test_what_is_free_and_kept_is_shown_as_replicas_tell_it(house: House) 
     assert (await house.get("/api/atvs/ATV1"))["removal"]["kept"]
 
 
+async def refused(house: House) -> list[tuple[str, str]]:
+    removal = (await house.get("/api/atvs/ATV1"))["removal"]
+    assert all(each["text"] for each in removal["refused"])
+    return [(each["agent"], each["reason"]) for each in removal["refused"]]
+
+
+async def test_who_refuses_the_report_is_shown_with_the_reason_until_it_frees_the_places(
+    house: House,
+) -> None:
+    heard(house)
+    number = (await say(house, "carried-away", **OFF))["number"]
+    assert await refused(house) == []
+    for count, (agent, reason) in enumerate(
+        (("M5", "not_there"), ("M4", "expired"), ("M4", "heard_since")), 1
+    ):
+        why = RemovalRefused("ATV1", number, RemovalRefusal(reason))
+        house.bus.say(fact(why, count, agent))
+    assert await refused(house) == [("M4", "heard_since"), ("M5", "not_there")]
+    house.bus.say(fact(RemovalRefused("ATV1", number - 1, RemovalRefusal.EXPIRED), 4, "M6"))
+    house.bus.say(fact(PlacesFreed(atv="ATV1", number=number, by="x", places=("c3",)), 5))
+    assert await refused(house) == [("M5", "not_there")]
+    await say(house, "put-back", place="p1")
+    assert await refused(house) == []
+
+
+async def test_a_refusal_that_comes_before_this_gateway_has_read_the_report_is_shown_too(
+    house: House,
+) -> None:
+    """Another gateway has published it. Of what nobody has carried away no more is kept than a bound."""
+    heard(house)
+    row = RemovalRow("ATV1", 0, 1, 7, "", "null", "maria", "person:maria", NOW_S)
+    async with house.store.write() as work:
+        stored = await work.removals.put(row)
+    house.projection.fold(fact(RemovalRefused("ATV1", stored.number, RemovalRefusal.EXPIRED)))
+    await provided(house.app, Carrying).look()
+    for count in range(2 * REFUSED_KEPT):
+        house.projection.fold(fact(RemovalRefused(f"X{count}", 1, RemovalRefusal.EXPIRED), count + 2))
+    assert await refused(house) == [("M4", "expired")]
+    assert len(house.projection.removals._refused) == REFUSED_KEPT + 1
+
+
+async def test_answers_from_before_the_gateways_start_are_read_again(house: House) -> None:
+    """Machines tell them once."""
+    heard(house)
+    number = (await say(house, "carried-away", **OFF))["number"]
+    answers = (
+        RemovalRefused("ATV1", number, RemovalRefusal.HEARD_SINCE),
+        PlacesFreed(atv="ATV1", number=number, by="x", places=("c3",)),
+    )
+    events = [fact(answers[0], 1, "M5"), fact(answers[1], 1, "M4")]
+    async with house.store.write() as work:
+        await work.events.add(events, lambda plant_s: plant_s)
+    await provided(house.app, Carrying).restore()
+    assert await refused(house) == [("M5", "heard_since")]
+    assert (await house.get("/api/atvs/ATV1"))["removal"]["freed"] == ["c3"]
+
+
+async def test_each_refusal_is_logged_once(house: House, caplog: pytest.LogCaptureFixture) -> None:
+    heard(house)
+    number = (await say(house, "carried-away", **OFF))["number"]
+    for reason in (RemovalRefusal.EXPIRED, RemovalRefusal.HEARD_SINCE):
+        house.projection.fold(fact(RemovalRefused("ATV1", number, reason)))
+        for _ in range(3):
+            await provided(house.app, Carrying).look()
+    said = [each.getMessage() for each in caplog.records if each.name == Carrying.__module__]
+    assert [each.partition(":")[0] for each in said] == ["M4 does not believe that ATV1 was carried away"] * 2
+    assert said[0] != said[1]
+
+
+async def test_an_operator_reads_no_names_of_machines_elsewhere(house: House) -> None:
+    heard(house)
+    number = (await say(house, "carried-away", **OFF))["number"]
+    plant = house.projection.site.plant
+    area = next(iter(plant.areas))
+    is_here = {machine: area in plant.areas_at(*plant.position_of(machine)) for machine in plant.machines}
+    here, there = (
+        next(machine for machine in is_here if is_here[machine] is which) for which in (True, False)
+    )
+    for agent in (here, there):
+        house.projection.fold(fact(RemovalRefused("ATV1", number, RemovalRefusal.EXPIRED), 1, agent))
+    view = house.projection.atvs.view("ATV1")
+    assert view is not None
+    x_m, y_m = plant.position_of(here)
+    view = msgspec.structs.replace(view, x_m=x_m, y_m=y_m)
+    shown = visibility_of(house.projection, frozenset({area})).atv(view)
+    assert shown is not None
+    assert shown.removal is not None
+    assert {each.agent for each in shown.removal.refused} == {here, ""}
+
+
 async def test_it_ends_when_the_vehicle_is_heard_again(house: House) -> None:
     told = listener(house.bus)
     heard(house)
@@ -186,8 +278,8 @@ async def test_a_vehicle_that_nobody_knows_is_not_found(house: House) -> None:
     assert answer.status_code == 404
 
 
-def fact(told: PlacesFreed | PlaceKept, number: int = 1) -> Event:
-    return Event(agent="M4", incarnation=1, number=number, at_s=0.0, fact=told)
+def fact(told: PlacesFreed | PlaceKept | RemovalRefused, number: int = 1, agent: str = "M4") -> Event:
+    return Event(agent=agent, incarnation=1, number=number, at_s=0.0, fact=told)
 
 
 async def test_whoever_a_table_names_can_be_carried_away_and_shut_out_though_nobody_has_heard_it(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from msgspec import UNSET
 from msgspec.structs import replace
 from replica import (
@@ -26,21 +28,27 @@ from replica import (
 )
 
 from dray.memory import TableMemory
-from dray.messages import Removals
-from dray.messages.fact import PlaceKept, PlacesFreed
+from dray.messages import RemovalRefusal, Removals
+from dray.messages.fact import PlaceKept, PlacesFreed, RemovalRefused
 from dray.messages.floor.traffic import Blocked, HoldsAsked
 from dray.messages.heartbeat import AWAITED_MAX
 from dray.protocol.runtime.events import Ignore, Publish, Send, Subscribe, Unsubscribe
+from dray.protocol.runtime.throttle import TOLD_EVERY_S
+from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.removal_authorisation import (
     BEFORE_S,
     EXPIRED,
+    HEARD_SINCE,
     IS_HEARD,
+    LISTEN_S,
+    NO_PLACE,
     NOT_THERE,
     NOT_TRUSTED,
     TOO_EARLY,
 )
 from dray.protocol.traffic.reservations.copies import Copies
 from dray.protocol.traffic.reservations.recovery_poll import POLL_S, QUIET_S
+from dray.protocol.traffic.reservations.refused_removals import REFUSALS
 
 
 @pytest.fixture
@@ -67,7 +75,7 @@ def test_nobody_believes_it_of_a_vehicle_that_may_be_speaking_on_a_bad_link(repl
 
 def test_nor_of_one_that_was_heard_after_the_word_was_given(replica: Replica) -> None:
     replica.told("A", beat(seq=8), DIED_S + 1.0)
-    assert replica.remove(LATER_S + 1000.0) == [IS_HEARD]
+    assert replica.remove(LATER_S + 1000.0) == [HEARD_SINCE]
     assert replica.remove(LATER_S + 1000.0, heard=(1, 8)) == []
 
 
@@ -103,7 +111,7 @@ def test_it_is_not_when_the_vehicle_was_heard_after_the_report_however_long_it_i
     replica.told("A", beat(seq=8), DIED_S + after_s)
     for silent_s in (GONE_S + 0.1, 10_000.0):
         now_s = DIED_S + after_s + silent_s
-        assert replica.remove(now_s, heard=OUTDATED, reported_s=FIRST_S, signed_s=now_s) == [IS_HEARD]
+        assert replica.remove(now_s, heard=OUTDATED, reported_s=FIRST_S, signed_s=now_s) == [HEARD_SINCE]
     assert replica.holder(HERE) == "A"
     assert replica.remove(now_s, heard=OUTDATED, reported_s=now_s, signed_s=now_s, number=2) == []
 
@@ -111,7 +119,7 @@ def test_it_is_not_when_the_vehicle_was_heard_after_the_report_however_long_it_i
 def test_a_request_after_the_report_is_a_sign_of_life_too(replica: Replica) -> None:
     replica.told("A", request(HERE, ELSEWHERE, seq=2), FIRST_S)
     now_s = FIRST_S + GONE_S + 1.0
-    assert replica.remove(now_s, heard=OUTDATED, reported_s=FIRST_S, signed_s=now_s) == [IS_HEARD]
+    assert replica.remove(now_s, heard=OUTDATED, reported_s=FIRST_S, signed_s=now_s) == [HEARD_SINCE]
 
 
 def test_nobody_but_people_says_when_a_report_was_made(replica: Replica) -> None:
@@ -138,10 +146,51 @@ def test_a_replica_whose_clock_is_behind_takes_no_word_after_the_report_for_one_
     now_s = DIED_S + GONE_S + 1.0
     for later_s in (0.0, 1000.0):
         how = {"reported_s": reported_s, "signed_s": now_s + later_s + behind_s}
-        assert replica.remove(now_s + later_s, heard=OUTDATED, **how) == [IS_HEARD]
+        assert replica.remove(now_s + later_s, heard=OUTDATED, **how) == [HEARD_SINCE]
     assert replica.holder(HERE) == "A"
     how = {"reported_s": FIRST_S + behind_s, "signed_s": now_s + behind_s}
     assert replica.remove(now_s, heard=OUTDATED, **how) == []
+
+
+@pytest.mark.parametrize("older", [(1, 0), (1, 7), (0, 2**40)], ids=["first", "named", "earlier-life"])
+@pytest.mark.parametrize("reported_s", [None, DIED_S + 0.5], ids=["untimed", "timed"])
+def test_an_older_heartbeat_does_not_make_a_report_count_that_a_later_one_has_refuted(
+    replica: Replica, older: tuple[int, int], reported_s: float | None
+) -> None:
+    """It came late, or a thief of the vehicle's certificate has sent it."""
+    life, seq = older
+    replica.told("A", beat(seq=8), DIED_S + 1.0)
+    replica.told("A", beat(life=life, seq=seq), DIED_S + 2.0)
+    for silent_s in (GONE_S + 0.1, 10_000.0):
+        now_s = DIED_S + 2.0 + silent_s
+        assert replica.remove(now_s, reported_s=reported_s, signed_s=now_s) == [HEARD_SINCE]
+    assert replica.holder(HERE) == "A"
+
+
+@given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 9), st.booleans()), min_size=1, max_size=9))
+def test_whatever_a_thief_sends_and_in_which_order_lowers_nothing_that_was_heard(
+    beats: list[tuple[int, int, bool]],
+) -> None:
+    """Of any life, with any number, shortened for radio or whole."""
+    neighbours = Neighbours()
+    for at, (life, seq, whole) in enumerate(beats, 1):
+        said = beat(life=life, seq=seq)
+        neighbours.on_vehicle(said if whole else replace(said, floor=UNSET), float(at))
+        last = neighbours.last("A")
+        assert last is not None
+        assert last.said == max((life, seq) for life, seq, _ in beats[:at])
+        assert last.at_s == at
+
+
+def test_a_vehicle_that_counts_from_one_again_without_its_journal_can_be_carried_away_all_the_same(
+    replica: Replica,
+) -> None:
+    """Its time tells that its newest word came before the report."""
+    replica.told("A", beat(life=5, seq=900), DIED_S + 1.0)
+    replica.told("A", beat(life=1, seq=3), DIED_S + 2.0)
+    now_s = DIED_S + 2.0 + GONE_S + 0.1
+    assert replica.remove(now_s, heard=(1, 3), reported_s=DIED_S + 2.0 + BEFORE_S) == []
+    assert replica.holder(HERE) == ""
 
 
 def test_what_came_before_the_report_does_not_bring_the_vehicle_back(replica: Replica) -> None:
@@ -151,12 +200,12 @@ def test_what_came_before_the_report_does_not_bring_the_vehicle_back(replica: Re
     assert replica.remove(LATER_S + 100.0, number=2, node=HERE, **how) == []
     assert replica.holder(HERE) == "A"
     replica.told("A", beat(seq=8), LATER_S + 110.0)
-    assert replica.remove(LATER_S + 1000.0, number=2, node=HERE, **how) == [IS_HEARD]
+    assert replica.remove(LATER_S + 1000.0, number=2, node=HERE, **how) == [HEARD_SINCE]
 
 
 def test_a_report_without_its_time_is_judged_by_the_named_heartbeat_alone(replica: Replica) -> None:
     """So it comes from a gateway of the last version."""
-    assert replica.remove(LATER_S + 1000.0, heard=OUTDATED) == [IS_HEARD]
+    assert replica.remove(LATER_S + 1000.0, heard=OUTDATED) == [HEARD_SINCE]
     assert replica.holder(HERE) == "A"
     assert replica.remove(LATER_S + 1000.0, heard=(1, 7)) == []
     assert replica.holder(HERE) == ""
@@ -210,13 +259,13 @@ def test_the_time_of_an_earlier_publication_does_not_count_with_a_later_grant(re
     later = word(signed_s=now_s + 60.0, until_s=now_s + 120.0, **how)
     mixed = replace(later, reported=first.reported)
     effects = replica.told("gateway", Removals(removals=(mixed,)), now_s)
-    assert [effect.reason for effect in effects if isinstance(effect, Ignore)] == [IS_HEARD]
+    assert [effect.reason for effect in effects if isinstance(effect, Ignore)] == [HEARD_SINCE]
     assert replica.holder(HERE) == "A"
 
 
 def test_a_report_was_made_before_it_was_signed_whatever_it_says(replica: Replica) -> None:
     how = {"heard": OUTDATED, "reported_s": LATER_S + 1000.0}
-    assert replica.remove(signed_s=FIRST_S - 0.1, **how) == [IS_HEARD]
+    assert replica.remove(signed_s=FIRST_S - 0.1, **how) == [HEARD_SINCE]
     assert replica.remove(signed_s=FIRST_S, **how) == []
 
 
@@ -410,3 +459,107 @@ def test_a_replica_tells_who_holds_something_in_its_district() -> None:
         (200.0, [("A", (HERE,), True)]),
     ]
     assert [told.number for _, told in words] == [1, 2, 3]
+
+
+# --- people are told why -------------------------------------------------------------------------
+
+
+def told_why(replica: Replica, now_s: float, **how: Any) -> list[RemovalRefusal]:
+    """The reasons that people are told when this report comes."""
+    effects = replica.told("gateway", Removals(removals=(word(**how),)), now_s)
+    refused = facts(effects, RemovalRefused)
+    assert all((each.atv, each.number) == (how.get("atv", "A"), how.get("number", 1)) for each in refused)
+    return [each.reason for each in refused]
+
+
+def test_every_objection_is_told_by_a_word_of_the_list() -> None:
+    assert set(REFUSALS.values()) == set(RemovalRefusal)
+
+
+@pytest.mark.parametrize(
+    ("how", "why"),
+    [
+        ({"key": FORGER}, NOT_TRUSTED),
+        ({"until_s": LATER_S - 1.0}, EXPIRED),
+        ({"areas": ("nowhere",)}, NOT_THERE),
+        ({"node": "nowhere"}, NO_PLACE),
+        ({"heard": OUTDATED}, HEARD_SINCE),
+    ],
+)
+def test_people_are_told_once_why_a_report_is_refused_and_once_more_of_the_next_report(
+    replica: Replica, how: dict[str, Any], why: str
+) -> None:
+    assert told_why(replica, LATER_S, **how) == [REFUSALS[why]]
+    assert [told_why(replica, LATER_S + 2.0 * count, **how) for count in range(1, 50)] == [[]] * 49
+    assert told_why(replica, LATER_S + 100.0, number=2, **how) == [REFUSALS[why]]
+    assert replica.holder(HERE) == "A"
+
+
+def test_another_reason_for_the_same_report_is_told_too(replica: Replica) -> None:
+    assert told_why(replica, LATER_S, until_s=LATER_S - 1.0) == [RemovalRefusal.EXPIRED]
+    assert told_why(replica, LATER_S + 1.0, areas=()) == [RemovalRefusal.NOT_THERE]
+
+
+def test_of_the_silence_that_every_report_waits_for_nobody_is_told_anything(replica: Replica) -> None:
+    """Neither by one that has heard the vehicle, nor by one that has begun to listen."""
+    (commit,) = replica.reservations.commits()
+    assert isinstance(commit.note, TableMemory)
+    just_begun = Replica({commit.name: commit.note}, DIED_S + 1.0)
+    for now_s in range(int(DIED_S) + 1, int(LATER_S)):
+        assert told_why(replica, float(now_s)) == []
+        assert told_why(just_begun, float(now_s)) == []
+    assert told_why(replica, LATER_S) == []
+    assert (replica.holder(HERE), replica.holder(ELSEWHERE)) == ("", "")
+
+
+def test_that_a_vehicle_goes_on_being_heard_is_told_when_it_has_lasted(replica: Replica) -> None:
+    told: list[tuple[int, RemovalRefusal]] = []
+    for second in range(1, 200):
+        now_s = DIED_S + second
+        replica.told("A", beat(seq=7 + second), now_s)
+        told += [(second, why) for why in told_why(replica, now_s)]
+    assert told == [(int(LISTEN_S) + 2, RemovalRefusal.IS_HEARD)]
+
+
+def test_a_vehicle_that_is_back_is_no_refusal_of_the_report_that_was_believed(replica: Replica) -> None:
+    """The gateway hears it a moment later than the replica."""
+    told_why(replica, LATER_S - 2.0)
+    assert replica.remove(LATER_S) == []
+    replica.told("A", request(removal=1, life=2, groups=((HERE,),)), LATER_S + 100.0)
+    replica.told("A", beat(life=2, seq=1, removal=1), LATER_S + 100.0)
+    assert replica.holder(HERE) == "A"
+    assert told_why(replica, LATER_S + 101.0) == []
+
+
+def test_whoever_repeats_an_earlier_report_has_nothing_told(replica: Replica) -> None:
+    how = {"until_s": LATER_S - 1.0}
+    assert told_why(replica, LATER_S, number=2, **how) == [RemovalRefusal.EXPIRED]
+    assert told_why(replica, LATER_S + 1.0, number=1, **how) == []
+    assert told_why(replica, LATER_S + 2.0, number=2, **how) == []
+
+
+def test_who_invents_reports_fills_no_history_and_hides_no_report_of_people(replica: Replica) -> None:
+    """One a minute is told of a vehicle that holds places here, and none of invented names."""
+    told = [
+        why
+        for count in range(100)
+        for why in told_why(replica, LATER_S + count / 10.0, number=2**50 + count, key=FORGER)
+    ]
+    assert told == [RemovalRefusal.NOT_TRUSTED]
+    for count in range(100):
+        assert told_why(replica, LATER_S + 10.0, atv=f"X{count}", node=HERE, key=FORGER) == []
+    assert told_why(replica, LATER_S + 11.0, areas=()) == [RemovalRefusal.NOT_THERE]
+    assert told_why(replica, LATER_S + TOLD_EVERY_S, key=FORGER) == [RemovalRefusal.NOT_TRUSTED]
+
+
+def test_what_keeps_a_recovery_poll_waiting_is_told_too() -> None:
+    """The table is lost: nobody knows yet what the vehicle holds."""
+    replica = Replica({"nothing": TableMemory(0, 0, 0)})
+    assert told_why(replica, LATER_S, atv="ATV1", areas=()) == [RemovalRefusal.NOT_THERE]
+
+
+def test_a_replica_without_a_place_of_the_vehicle_tells_nothing_but_where_it_is_put_back() -> None:
+    replica = Replica()
+    how = {"until_s": LATER_S - 1.0}
+    assert told_why(replica, LATER_S, **how) == []
+    assert told_why(replica, LATER_S, number=2, node=HERE, **how) == [RemovalRefusal.EXPIRED]

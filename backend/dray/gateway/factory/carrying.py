@@ -2,11 +2,12 @@
 
 A removal is published (`announced.py`) with a grant for a limited time, until the vehicle is heard. The
 keepers of reservation tables decide whether to believe it (`dray.messages.floor.removal`). They report places
-freed and kept as facts.
+freed and kept as facts, and why they refuse it.
 """
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from http import HTTPStatus
 
@@ -17,17 +18,25 @@ from dray.gateway.access.principal import Principal
 from dray.gateway.factory.announced import Announced
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.agents.removals import Removals as ShownRemovals
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import RemovalView
-from dray.messages import Removals
+from dray.messages import Event, Removals
 from dray.messages.base import CLOCKS_AGREE_S
+from dray.messages.fact import AnyFact
 from dray.messages.floor.removal import MAX_REMOVALS
 from dray.protocol.liveness.suspicion import gone_s, interval_s
 from dray.store import Store
 from dray.store.factory.removals import RemovalRow
+from dray.store.history.events import EventFilter
+
+_log = logging.getLogger(__name__)
 
 GRANT_S = 60.0
 """Validity of one publication in wall seconds."""
+
+FACTS = 1_000
+"""Maximum answers of machines that are read at the start: several from each machine for each vehicle that is off the floor."""
 
 
 class Carrying(Announced):
@@ -60,6 +69,26 @@ class Carrying(Announced):
         self._projection, self._authority = projection, authority
         self._say, self._time = say, time
         self._rows: list[RemovalRow] = []
+        self._logged: set[tuple[str, int, str, str]] = set()
+        """Refusals in the log: vehicle, number of the report, who refuses it, and why."""
+
+    async def restore(self) -> None:
+        """See `Announced.restore`. Machines tell their answers once: those to valid reports come from SQL."""
+        await super().restore()
+        if not self._rows:
+            return
+        wanted = EventFilter(kinds=tuple(kind.__name__ for kind in ShownRemovals.heeded))
+        async with self._store.read() as work:
+            rows = await work.events.page(wanted, None, FACTS, newest_first=True)
+        for row in reversed(rows):
+            try:
+                fact = msgspec.json.decode(row.fact, type=AnyFact)
+            except msgspec.MsgspecError:
+                continue  # It was written by another version of Dray.
+            event = Event(
+                agent=row.agent, incarnation=row.incarnation, number=row.number, at_s=row.plant_s, fact=fact
+            )
+            self._projection.removals.fold(event)
 
     async def carry_away(self, atv: str, by: Principal) -> None:
         """Note that a vehicle is off the floor.
@@ -147,6 +176,21 @@ class Carrying(Announced):
                     await work.removals.end(row.atv, row.number, self._wall_s())
         self._rows = [row for row in rows if row not in back]
         self._projection.show_removals((row.atv, self._view(row)) for row in self._rows)
+        self._log_refusals()
+
+    def _log_refusals(self) -> None:
+        """Log each refusal once: whoever uses `dray carried-away` has no panel."""
+        refused: set[tuple[str, int, str, str]] = set()
+        for row in self._rows:
+            view = self._projection.removals.view(row.atv)
+            for each in () if view is None else view.refused:
+                name = (row.atv, row.number, each.agent, each.reason)
+                refused.add(name)
+                if name not in self._logged:
+                    _log.warning(
+                        "%s does not believe that %s was carried away: %s", each.agent, row.atv, each.text
+                    )
+        self._logged = refused
 
     async def _completed(self, row: RemovalRow) -> RemovalRow:
         """Complete a removal entered elsewhere.

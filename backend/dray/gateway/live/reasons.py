@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from dray.gateway.live.views import CauseView, FailureView, LackView, WaitCauseView, WaitKind
-from dray.messages import CommandAnswered, CommandRefusal, Implausible, MaterialWait, Reason, TaskBrief
+from dray.messages import (
+    CommandAnswered,
+    CommandRefusal,
+    Implausible,
+    MaterialWait,
+    Reason,
+    RemovalRefusal,
+    TaskBrief,
+)
 from dray.messages.fact import GoalWaits
 from dray.messages.people.command import PROMISE_MAX_S
 
@@ -98,6 +106,17 @@ IMPLAUSIBLE: Mapping[Implausible, str] = {
     Implausible.TOO_SOON: "a bid that would be done sooner than any vehicle could",
     Implausible.BEFORE_NOW: "a bid that would be done in the past",
     Implausible.TOO_LATE: "a bid that would be done much later than its price tells",
+}
+
+REMOVAL_REFUSALS: Mapping[RemovalRefusal, str] = {
+    RemovalRefusal.NOT_TRUSTED: "the report's signature is not trusted: compare the keys of gateway and machine",
+    RemovalRefusal.EXPIRED: "the report had expired when it came: compare the clocks of gateway and machine",
+    RemovalRefusal.NO_PLACE: "the place where the vehicle is put back is not in its plant file",
+    RemovalRefusal.NOT_THERE: "the vehicle was heard last, or is put back, outside of the areas of whoever has reported it: "
+    "somebody for these areas has to report it",
+    RemovalRefusal.TOO_EARLY: "it has not listened to the vehicle for long enough",
+    RemovalRefusal.IS_HEARD: "it still hears the vehicle: switch it off",
+    RemovalRefusal.HEARD_SINCE: "it has heard the vehicle after the report: look again, and report it anew",
 }
 
 HELD_UP: Mapping[WaitKind, str] = {

@@ -438,11 +438,15 @@ class AreaVisibility:
         return place in self._nodes if crossing is None else self.reaches(crossing.x_m, crossing.y_m)
 
     def _removal(self, removal: RemovalView | None) -> RemovalView | None:
-        """A removal with only the visible freed places."""
+        """A removal with only the visible freed places, and without names of machines elsewhere."""
         if removal is None:
             return None
         freed = tuple(place for place in removal.freed if self._is_seen(place))
-        return replace(removal, freed=freed, node=removal.node if removal.node in self._nodes else "")
+        node = removal.node if removal.node in self._nodes else ""
+        refused = tuple(
+            replace(each, agent=each.agent if each.agent in self._places else "") for each in removal.refused
+        )
+        return replace(removal, freed=freed, node=node, refused=refused)
 
     def _shut_out(self, view: ShutOutView | None) -> ShutOutView | None:
         return None if view is None else replace(view, reason=self.words(view.reason))

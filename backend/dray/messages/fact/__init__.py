@@ -50,6 +50,7 @@ from dray.messages.fact.machine import (
 from dray.messages.fact.removal import (
     PlaceKept,
     PlacesFreed,
+    RemovalRefused,
 )
 from dray.messages.fact.strategist import (
     GoalContracted,
@@ -131,6 +132,7 @@ __all__ = [
     "PlaceKept",
     "PlacesFreed",
     "PrimarySuspected",
+    "RemovalRefused",
     "RoundFailed",
     "SparePieceMade",
     "TaskClosed",

@@ -20,6 +20,7 @@ from dray.memory import WHOLE, Memory, Note, ReservationMemory, StationMemory
 from dray.messages import Docked, MachineCommand, StationHeartbeat, StockLevel, WorkSought
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.calls.help_calls import NotComing
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
@@ -27,7 +28,7 @@ from dray.protocol.contract_net.changes import TaskDelivered, TaskLost
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.life import BEAT
+from dray.protocol.runtime.life import BEAT, Change
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.station.held_loads import HeldLoads
@@ -35,6 +36,7 @@ from dray.protocol.station.refilling import Refilling
 from dray.protocol.traffic.reservations.reservation_handling import CarriedAway, ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
+from dray.protocol.transports.handovers import CountMissed
 from dray.protocol.transports.issuing import Issuing, ReservationsChanged
 from dray.protocol.transports.reservations import Reservations
 from dray.protocol.transports.transport_flow import MaterialChanged, TransportFlow
@@ -126,6 +128,9 @@ class Station(AgentBase):
             CarriedAway: lambda carried, _now_s: self._flow.on_carried_away(carried.vehicle),
             MaterialChanged: lambda _change, now_s: self._go_on(now_s),
             ReservationsChanged: lambda _change, now_s: self._go_on(now_s),
+            # Its calls are about goods, and its loads belong to no goal.
+            NotComing: _nothing_follows,
+            CountMissed: _nothing_follows,
         }
         self._alarm_handlers = {
             BEAT: self._beat,
@@ -297,3 +302,7 @@ class Station(AgentBase):
         if (reserved := self._book.memories()) != self._written:
             self._written = reserved
             self._life.commit()
+
+
+def _nothing_follows(_change: Change, _now_s: float) -> None:
+    """The reaction to a change that cannot come from this agent's parts, and would ask nothing of it."""

@@ -35,7 +35,7 @@ class Seen(msgspec.Struct, frozen=True, gc=False):
     stuck: bool = False
     """Whether it cannot move until a person helps."""
     said: tuple[int, int] = (0, 0)
-    """Its life, and the number of the heartbeat."""
+    """Its life and the number of its heartbeat: the highest that were heard since it was carried away last."""
 
 
 class Beat(msgspec.Struct, frozen=True, gc=False):
@@ -88,6 +88,10 @@ class Neighbours:
                 return False
             del self._away[heartbeat.atv]
             self._again_s.pop(heartbeat.atv, None)
+        known = before or self._brief.get(heartbeat.atv)
+        if known is not None:
+            # A late heartbeat, or a thief's, takes nothing back: a report that a later one has refuted stays refuted.
+            said = max(said, known.said)
         every_s = interval_s(heartbeat)
         self._beats[heartbeat.atv] = Beat(now_s, heartbeat.node, every_s)
         stuck = heartbeat.status in (AtvStatus.ERROR, AtvStatus.STOPPED)

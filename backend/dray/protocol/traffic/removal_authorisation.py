@@ -21,6 +21,7 @@ from dray.protocol.traffic.neighbours import Neighbours, Seen
 
 NOT_TRUSTED = "a removal without a trusted grant"
 EXPIRED = "a removal whose grant has expired"
+HEARD_SINCE = "a removal of a vehicle that was heard after it was reported"
 IS_HEARD = "a removal of a vehicle that is heard"
 NO_PLACE = "a return of a vehicle to where there is no place"
 NOT_THERE = "a removal whose grant does not cover where the vehicle was, or returns to"
@@ -66,7 +67,7 @@ class RemovalAuthorisation:
         if now_s - last.at_s <= gone_s(last.every_s):
             return IS_HEARD
         if last.said > (removal.life, removal.seq) and not self._came_before(last, removal, now_s):
-            return IS_HEARD
+            return HEARD_SINCE
         return ""
 
     def _came_before(self, last: Seen, removal: Removal, now_s: float) -> bool:

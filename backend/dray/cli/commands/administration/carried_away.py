@@ -1,4 +1,4 @@
-"""`dray carried-away`: report that a vehicle is off the floor, without a panel.
+"""`dray carried-away`: report that a vehicle is off the floor, without a panel, and read what has come of the reports.
 
 The report goes into the database, and every gateway on it tells the plant. The replicas of the tables decide whether to accept it: not
 while the vehicle is heard.
@@ -7,6 +7,8 @@ while the vehicle is heard.
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -14,11 +16,22 @@ import typer
 from dray.cli.commands.administration.shut_out import SEEN, Database
 
 if TYPE_CHECKING:
+    from dray.store.factory.removals import RemovalRow
+    from dray.store.history.events import EventRow
     from dray.store.work import Work
+
+FACTS = 1_000
+"""Maximum answers of machines that are read, the newest ones."""
 
 
 def carried_away(
-    atv: Annotated[str, typer.Argument(help="The vehicle, or whoever holds places: its id, as ATV3.")],
+    atv: Annotated[
+        str | None,
+        typer.Argument(
+            help="The vehicle, or whoever holds places: its id, as ATV3; without one, who is off the floor, and which machines "
+            "refuse to believe it, and why."
+        ),
+    ] = None,
     *,
     off_the_floor: Annotated[
         bool,
@@ -34,6 +47,11 @@ def carried_away(
     from dray.plant.model import ID_RULE, is_id
     from dray.store.factory.removals import FROM_CONSOLE, RemovalRow
 
+    if atv is None:
+        if off_the_floor:
+            raise SettingsError("ATV", "name the vehicle that is off the floor")
+        _list(db)
+        return
     if not is_id(atv):
         raise SettingsError("ATV", f"{atv!r} is no id; {ID_RULE}")
     if not off_the_floor:
@@ -60,4 +78,52 @@ def carried_away(
         await note(work, "vehicle.carry_away", atv)
 
     transact(db, say)
-    typer.echo(f"{atv} is said to be off the floor; {SEEN}, and drop it if {atv} is heard")
+    typer.echo(
+        f"{atv} is said to be off the floor; {SEEN}, and drop it if {atv} is heard. "
+        "`dray carried-away` lists what is free since, and who refuses to believe it"
+    )
+
+
+def _list(db: str | None) -> None:
+    from dray.cli.commands.administration.console import transact
+    from dray.cli.runtime.output import table
+    from dray.messages.fact import PlacesFreed, RemovalRefused
+    from dray.store.history.events import EventFilter
+
+    async def read(work: Work) -> tuple[list[RemovalRow], list[EventRow]]:
+        wanted = EventFilter(kinds=(PlacesFreed.__name__, RemovalRefused.__name__))
+        return await work.removals.all(), await work.events.page(wanted, None, FACTS, newest_first=True)
+
+    reports, answers = transact(db, read)
+    rows = [
+        (
+            each.atv,
+            each.by,
+            f"{datetime.fromtimestamp(each.at_s, UTC):%Y-%m-%d %H:%M}",
+            "\n".join(_answers(each, reversed(answers))) or "no answer yet",
+        )
+        for each in reports
+    ]
+    table(("vehicle", "said by", "UTC", "answers"), rows)
+
+
+def _answers(report: RemovalRow, answers: Iterable[EventRow]) -> list[str]:
+    """What machines have answered to a report, in order, for people."""
+    import msgspec
+
+    from dray.gateway.live.reasons import REMOVAL_REFUSALS
+    from dray.messages.fact import PlacesFreed, RemovalRefused
+
+    words: list[str] = []
+    for each in answers:
+        try:
+            fact = msgspec.json.decode(each.fact, type=PlacesFreed | RemovalRefused)
+        except msgspec.MsgspecError:
+            continue  # It was written by another version of Dray.
+        if (fact.atv, fact.number) != (report.atv, report.number):
+            continue
+        if isinstance(fact, PlacesFreed):
+            words.append(f"{each.agent}: {', '.join(fact.places)} free")
+        else:
+            words.append(f"{each.agent}: {REMOVAL_REFUSALS[fact.reason]}")
+    return words

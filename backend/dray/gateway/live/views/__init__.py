@@ -19,6 +19,7 @@ from dray.gateway.live.views.atv import (
     HelpView,
     OutOfServiceView,
     ProblemView,
+    RemovalRefusalView,
     RemovalView,
 )
 from dray.gateway.live.views.base import View
@@ -91,6 +92,7 @@ __all__ = [
     "ProblemView",
     "RefusalView",
     "RefusedView",
+    "RemovalRefusalView",
     "RemovalView",
     "ScenarioCheckView",
     "ScenarioView",

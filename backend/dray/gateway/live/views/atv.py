@@ -6,6 +6,7 @@ from typing import Literal
 
 from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
 from dray.gateway.live.views.base import View
+from dray.messages import RemovalRefusal
 from dray.messages.people.command import PROMISE_MAX_S
 
 
@@ -79,6 +80,16 @@ class OutOfServiceView(View, kw_only=True):
     """Whether it first finishes what it carries."""
 
 
+class RemovalRefusalView(View, kw_only=True):
+    """A machine or storage that keeps places for the vehicle, and does not believe the report."""
+
+    agent: str
+    """Empty for one outside of the caller's areas."""
+    reason: RemovalRefusal
+    text: str
+    """The reason in English, and what to do."""
+
+
 class RemovalView(View, kw_only=True):
     """A person has carried the vehicle away, and it was not heard since."""
 
@@ -89,6 +100,8 @@ class RemovalView(View, kw_only=True):
     """Moment from which it has been silent long enough to free its places."""
     freed: tuple[str, ...] = ()
     """Places that it held and that are free now."""
+    refused: tuple[RemovalRefusalView, ...] = ()
+    """Who refuses this report, and why. In the first minute every report is refused, which is not told."""
     node: str = ""
     """Node where it is being put back; empty while it is off the floor."""
     kept: bool = False

@@ -10,6 +10,7 @@ import msgspec
 from dray.gateway.factory.figures import KpiHistory, KpiPoint
 from dray.gateway.factory.promises import ON_TIME_S, PromiseLedger, PromiseLine
 from dray.gateway.http.csv_rows import RowFault
+from dray.gateway.live.reasons import REMOVAL_REFUSALS
 from dray.gateway.live.views import (
     AtvView,
     BidView,
@@ -21,6 +22,7 @@ from dray.gateway.live.views import (
     MachineView,
     OpenTaskView,
     RefusalView,
+    RemovalRefusalView,
     RemovalView,
     SilenceView,
     TaskView,
@@ -57,6 +59,7 @@ from dray.gateway.routes.products.products import EXAMPLE as PRODUCT
 from dray.gateway.routes.products.removal import DEFINITION, REMOVED
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
+from dray.messages import RemovalRefusal
 from dray.plant import default_plant
 
 NOW_S = ORDER.created_at_s + 60.0
@@ -115,7 +118,20 @@ _STRUCTS = (
         due_at=ORDER.due_at,
         delivered_at=None,
     ),
-    RemovalView(number=1, by="Maria Weber", at_s=NOW_S, believed_at_s=NOW_S + 12, freed=("b3", "c3")),
+    RemovalView(
+        number=1,
+        by="Maria Weber",
+        at_s=NOW_S,
+        believed_at_s=NOW_S + 12,
+        freed=("b3", "c3"),
+        refused=(
+            RemovalRefusalView(
+                agent="M4",
+                reason=RemovalRefusal.HEARD_SINCE,
+                text=REMOVAL_REFUSALS[RemovalRefusal.HEARD_SINCE],
+            ),
+        ),
+    ),
     InventoryLine(item="P1", place="M1", kind="goods", quantity=3, capacity=8, spare=1, seen_at_s=NOW_S),
     StorageAnswer(id="S1", name="North", node="n4", stocks=(StoredMaterial("shaft", 200),)),
     MaterialAnswer(

@@ -188,6 +188,14 @@ class District:
         """The present table, including lines that do not count yet."""
         return self._table
 
+    def names(self, atv: str) -> bool:
+        """Whether a line of the table, or of the copy that is kept here, names the vehicle."""
+        return any(line.atv == atv for line in self.copies.kept.reservations)
+
+    def has(self, place: str) -> bool:
+        """Whether the place belongs to the district."""
+        return place in self._inside
+
     # --- messages --------------------------------------------------------------------------------
 
     def on_message(self, sender: str, message: Message, now_s: float) -> None:
@@ -319,7 +327,7 @@ class District:
             if self._poll.note(atv, self._absent(removal, place), now_s, by_person=True, insists=insists):
                 self._close_poll(now_s)
         if not self.leads or removal.number < known:
-            if any(line.atv == atv for line in self.copies.kept.reservations) or place in self._inside:
+            if self.names(atv) or self.has(place):
                 self._doubt(now_s)
             return
         if removal.number > known and (place in self._inside or self._table.of(atv)):

@@ -34,11 +34,20 @@ from dray.protocol.runtime.events import NEVER_S, Commit
 from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.neighbours import Neighbours
-from dray.protocol.traffic.removal_authorisation import IS_HEARD, NOT_THERE, TOO_EARLY, RemovalAuthorisation
+from dray.protocol.traffic.removal_authorisation import (
+    HEARD_SINCE,
+    IS_HEARD,
+    NO_PLACE,
+    NOT_THERE,
+    NOT_TRUSTED,
+    TOO_EARLY,
+    RemovalAuthorisation,
+)
 from dray.protocol.traffic.reservations.copies import Kept
 from dray.protocol.traffic.reservations.district import TABLE_TICK
 from dray.protocol.traffic.reservations.districts import Districts
 from dray.protocol.traffic.reservations.impostors import Impostors
+from dray.protocol.traffic.reservations.refused_removals import RefusedRemovals
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 NOT_KEPT_HERE = "a message about a reservation table that is not kept here, perhaps of another plant file"
@@ -99,6 +108,7 @@ class ReservationHandling:
         self._neighbours = Neighbours()
         self._impostors = Impostors(life)
         self._authorisation = RemovalAuthorisation(plant, trusts, self._neighbours)
+        self._refused = RefusedRemovals(life)
         self._followed: set[str] = set()
         """The vehicles whose heartbeats it subscribes to."""
         self._hears_all_since_s: float | None = None
@@ -209,6 +219,10 @@ class ReservationHandling:
         for removal in said.removals:
             if objection := self._remove(removal, now_s):
                 self._life.ignore(objection)
+                if self._keeps_for(removal, objection):
+                    self._refused.refuse(removal, objection, now_s)
+            else:
+                self._refused.accept(removal)
         self._follow(now_s)
 
     def _remove(self, removal: Removal, now_s: float) -> str:
@@ -219,7 +233,7 @@ class ReservationHandling:
             # The leader has listened for longer and may accept it; its table must not be refused here.
             self._tables.on_carried(atv)
         if objection:
-            if objection in (TOO_EARLY, IS_HEARD):
+            if objection in (TOO_EARLY, IS_HEARD, HEARD_SINCE):
                 self._named_s[atv] = now_s
             return objection
         self._named_s[atv] = now_s
@@ -242,6 +256,19 @@ class ReservationHandling:
         self._life.note(CarriedAway(atv))
         self._life.settle(now_s)  # Before the next removal.
         return ""
+
+    def _keeps_for(self, removal: Removal, objection: str) -> bool:
+        """Whether a table here keeps a place for the vehicle, so that people wait for this agent to believe the report."""
+        districts = self._tables.districts.values() if self._tables is not None else ()
+        if any(district.names(removal.atv) for district in districts):
+            return True
+        if objection == NOT_TRUSTED or self._traffic is None:
+            # Of names without a place anybody could invent ever more.
+            return False
+        if objection == NO_PLACE:
+            return bool(districts)
+        place = self._traffic.places.place_of(removal.node) if removal.node else ""
+        return any(district.is_polling or district.has(place) for district in districts)
 
     def _nodes_of(self, atv: str) -> tuple[str, ...]:
         """The nodes among the places that a vehicle holds."""
