@@ -17,6 +17,7 @@ RUN_TESTS := $(PY) tools/run_tests.py
 # Two more than there are processors: half of the time a test waits for a process, a page or a database.
 WORKERS ?= $(shell $(PY) -c 'import os; print(min(4, os.cpu_count() or 1) + 2)')
 ARGS ?=
+SEARCHES ?= artifacts/searches.jsonl
 # Two things at once, each told as a whole, where make can do that.
 SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
 
@@ -24,7 +25,7 @@ SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup panels run test test-long campaign test-quick programs bench lint format types imports frontend panels-types panels-test \
+.PHONY: help setup panels run test test-long campaign search test-quick programs bench lint format types imports frontend panels-types panels-test \
 	collected pytest screenshots 	sdist-and-wheel lock clean
 
 help: ## What can be done
@@ -81,6 +82,12 @@ campaign: setup programs ## What takes hours: searches, mutants, losses, kills a
 	$(call stage,pytest of campaigns)
 	DRAY_TEST_EXAMPLES=all $(PY) tools/run_campaign.py --timeout 7200 -o faulthandler_timeout=7260 \
 		-n $(WORKERS) --dist worksteal --durations 20 -m "campaign or hypothesis" $(ARGS)
+
+# Ctrl-C ends the search alone: what it has played gets its row all the same.
+search: setup ## Seeds that this code has not played yet: ARGS="--profile calls --seeds 2000:4000"
+	$(call stage,dray sim explore)
+	@trap : INT; $(BIN)/dray sim explore --ledger $(SEARCHES) $(ARGS); ended=$$?; \
+		$(PY) tools/record_searches.py $(SEARCHES) && exit $$ended
 
 test-quick: setup ## Python's tests without the slow and the browser ones
 	$(PYTEST) -q -m "not slow and not campaign and not browser" $(ARGS)

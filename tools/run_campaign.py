@@ -14,17 +14,18 @@ The ledger has one row per code and campaign, the newest first. A test tells the
 from __future__ import annotations
 
 import datetime as dt
-import hashlib
 import json
 import os
 import signal
-import subprocess
 import sys
 from collections import defaultdict
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TypedDict
 
 import pytest
+
+from dray_sim.explore.code_key import code_key
 
 CODE = (
     "backend",
@@ -44,7 +45,7 @@ LEDGER = Path("docs/campaigns.md")
 
 HEAD = """# Campaigns
 
-Searches, mutants, losses, kills and fuzz at length, which `make campaign` runs. It writes this file: one row per code and
+Searches, mutants, losses, kills and fuzz at length. `make campaign` and `make search` write this file: one row per code and
 campaign, the newest first, so the first row of a campaign says on which code its claim was last seen to hold. A commit with
 `+` had changes that were not committed. Seeds are those that a run has played; whoever runs a row's campaign on its commit plays them again.
 
@@ -99,7 +100,9 @@ class Ended:
 def main(options: list[str]) -> int:
     """Run what is missing; pytest's exit code, 1 as well when an earlier call has seen a test fail on this code."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    commit, code = _code()
+    commit, digest = code_key(Path(), CODE)
+    # What was not committed is run again once it is: rows are of a commit then.
+    code = f"{digest}+" if commit.endswith("+") else digest
     ended = Ended(KEPT / f"{code}.json")
     held = [test for test, outcome in ended.outcomes.items() if outcome["held"]]
     if held:
@@ -115,32 +118,31 @@ def main(options: list[str]) -> int:
     return exit_code
 
 
-def _code() -> tuple[str, str]:
-    """The last commit that changed the code, with `+` where there are other changes, and a digest of all of it."""
-    there = [path for path in CODE if Path(path).exists()]
-    commit = _git("log", "-1", "--format=%h", "--", *there).strip()
-    changes = _git("status", "--porcelain", "--", *there) + _git("diff", "HEAD", "--", *there)
-    trees = "".join(_git("rev-parse", f"HEAD:{path}") for path in there)
-    digest = hashlib.sha256((trees + changes).encode()).hexdigest()[:16]
-    return commit + ("+" if changes else ""), digest
-
-
-def _git(*arguments: str) -> str:
-    return subprocess.run(["git", *arguments], capture_output=True, text=True, check=True).stdout
-
-
 def _write_ledger(commit: str, outcomes: dict[str, Outcome]) -> None:
     """Put this code's rows on top; its earlier ones go, since these count the same tests and more."""
     campaigns: dict[str, list[tuple[str, Outcome]]] = defaultdict(list)
     for test, outcome in outcomes.items():
         campaigns[outcome["campaign"]].append((test, outcome))
     day = dt.datetime.now(dt.UTC).date().isoformat()
-    rows = [_row(day, commit, name, tests) for name, tests in sorted(campaigns.items())]
-    mine = {(commit, name) for name in campaigns}
+    put_rows({(commit, name): _row(day, commit, name, tests) for name, tests in sorted(campaigns.items())})
+
+
+def put_rows(rows: Mapping[tuple[str, str], str], gone: Collection[tuple[str, str]] = ()) -> None:
+    """Put rows into the ledger, the newest day first.
+
+    Args:
+        rows: by commit and campaign; they replace those of the same.
+        gone: commits and campaigns whose rows go, too.
+    """
     before = LEDGER.read_text(encoding="utf-8").splitlines() if LEDGER.exists() else []
-    rows += [line for line in before if line.startswith("| 2") and _key(line) not in mine]
-    if rows:
-        LEDGER.write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")
+    kept = [line for line in before if line.startswith("| 2") and _key(line) not in {*rows, *gone}]
+    lines = sorted((*rows.values(), *kept), key=_day, reverse=True)
+    if lines:
+        LEDGER.write_text(HEAD + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _day(row: str) -> str:
+    return row.split("|")[1].strip()
 
 
 def _key(row: str) -> tuple[str, str]:

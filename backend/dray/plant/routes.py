@@ -28,6 +28,9 @@ from dray.plant.roads import DirectedLane, Roads, bends
 MAX_WAYS = 250_000
 """Ways kept per vehicle type, about 100 MB in the largest plants; then all are dropped and found anew."""
 
+MAX_NEAREST = 10_000
+"""Kept answers of `nearest`, then all are dropped: each agent asks for the chargers nearest to the nodes that it comes to."""
+
 INSIDE_FACTOR = 10.0
 """Factor on the cost of a lane to a closed node, so that a vehicle inside takes the shortest way out."""
 
@@ -80,6 +83,7 @@ class Routes:
         "_kept",
         "_leaving",
         "_left_s",
+        "_nearest",
         "_nodes",
         "_places",
         "_rate_mps2",
@@ -105,6 +109,7 @@ class Routes:
                 self._entering[step.end].append((step.start, step.lane_s))
         self._left_s: dict[int, LaneTimes[int]] = {}
         self._found: dict[str, dict[str, Way]] = {}
+        self._nearest: dict[tuple[str, tuple[str, ...]], tuple[str, Way]] = {}
         self._kept = 0
 
     def way(self, start_node: str, goal_node: str) -> Way:
@@ -180,6 +185,17 @@ class Routes:
         Raises:
             NoWay: none of them can be reached.
         """
+        asked = start_node, tuple(places)
+        found = self._nearest.get(asked)
+        if found is None:
+            found = self._find_nearest(*asked)
+            if len(self._nearest) >= MAX_NEAREST:
+                self._nearest.clear()
+            self._nearest[asked] = found
+        return found
+
+    def _find_nearest(self, start_node: str, places: tuple[str, ...]) -> tuple[str, Way]:
+        """Find a nearest place that is not known yet."""
         here, best = self._index.get(start_node), None
         wanted: dict[int, tuple[int, str]] = {}
         for number, place in enumerate(places):

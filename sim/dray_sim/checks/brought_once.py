@@ -25,6 +25,8 @@ class BroughtOnce:
             their abilities are only their own claim.
     """
 
+    hears = (TransportOrdered, Event)
+
     def __init__(self, abilities: Mapping[str, Collection[str]]) -> None:
         self._abilities = abilities
         self._wanted: dict[str, str] = {}

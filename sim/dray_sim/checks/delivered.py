@@ -42,6 +42,8 @@ class DeliveredExactly:
         arrived: how many pieces of a goal are in.
     """
 
+    hears = (Event, OrderReleased, OrderTaken)
+
     def __init__(self, arrived: Callable[[str], int]) -> None:
         self._arrived = arrived
         self._orders: dict[str, Ordered] = {}

@@ -84,6 +84,8 @@ class FaultAttribution:
         strategists: the agents that give goals out.
     """
 
+    hears = (AtvHeartbeat, Event)
+
     def __init__(self, fleet: Container[str] = (), strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._fleet = fleet
         # Like the strategists' messages, the gate's count decides when a goal is lost.

@@ -50,6 +50,8 @@ from dray_sim.checks.working_time import RestsKept
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener
 
+OnMessage = Callable[[float, str, str, Message], None]
+
 BRAKING_S = 10.0
 """Longest time in which a stopped vehicle brakes, at any speed and load."""
 
@@ -62,6 +64,8 @@ class TasksEnd:
 
     Any of these strategists may end a task that another one announced: it has taken the order over.
     """
+
+    hears = (Event, MachineHeartbeat, StationHeartbeat)
 
     def __init__(self, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._strategists = strategists
@@ -111,6 +115,8 @@ class HandedOverOnce:
     notes may take a second carrier at its word: it orders so much less.
     """
 
+    hears = (HandoverAccepted, Event)
+
     def __init__(self) -> None:
         self._coordinator: dict[str, str] = {}
         self._carrier: dict[str, str] = {}
@@ -149,6 +155,8 @@ class HandedOverOnce:
 class EpochsRise:
     """The epoch rule behind invariant 2: a task gets a higher epoch whenever its carrier changes."""
 
+    hears = (Event,)
+
     def __init__(self) -> None:
         self._epochs: dict[str, int] = {}
         """Epoch of the last carrier, by open task."""
@@ -172,6 +180,8 @@ class EpochsRise:
 
 class OnePrimaryEach:
     """Invariant 3: an ATV is primary of at most one task. Machines hold several goals, of whichever of these strategists."""
+
+    hears = (Event,)
 
     def __init__(self, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._strategists = strategists
@@ -201,6 +211,8 @@ class StoppedStands:
 
     A loss of power ends no stop. People may carry a vehicle about: only the distance that it drives counts.
     """
+
+    hears = (AtvHeartbeat, Event)
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
@@ -273,6 +285,8 @@ class MaterialConserved:
 class PromisedLiesThere:
     """Invariant 10: promised pieces lie in the storage of the station that promised them."""
 
+    hears = (StationHeartbeat,)
+
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Compare the promises with the stock.
 
@@ -289,6 +303,8 @@ class PromisedLiesThere:
 
 class Invariants:
     """All checks of one factory, as one listener.
+
+    A check with an attribute `hears` is asked about messages of these types only, another one about all.
 
     A violation does not disturb the agents: it is kept, and told to its waiters. Invariant 8 is not among them: an
     agent that ends by an exception ends the run by itself.
@@ -331,20 +347,31 @@ class Invariants:
             *more,
         )
 
+        self._by_type: dict[type[Message], tuple[OnMessage, ...]] = {}
+        """The checks that hear a type of message: most messages concern few of them."""
+
     def add(self, check: Listener) -> None:
         """Ask one more, which raises `InvariantBroken` as these do."""
         self._checks += (check,)
+        self._by_type.clear()
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """Check one utterance."""
         if self.broken is not None:
             return
+        checks = self._by_type.get(type(message))
+        if checks is None:
+            checks = self._by_type[type(message)] = self._of(type(message))
         try:
-            for check in self._checks:
-                check.on_message(at_s, sender, address, message)
+            for check in checks:
+                check(at_s, sender, address, message)
         except InvariantBroken as broken:
             self.broken = broken
             self._broke.set()
+
+    def _of(self, kind: type[Message]) -> tuple[OnMessage, ...]:
+        """The checks that hear a type of message, in their order."""
+        return tuple(check.on_message for check in self._checks if kind in getattr(check, "hears", (kind,)))
 
     def check_end(self, at_s: float) -> None:
         """Count once more at the end of a run."""

@@ -13,6 +13,8 @@ from dray_sim.factory.sim_factory import SimFactory
 class OneCarrierAtATime:
     """Checks one factory."""
 
+    hears = (Docked, DockOpened)
+
     def __init__(self, factory: SimFactory) -> None:
         self._storages = factory.floor.storages
         self._tasks: dict[tuple[str, str], str] = {}

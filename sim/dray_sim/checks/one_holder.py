@@ -10,6 +10,8 @@ from dray_sim.checks.broken import InvariantBroken
 class OneHolderEach:
     """Listens to the strategists' own messages; ended orders are forgotten."""
 
+    hears = (Event,)
+
     def __init__(self) -> None:
         self._held: dict[str, tuple[str, int]] = {}
         """Holder and epoch, by order."""

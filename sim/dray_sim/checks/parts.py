@@ -27,6 +27,8 @@ from dray_sim.factory.sim_factory import SimFactory
 class PartsCountedOnce:
     """Checks one factory."""
 
+    hears = (Event,)
+
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._work: dict[str, Production] = {}

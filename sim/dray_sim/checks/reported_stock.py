@@ -24,6 +24,8 @@ WRONG_LEVEL_S = 300.0
 class ReportedStock:
     """Checks one factory."""
 
+    hears = (StationHeartbeat,)
+
     def __init__(self, factory: SimFactory) -> None:
         self._storages = factory.floor.storages
         self._wrong_s = WRONG_LEVEL_S if factory.has_levels else WRONG_S

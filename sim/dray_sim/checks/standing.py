@@ -23,6 +23,8 @@ class Standing:
         attribution: knows which agents were in trouble.
     """
 
+    hears = (MachineHeartbeat, Event)
+
     def __init__(self, attribution: FaultAttribution) -> None:
         self._attribution = attribution
         self._carriers: dict[str, tuple[str, int, str]] = {}

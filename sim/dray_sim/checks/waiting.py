@@ -24,6 +24,8 @@ class NobodyWaitsInVain:
         stations: whose trouble keeps vehicles waiting, too.
     """
 
+    hears = (TakenOver, Accepted, AtvHeartbeat)
+
     def __init__(self, attribution: FaultAttribution, stations: tuple[str, ...]) -> None:
         self._attribution = attribution
         self._stations = stations

@@ -20,6 +20,8 @@ class RestsKept:
         plant: the working times of its machines.
     """
 
+    hears = (Event,)
+
     def __init__(self, plant: Plant) -> None:
         times = {machine: plant.working_time_of(machine) for machine in plant.machines}
         self._times = {machine: time for machine, time in times.items() if not time.is_always}

@@ -61,6 +61,8 @@ class Summary(msgspec.Struct, frozen=True):
     restarts: int
     messages: int
     faults: dict[str, int]
+    before: int = 0
+    """Of `runs`, those that an earlier search has played (`dray_sim.explore.ledger`)."""
 
     @property
     def rate(self) -> float:

@@ -138,6 +138,8 @@ class _Diary(Faults):
 class _Powered:
     """Invariant 12: in a run without faults no vehicle runs flat. Chargers suffice there; see `small_plant`."""
 
+    hears = (AtvHeartbeat,)
+
     def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
         """See `dray_sim.network.listeners.Listener`.
 

@@ -1,7 +1,7 @@
 """Many runs, in as many processes as are wanted, and their results.
 
 Outcomes come in the order of their seeds, for any number of processes. A search that is stopped sums up its results
-so far.
+so far; with a ledger, the next one goes on.
 """
 
 from __future__ import annotations
@@ -11,14 +11,16 @@ import os
 import signal
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
 from functools import partial
+from itertools import islice
 from multiprocessing.synchronize import Event
 
 from dray.errors import UnavailableError
+from dray_sim.explore.ledger import Entry, Ledger
 from dray_sim.explore.outcome import Outcome, Summary
 from dray_sim.explore.play import try_seed
 from dray_sim.run.workers import end_with_parent
@@ -50,6 +52,7 @@ def search(
     traffic: bool = False,
     jobs: int = 1,
     progress: Callable[[Outcome], None] = lambda _outcome: None,
+    ledger: Ledger | None = None,
 ) -> Summary:
     """Try the seeds from `first` to before `last`.
 
@@ -60,20 +63,29 @@ def search(
         traffic: whether vehicles drive with right of way.
         jobs: processes; 1 plays them in this one.
         progress: called with every outcome, in the order of seeds.
+        ledger: has the seeds that were played before, which count and are not played again; gets every new one.
 
     Returns:
         The summary; after a KeyboardInterrupt or SIGTERM, that of the results so far.
 
     Raises:
-        UnavailableError: a process was killed from outside.
+        SettingsError: the ledger's file is something else.
+        UnavailableError: a process was killed from outside, or the ledger cannot be read or written.
     """
     tally = _Tally(first, last, profile, jobs)
-    tries = partial(_timed, profile=profile, traffic=traffic)
-    played = _play_here(first, last, tries) if jobs == 1 else _play_in_pool(first, last, tries, jobs)
+    before: Mapping[int, Entry] = {}
+    if ledger is not None:
+        ledger.begin()
+        before = ledger.played(profile, traffic=traffic)
+    tries = partial(_timed, profile=profile, traffic=traffic, ledger=ledger)
+    seeds = (seed for seed in range(first, last) if seed not in before)
+    played = _play_here(seeds, tries) if jobs == 1 else _play_in_pool(seeds, tries, jobs)
     with _stoppable(), closing(played):
         try:
-            for outcome, took_s in played:
-                tally.add(outcome, took_s)
+            for seed in range(first, last):
+                entry = before.get(seed)
+                outcome, took_s = next(played) if entry is None else (entry.outcome, entry.took_s)
+                tally.add(outcome, took_s, is_new=entry is None)
                 progress(outcome)
         except KeyboardInterrupt:
             tally.interrupted = True
@@ -100,14 +112,15 @@ class _Tally:
     def __init__(self, first: int, last: int, profile: str, jobs: int) -> None:
         self.interrupted = False
         self._asked = (first, last, profile, jobs)
-        self._runs = self._broken = 0
+        self._runs = self._before = self._broken = 0
         self._violations: list[Outcome] = []
         self._virtual_s = self._busy_s = 0.0
         self._counts: Counter[str] = Counter()
         self._faults: Counter[str] = Counter()
 
-    def add(self, outcome: Outcome, took_s: float) -> None:
+    def add(self, outcome: Outcome, took_s: float, *, is_new: bool) -> None:
         self._runs += 1
+        self._before += not is_new
         self._virtual_s += outcome.duration_s
         self._busy_s += took_s
         for name in ("transports", "takeovers", "restarts", "messages"):
@@ -125,6 +138,7 @@ class _Tally:
             last=last,
             profile=profile,
             runs=self._runs,
+            before=self._before,
             interrupted=self.interrupted,
             violations=tuple(self._violations),
             broken=self._broken,
@@ -139,24 +153,23 @@ class _Tally:
         )
 
 
-def _play_here(first: int, last: int, tries: Tries) -> Generator[tuple[Outcome, float], None, None]:
-    for seed in range(first, last):
+def _play_here(seeds: Iterable[int], tries: Tries) -> Generator[tuple[Outcome, float], None, None]:
+    for seed in seeds:
         yield tries(seed)
 
 
 def _play_in_pool(
-    first: int, last: int, tries: Tries, jobs: int
+    seeds: Iterator[int], tries: Tries, jobs: int
 ) -> Generator[tuple[Outcome, float], None, None]:
     # Spawned, not forked: every process begins alike, on every system.
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
-    chunks = iter(range(first, last, CHUNK))
     running: deque[Future[Played]] = deque()
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin, initargs=(stop,))
     try:
         while True:
-            while len(running) < AHEAD * jobs and (begin := next(chunks, None)) is not None:
-                running.append(pool.submit(_play_chunk, begin, min(begin + CHUNK, last), tries))
+            while len(running) < AHEAD * jobs and (chunk := tuple(islice(seeds, CHUNK))):
+                running.append(pool.submit(_play_chunk, chunk, tries))
             if not running:
                 return
             yield from running.popleft().result()
@@ -177,20 +190,23 @@ def _begin(stop: Event) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _play_chunk(first: int, last: int, tries: Tries) -> Played:
+def _play_chunk(seeds: Iterable[int], tries: Tries) -> Played:
     played: Played = []
-    for seed in range(first, last):
+    for seed in seeds:
         if _stop is not None and _stop.is_set():
             break
         played.append(tries(seed))
     return played
 
 
-def _timed(seed: int, profile: str, *, traffic: bool) -> tuple[Outcome, float]:
-    """The outcome and its processor time, which does not depend on other load."""
+def _timed(seed: int, profile: str, *, traffic: bool, ledger: Ledger | None) -> tuple[Outcome, float]:
+    """The outcome and its processor time, which does not depend on other load; kept in the ledger at once."""
     began_s = time.process_time()
     outcome = try_seed(seed, profile, traffic=traffic)
-    return outcome, time.process_time() - began_s
+    took_s = time.process_time() - began_s
+    if ledger is not None:
+        ledger.add(outcome, took_s)
+    return outcome, took_s
 
 
 def cores() -> int:

@@ -379,7 +379,7 @@ class SimFactory:
     def _man(self, spec: VehicleSpec, make: MakeAgent | None = None) -> None:
         """Give a vehicle that is on the floor its modem and its agent."""
         vehicle = self.vehicles[spec.id]
-        self.bus.equip(spec.id, lambda: vehicle.sense().pose, vehicle.notice_link)
+        self.bus.equip(spec.id, lambda: vehicle.pose, vehicle.notice_link)
         self._employ(
             spec.id, Kind.ATV, make or self._atv(spec), lambda life: self._embody(spec, vehicle, life)
         )

@@ -9,6 +9,7 @@ from functools import partial
 import pytest
 
 from dray_sim.checks.bounds import Bounds
+from dray_sim.explore.code_key import CodeKey
 
 
 @pytest.fixture
@@ -34,6 +35,30 @@ def test_a_search_that_holds_sums_up(explore, tmp_path) -> None:
     summary = json.loads((tmp_path / "found.json").read_text())
     assert summary["runs"] == 2
     assert summary["violations"] == []
+
+
+def test_a_search_with_a_ledger_goes_on_and_its_summary_counts_all(explore, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("dray_sim.explore.code_key.played_code", lambda: CodeKey("0123456", "0" * 16))
+    options = ("--profile", "faultless", "--no-traffic", "--jobs", "1", "--ledger", "kept/searches.jsonl")
+    code, out, _ = explore("--seeds", "1:2", *options)
+    assert code == 0
+    assert "1 seeds: none broken" in out
+
+    code, out, _ = explore("--seeds", "1:3", *options, "--json", "found.json")
+    assert code == 0
+    assert "2 seeds, 1 of them played before: none broken" in out
+    assert json.loads((tmp_path / "found.json").read_text())["before"] == 1
+    lines = (tmp_path / "kept/searches.jsonl").read_text(encoding="utf-8").splitlines()
+    assert [json.loads(line)["outcome"]["seed"] for line in lines] == [1, 2]
+    assert {json.loads(line)["commit"] for line in lines} == {"0123456"}
+
+
+def test_a_ledger_that_is_something_else_is_told_as_such(explore, tmp_path) -> None:
+    (tmp_path / "notes").write_text("mine", encoding="utf-8")
+    code, out, err = explore("--seeds", "1:2", "--ledger", "notes")
+    assert code == 2
+    assert out == ""
+    assert "--ledger: notes is no ledger of a search" in err
 
 
 @pytest.mark.campaign

@@ -7,6 +7,8 @@ time.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from dray.body import SLOWEST_FRAC
 from dray.errors import ProtocolViolation
 from dray.messages import Pose
@@ -18,6 +20,17 @@ from dray_sim.bodies.vehicle.motion import SHORT_M, STANDSTILL, Stretch, brake, 
 from dray_sim.bodies.vehicle.way import Way, join
 
 NEVER_S = float("inf")
+
+
+class Whereabouts(NamedTuple):
+    """Where a vehicle is at one moment, and where it comes next."""
+
+    pose: Pose
+    next_node: str
+    """The node where a new way may begin: the end of its lane, or the node where it stands."""
+    next_node_s: float
+    """Seconds to `next_node`; for a vehicle that is halted before it, those of a free run at top speed."""
+    speed_mps: float
 
 
 class Travel:
@@ -152,31 +165,39 @@ class Travel:
 
     def on_lane(self, now_s: float) -> bool:
         """Whether it is between two nodes, or just leaving one; a way can then begin only at the next."""
-        if self.way is None or self._passed >= self._released:
-            return False
-        place_m, speed_mps = self.motion(now_s)
-        return speed_mps > 0.0 or place_m > self.way.places_m[self._passed] + SHORT_M
+        return self._is_on_lane(*self.motion(now_s))
 
     def next_node(self, now_s: float) -> str:
-        """The node where a new way may begin: the end of its lane, or the node where it stands."""
+        """See `Whereabouts.next_node`."""
         if self.way is not None and self.on_lane(now_s):
             return self.way.points[self._passed + 1]
         return self.node
 
-    def next_node_s(self, now_s: float) -> float:
-        """Seconds to `next_node`; for a vehicle that is halted before it, those of a free run at top speed."""
-        if self.way is None or not self.on_lane(now_s):
-            return 0.0
-        when_s = self.next_at_s
-        if when_s < NEVER_S:
-            return max(when_s - now_s, 0.0)
-        rest_m = self.way.places_m[self._passed + 1] - self.motion(now_s)[0]
-        return max(rest_m, 0.0) / self._top_mps
-
     def pose(self, now_s: float) -> Pose:
         """Its position and heading; it turns as it sets off into a lane."""
-        if self.way is not None and self.on_lane(now_s):
-            return self.way.pose(self._plant, self._passed, self.motion(now_s)[0])
+        return self._pose(*self.motion(now_s))
+
+    def whereabouts(self, now_s: float) -> Whereabouts:
+        """Where it is, with one look at its motion: it is asked very often."""
+        place_m, speed_mps = self.motion(now_s)
+        pose = self._pose(place_m, speed_mps)
+        if self.way is None or not self._is_on_lane(place_m, speed_mps):
+            return Whereabouts(pose, self.node, 0.0, speed_mps)
+        when_s = self.next_at_s
+        if when_s < NEVER_S:
+            left_s = max(when_s - now_s, 0.0)
+        else:
+            left_s = max(self.way.places_m[self._passed + 1] - place_m, 0.0) / self._top_mps
+        return Whereabouts(pose, self.way.points[self._passed + 1], left_s, speed_mps)
+
+    def _is_on_lane(self, place_m: float, speed_mps: float) -> bool:
+        if self.way is None or self._passed >= self._released:
+            return False
+        return speed_mps > 0.0 or place_m > self.way.places_m[self._passed] + SHORT_M
+
+    def _pose(self, place_m: float, speed_mps: float) -> Pose:
+        if self.way is not None and self._is_on_lane(place_m, speed_mps):
+            return self.way.pose(self._plant, self._passed, place_m)
         here = self._plant.nodes[self.node]
         return Pose(x_m=here.x_m, y_m=here.y_m, heading_rad=self._heading_rad)
 

@@ -40,7 +40,7 @@ from dray.body import (
     WayDone,
     WayFree,
 )
-from dray.messages import NOTHING_KNOWN, Link, Problem
+from dray.messages import NOTHING_KNOWN, Link, Pose, Problem
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
@@ -170,12 +170,13 @@ class SimVehicle:
     def sense(self) -> VehicleState:
         """See `dray.ports.Body`."""
         now_s, travel = self._now_s(), self._travel
+        pose, next_node, next_node_s, speed_mps = travel.whereabouts(now_s)
         return VehicleState(
-            pose=travel.pose(now_s),
+            pose=pose,
             node=travel.node,
-            next_node=travel.next_node(now_s),
-            next_node_s=travel.next_node_s(now_s),
-            speed_mps=travel.motion(now_s)[1],
+            next_node=next_node,
+            next_node_s=next_node_s,
+            speed_mps=speed_mps,
             battery_frac=self._power.level(now_s),
             load=self._handling.load,
             load_quantity=self._handling.quantity,
@@ -192,6 +193,11 @@ class SimVehicle:
         self._reporter.attach(report)
 
     # --- the world -------------------------------------------------------------------------------
+
+    @property
+    def pose(self) -> Pose:
+        """Its position and heading now."""
+        return self._travel.pose(self._now_s())
 
     @property
     def problem(self) -> str:
@@ -401,8 +407,10 @@ class SimVehicle:
             self._clock.call_at(when_s, partial(self._due, self._plan))
         self._power.watch()
         self._detection.look()
-        for watcher in self._on_course:
-            watcher(self.id, self._travel.course(self._power.settled_s))
+        if self._on_course:
+            course = self._travel.course(self._power.settled_s)
+            for watcher in self._on_course:
+                watcher(self.id, course)
 
     def _look_at_battery(self) -> None:
         """The battery may be empty."""

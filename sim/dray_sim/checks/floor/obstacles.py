@@ -7,6 +7,7 @@ each in time.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import hypot
 
 from dray.messages import AtvHeartbeat, Link, Message, ObstacleSeen
@@ -44,6 +45,10 @@ class MindsObstacles:
         self._doors: dict[str, dict[Ends, Rectangle]] = {}
         """Per vehicle, the leaves that it may touch on its course, shut or not: looked up once, as leaves stay where
         they are."""
+        self._lie: dict[Ends, Rectangle] = {}
+        """What lay on the lanes when `_near` was looked up."""
+        self._near: dict[str, dict[Ends, Rectangle]] = {}
+        """Per vehicle, what it may touch of that on its course."""
         self._watched: dict[str, None] = {}
         self._broken: InvariantBroken | None = None
         self._watch_new()
@@ -58,6 +63,7 @@ class MindsObstacles:
         if type(message) is ObstacleSeen and message.there:
             self.met += 1
             self._told.add((sender, lane_of(message.start, message.end)))
+        self._look_round()
         for vehicle, course in self._courses.items():
             self._judge(vehicle, course, at_s)
         if self._broken is not None:
@@ -67,6 +73,7 @@ class MindsObstacles:
 
     def check_end(self, at_s: float) -> None:
         """See `on_message`."""
+        self._look_round()
         for vehicle, course in self._courses.items():
             self._judge(vehicle, course, at_s)
         if self._broken is not None:
@@ -91,28 +98,42 @@ class MindsObstacles:
                 self._watched[name] = None
                 vehicle.watch_course(self._on_course)
 
+    def _look_round(self) -> None:
+        """Look up what each vehicle may touch, if that has changed."""
+        shapes = self._factory.floor.obstacles.shapes
+        if shapes != self._lie:
+            self._lie = dict(shapes)
+            for vehicle, course in self._courses.items():
+                self._near[vehicle] = _touchable(course, shapes)
+
     def _on_course(self, vehicle: str, course: Course) -> None:
+        self._look_round()
         before = self._courses.pop(vehicle, None)
         if before is not None:
             self._judge(vehicle, before, course.begin_s)
         if not course.lifted:
-            leaves = self._factory.floor.doors.leaves
-            self._doors[vehicle] = {lane: leaf for lane, leaf in leaves.items() if _may_touch(course, leaf)}
+            self._doors[vehicle] = _touchable(course, self._factory.floor.doors.leaves)
+            self._near[vehicle] = _touchable(course, self._lie)
             self._judge(vehicle, course, course.begin_s)
             self._courses[vehicle] = course
 
     def _judge(self, vehicle: str, course: Course, at_s: float) -> None:
-        floor, near = self._factory.floor, self._doors[vehicle]
-        shapes = floor.obstacles.shapes
-        if not (shapes or near) or self._broken is not None:
+        doors, shapes = self._doors[vehicle], self._near[vehicle]
+        if not (shapes or doors) or self._broken is not None:
             return
-        leaves = {lane: leaf for lane, leaf in near.items() if floor.doors.is_shut(lane)}
+        is_shut = self._factory.floor.doors.is_shut
+        leaves = {lane: leaf for lane, leaf in doors.items() if is_shut(lane)}
         covers = course.covers(at_s)
         for what, there in (("what lies", shapes), ("the shut door", leaves)):
             for lane, shape in there.items():
                 if gap_m(covers, shape) < -TOUCH_M:
                     seen = f"{vehicle} drives into {what} between {lane[0]} and {lane[1]}"
                     self._broken = InvariantBroken(INSIDE, at_s, seen)
+
+
+def _touchable(course: Course, shapes: Mapping[Ends, Rectangle]) -> dict[Ends, Rectangle]:
+    """Those shapes that a body may touch on its course."""
+    return {lane: shape for lane, shape in shapes.items() if _may_touch(course, shape)}
 
 
 def _may_touch(course: Course, shape: Rectangle) -> bool:

@@ -48,6 +48,8 @@ class OneTakerEach:
     Invariant 18: an expected operator has answered: people are asked and never assigned.
     """
 
+    hears = (HelpCall, OperatorHeartbeat)
+
     def __init__(self, people: Iterable[PersonOnDuty]) -> None:
         self._people = tuple(people)
         self._own = {person.agent_id: person for person in self._people}
@@ -118,6 +120,8 @@ class NoCallIsLost:
         excused: called with a vehicle or machine; returns whether it is off, off the floor, or held up by a fault of
             its own.
     """
+
+    hears = (VehicleCommand, HelpCall, AtvHeartbeat, MachineHeartbeat, Event)
 
     def __init__(self, excused: Callable[[str], bool] = lambda _agent: False) -> None:
         self._excused = excused

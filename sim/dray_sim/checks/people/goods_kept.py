@@ -45,6 +45,8 @@ class GoodsKept:
         factory: to watch.
     """
 
+    hears = (AtvHeartbeat, MachineCommand, TransportCancelled, TransportAnswered, Event)
+
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._goods: dict[str, tuple[str, str]] = {}
@@ -104,6 +106,8 @@ class GoodsCalledFor:
 
     It need not call while the load's vehicle is heard and has a problem: the vehicle calls itself.
     """
+
+    hears = (HelpCall, AtvHeartbeat, MachineHeartbeat, StationHeartbeat)
 
     def __init__(self) -> None:
         self._since_s: dict[str, dict[str, float]] = {}

@@ -29,6 +29,8 @@ GIVEN_KEPT = 1000
 class GrantedOnly:
     """Every command that was obeyed was granted, to that agent, for that place and for that time."""
 
+    hears = (VehicleCommand, MachineCommand, AtvHeartbeat, Event)
+
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
         self._given: dict[tuple[str, str], list[VehicleCommand | MachineCommand]] = {}

@@ -25,6 +25,8 @@ class HandedOver:
         attribution: tells whether the machine may not have heard of it.
     """
 
+    hears = (Event,)
+
     def __init__(self, attribution: FaultAttribution) -> None:
         self._attribution = attribution
         self._lost: dict[str, float] = {}

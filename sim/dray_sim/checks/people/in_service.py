@@ -18,6 +18,8 @@ ONE_IN_WORK = 1
 class InServiceOnly:
     """No agent that says it is out of service takes a contract, as primary, as secondary or for a goal."""
 
+    hears = (AtvHeartbeat, MachineHeartbeat, Event)
+
     def __init__(self) -> None:
         self._out: dict[str, tuple[OutOfService, float]] = {}
         """Agents that are out of service, with the kind and the beginning."""

@@ -31,6 +31,12 @@ def explore(
     profile: Annotated[str, typer.Option(help="From where runs are drawn.")] = "all",
     traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the summary here too.")] = None,
+    ledger: Annotated[
+        Path | None,
+        typer.Option(
+            help="Keep each played seed here; those that this code has played are not played again."
+        ),
+    ] = None,
 ) -> None:
     """Try many seeds: a random plant, load and schedule of faults each. Exit 1 on a broken invariant."""
     from dray.cli.runtime.options import right_of_way
@@ -46,7 +52,7 @@ def explore(
             write_json(json, outcome)
         raise typer.Exit(1 if outcome.broken else 0)
     first, last = _range(seeds)
-    summary, took_s = _search(first, last, profile, jobs or cores(), traffic=on)
+    summary, took_s = _search(first, last, profile, jobs or cores(), traffic=on, kept=ledger)
     _tell(summary, took_s)
     if json is not None:
         write_json(json, summary)
@@ -82,12 +88,17 @@ def _replay(seed: int, profile: str, *, traffic: bool) -> Outcome:
     return outcome
 
 
-def _search(first: int, last: int, profile: str, jobs: int, *, traffic: bool) -> tuple[Summary, float]:
+def _search(
+    first: int, last: int, profile: str, jobs: int, *, traffic: bool, kept: Path | None
+) -> tuple[Summary, float]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+    from dray_sim.explore.code_key import played_code
+    from dray_sim.explore.ledger import Ledger
     from dray_sim.explore.search import search
 
+    ledger = None if kept is None else Ledger(kept, played_code())
     began_s = time.monotonic()
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
@@ -99,7 +110,9 @@ def _search(first: int, last: int, profile: str, jobs: int, *, traffic: bool) ->
             broken += bool(outcome.broken)
             bar.update(task, advance=1, description=f"{broken} broken" if broken else "exploring")
 
-        summary = search(first, last, profile=profile, traffic=traffic, jobs=jobs, progress=advance)
+        summary = search(
+            first, last, profile=profile, traffic=traffic, jobs=jobs, progress=advance, ledger=ledger
+        )
     return summary, time.monotonic() - began_s
 
 
@@ -112,7 +125,8 @@ def _tell(summary: Summary, took_s: float) -> None:
         typer.echo(f"{outcome.broken}\nreplay: {outcome.replay}\n")
     asked = summary.last - summary.first
     stopped = f" of {asked}, stopped by hand" if summary.interrupted else ""
-    typer.echo(f"{summary.runs} seeds{stopped}: {summary.broken or 'none'} broken")
+    before = f", {summary.before} of them played before" if summary.before else ""
+    typer.echo(f"{summary.runs} seeds{stopped}{before}: {summary.broken or 'none'} broken")
     typer.echo(
         f"{summary.virtual_s / 3600:.1f} h of factory time, {summary.transports} transports, "
         f"{summary.takeovers} takeovers, {summary.restarts} restarts"

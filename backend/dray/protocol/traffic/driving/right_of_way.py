@@ -642,10 +642,11 @@ class RightOfWay:
         districts = dict.fromkeys(self._places.district_of[place] for place in self.way.held)
         told = dict.fromkeys((*districts, wanted_in, *self.requests.districts, anew_in))
         told.pop("", None)
+        holds = self._holds_by_district()
         for district in told:
             self.requests.say(
                 district,
-                self._holds_in(district),
+                holds.get(district, ()),
                 self._groups_in(district, groups),
                 state,
                 now_s,
@@ -681,8 +682,15 @@ class RightOfWay:
         return tuple(self.way.groups(self._wheels.needs_m(self._speed_mps, self.requests.round_s)))
 
     def _holds_in(self, district: str) -> tuple[str, ...]:
+        return self._holds_by_district().get(district, ())
+
+    def _holds_by_district(self) -> dict[str, tuple[str, ...]]:
         district_of = self._places.district_of
-        return tuple(sorted(place for place in self.holds if district_of[place] == district))
+        holds: dict[str, list[str]] = {}
+        for place in self.way.held:
+            if place not in self._asked:
+                holds.setdefault(district_of[place], []).append(place)
+        return {district: tuple(sorted(places)) for district, places in holds.items()}
 
     def _asked_in(self, district: str) -> tuple[tuple[str, ...], ...]:
         district_of = self._places.district_of

@@ -103,11 +103,3 @@ class Districts:
         """A person has carried a vehicle away."""
         for district in self.districts.values():
             district.copies.on_carried(atv)
-
-    def kept(self) -> list[tuple[str, Kept]]:
-        """What must be stored before any message is sent, by district."""
-        return [
-            (name, district.copies.kept)
-            for name, district in self.districts.items()
-            if not district.copies.lost
-        ]

@@ -184,11 +184,15 @@ class ReservationHandling:
         """The changed tables: they are stored before any message is sent."""
         if self._tables is None:
             return []
-        commits = [Commit(None, NOTE + district) for district in self._outdated]
-        self._outdated = []
-        for district, kept in self._tables.kept():
-            written = self._written.get(district)
-            if written is not kept and written != kept:
+        commits: list[Commit] = []
+        if self._outdated:
+            commits = [Commit(None, NOTE + district) for district in self._outdated]
+            self._outdated = []
+        for district, table in self._tables.districts.items():
+            kept, written = table.copies.kept, self._written.get(district)
+            if written is kept or table.copies.lost:
+                continue
+            if written != kept:
                 note = TableMemory(kept.epoch, kept.kept_epoch, kept.version, kept.reservations, kept.removed)
                 commits.append(Commit(note, NOTE + district))
             self._written[district] = kept
