@@ -255,6 +255,9 @@ class SignalledGate:
                 self._refusal = None
         self._judge()
 
+    def on_written(self, name: str, value: Value) -> None:
+        """Ignore it: whatever is counted belongs to the last permit, heard or not."""
+
     # --- values ---
 
     def _take(self, signal: Signal, value: Value) -> str | None:
