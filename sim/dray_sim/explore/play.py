@@ -234,7 +234,7 @@ class _Game:
             attribution.restrict(max(each.until_s for each in run.closings))
             checks.add(ClosedLanes(factory))
         if run.cuts or run.damages:
-            attribution.restrict(max(each.until_s for each in (*run.cuts, *run.damages)))
+            attribution.restrict(run.bodies_until_s)
         in_the_way = any(isinstance(timed.fault, LaneBlocked | LoadDropped) for timed in run.schedule)
         if in_the_way or factory.plant.doors:
             checks.add(MindsObstacles(factory))

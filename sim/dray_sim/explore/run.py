@@ -138,6 +138,12 @@ class Run:
         return bool(self.schedule or people or self.cuts or self.damages)
 
     @property
+    def bodies_until_s(self) -> float:
+        """When all wires are whole, and people have counted where memories were damaged."""
+        ends_s = [cut.until_s for cut in self.cuts] + [damage.until_s for damage in self.damages]
+        return max(ends_s, default=0.0)
+
+    @property
     def has_scrap(self) -> bool:
         """Whether machines make bad pieces."""
         return any(making.scrap_frac for spec in self.plant.machines.values() for making in spec.makes)
