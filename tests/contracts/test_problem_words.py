@@ -13,7 +13,7 @@ from asyncua import ua
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "adapters/opcua"))
 
-from signals_rig import COUNTER, PULSE, TWO_BITS, HandClock, Rig
+from signals_rig import ALL, COUNTER, OTHER, PRODUCT, PULSE, TWO_BITS, HandClock, Rig
 
 from dray.adapters.mqtt.values import sample_of as mqtt_sample
 from dray.adapters.opcua.link import sample_of as opcua_sample
@@ -84,9 +84,13 @@ def gate(act: Callable[[Gate], None], *, pulse: bool = False, kept: KeptSignals 
     return one.body.problem
 
 
-def machine(act: Callable[[Rig], None], signals: dict[Signal, Tag] | None = None) -> str:
+def machine(
+    act: Callable[[Rig], None],
+    signals: dict[Signal, Tag] | None = None,
+    stock: dict[str, int] | None = None,
+) -> str:
     """What a machine reports after something has happened."""
-    rig = Rig(signals)
+    rig = Rig(signals, stock)
     act(rig)
     return rig.state.broken
 
@@ -126,6 +130,14 @@ def machine_begins_with_a_damaged_memory(rig: Rig) -> None:
     rig.kept = DAMAGED
     rig.begin()
     rig.tell(Signal.PIECES, 0)
+    rig.body.on_link()
+
+
+def machine_is_asked_for_another_product_as_it_breaks(rig: Rig) -> None:
+    rig.body.on_written(Signal.PRODUCT, PRODUCT)
+    rig.start(OTHER)
+    rig.body.on_link_lost("it does not answer")
+    rig.tell(Signal.PIECES, 1)
     rig.body.on_link()
 
 
@@ -190,6 +202,10 @@ SAID = [
     (
         "machine is not available",
         lambda: machine(lambda rig: rig.tell(Signal.STATE, 0), COUNTER | {Signal.STATE: Tag("s")}),
+    ),
+    (
+        "machine may have made either product",
+        lambda: machine(machine_is_asked_for_another_product_as_it_breaks, stock=ALL),
     ),
     ("machine has a fault", lambda: machine(lambda rig: rig.tell(Signal.FAULT, 3), TWO_BITS)),
     ("machine has no pulse", lambda: machine(lambda rig: rig.tell(Signal.PIECES, 3), PULSE)),

@@ -41,6 +41,7 @@ const WHY = [
   { says: /^(?<signal>\w+) went from (?<last>[\d,]+) to (?<now>[\d,]+) while nobody listened: pieces let in before that may be missing$/, key: "why.resetLetIn" },
   { says: /^(?<signal>\w+) was not heard for a while: pieces may be missing$/, key: "why.pulses" },
   { says: /^(?<signal>\w+) showed a piece that was not admitted$/, key: "why.notAdmitted" },
+  { says: /^(?<signal>\w+) grew after a broken connection, by (?<held>\S+) or by (?<asked>\S+)$/, key: "why.unsure" },
   { says: /^(?<value>.+) is no label$/, key: "why.noLabel" },
   { says: /^(?<value>.+) is no count$/, key: "why.noCount" },
   { says: /^(?<value>.+) is no pulse$/, key: "why.noPulse" },

@@ -16,7 +16,7 @@ from dray_sim.bodies.gate import Gate
 from dray_sim.controllers.dock import LOOK_S
 
 ASIDE_S = 600.0
-"""Time after which a container that is not admitted goes aside; time in which the agent is away does not count."""
+"""Default time after which a container that is not admitted goes aside; time in which the agent is away does not count."""
 
 BEAT_S = 60.0
 """Longest time between two values of `alive` that counts as the agent's presence. They come once a real second."""
@@ -32,6 +32,7 @@ class GateController:
         gate: the gate, which is open for everything from now on; its reports are the controller's.
         clock: the plant's.
         tell: is given each value that changes, and none twice.
+        aside_s: time after which a container that is not admitted goes aside.
 
     Attributes:
         shows: values of its outputs, by signal.
@@ -40,8 +41,10 @@ class GateController:
         aside: pieces that went aside, by goal.
     """
 
-    def __init__(self, gate: Gate, clock: Clock, tell: Callable[[Signal, Value], None]) -> None:
-        self._clock, self._tell = clock, tell
+    def __init__(
+        self, gate: Gate, clock: Clock, tell: Callable[[Signal, Value], None], *, aside_s: float = ASIDE_S
+    ) -> None:
+        self._clock, self._tell, self._aside_s = clock, tell, aside_s
         self.shows: dict[Signal, Value] = {Signal.PIECES: 0, Signal.GOAL: ""}
         self.told: dict[Signal, Value] = {Signal.ADMITTED: 0, Signal.ADMITTED_GOAL: "", Signal.ALIVE: 0}
         self.let_in: Counter[str] = Counter()
@@ -99,6 +102,6 @@ class GateController:
             self.let_in[label] += self._pieces
             self._show(Signal.PIECES, self._made % MODULUS)
             self._show(Signal.GOAL, "")
-        elif self._waited_s > ASIDE_S:
+        elif self._waited_s > self._aside_s:
             self.aside[label] += self._pieces
             self._show(Signal.GOAL, "")

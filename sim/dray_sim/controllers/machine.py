@@ -74,6 +74,8 @@ class MachineController:
             Signal.ALIVE: 0,
         }
         self._speed_frac = 1.0
+        self._more: int | None = None
+        """Pieces that it begins while `alive` stands still; None while that counts."""
         self._dock = ControlledDock(
             workcell, clock.now_s(), lambda is_ready: self._show(Signal.DOCK_READY, is_ready)
         )
@@ -84,6 +86,16 @@ class MachineController:
         """Store an input; the controller acts on it when it looks."""
         if signal in self.told:
             self.told[signal] = value
+        if signal is Signal.RUN:
+            self._more = None
+
+    def miss_alive(self, more: int = 0) -> None:
+        """`alive` stands still: it finishes its piece, and begins none until `run` is written again.
+
+        Args:
+            more: pieces that it begins before it notices, if `run` is true.
+        """
+        self._more = more
 
     def reset_counters(self) -> None:
         """Count from 0 on, as after somebody has pressed a button at its panel."""
@@ -126,7 +138,10 @@ class MachineController:
         if speed_frac != self._speed_frac and 0.0 < speed_frac <= 1.0:
             self._speed_frac = speed_frac
             self._workcell.instruct(SetPace(speed_frac=speed_frac))
-        if self.told[Signal.RUN] and now_s >= self._rests_until_s and not self._workcell.sense().cycling:
+        runs = self.told[Signal.RUN] and self._more != 0
+        if runs and now_s >= self._rests_until_s and not self._workcell.sense().cycling:
             self._workcell.instruct(StartCycle(product=str(self.told[Signal.PRODUCT])))
+            if self._more and self._workcell.sense().cycling:
+                self._more -= 1
         vehicle = str(self.told[Signal.DOCK_VEHICLE]) if self.told[Signal.DOCK_PERMIT] else ""
         self._dock.look(vehicle, now_s)

@@ -224,3 +224,6 @@ class _Life:
 
     def on_refused(self, name: str, reason: str) -> None:
         self._cross("on_refused", name, reason)
+
+    def on_written(self, name: str, value: Value) -> None:
+        self._cross("on_written", name, value)

@@ -33,7 +33,14 @@ from dray_sim.checks.waiting import NobodyWaitsInVain
 from dray_sim.clock.loop import JUMP, clock
 from dray_sim.clock.loop import run as run_loop
 from dray_sim.controllers.wired import WiredBodies
-from dray_sim.explore.bodies import RESTS_S, check_counts, play_cuts
+from dray_sim.explore.bodies import (
+    ASIDE_S,
+    RESTS_S,
+    check_counts,
+    play_cuts,
+    play_damages,
+    see_to_doubts,
+)
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.run import Run, draw
 from dray_sim.explore.story import Story
@@ -183,7 +190,7 @@ class _Game:
 
     def _factory(self, listeners: Listeners) -> SimFactory:
         run, now = self._run, clock()
-        bodies = self._bodies = WiredBodies(run.plant, now) if run.wired else None
+        bodies = self._bodies = WiredBodies(run.plant, now, aside_s=ASIDE_S) if run.wired else None
         factory = SimFactory(
             run.plant,
             now,
@@ -197,6 +204,7 @@ class _Game:
         )
         if bodies is not None:
             factory.arrived = bodies.arrived
+            bodies.runs = factory.running
         return factory
 
     async def play(self) -> None:
@@ -235,8 +243,8 @@ class _Game:
         if run.closings:
             attribution.restrict(max(each.until_s for each in run.closings))
             checks.add(ClosedLanes(factory))
-        if run.cuts:
-            attribution.restrict(max(each.until_s for each in run.cuts))
+        if run.cuts or run.damages:
+            attribution.restrict(run.bodies_until_s)
         in_the_way = any(isinstance(timed.fault, LaneBlocked | LoadDropped) for timed in run.schedule)
         if in_the_way or factory.plant.doors:
             checks.add(MindsObstacles(factory))
@@ -321,6 +329,8 @@ class _Game:
                 group.create_task(self._lie(factory, office))
             if self._bodies is not None:
                 group.create_task(play_cuts(run.cuts, factory, self._bodies, faults.note))
+                group.create_task(play_damages(run.damages, factory, self._bodies, faults, faults.note))
+                group.create_task(see_to_doubts(self._bodies))
 
     def _ask_for_work(self, factory: SimFactory, group: asyncio.TaskGroup) -> None:
         """Customers order, and think again; people have something brought."""

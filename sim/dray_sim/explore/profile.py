@@ -59,6 +59,7 @@ class Profile:
         stations_frac: the part of the runs in plants with storages that vehicles refill, or where machines fetch in the warehouse.
         rests_frac: the part of the runs in which machines rest now and then by their working time.
         bodies_frac: the part of the runs in which machines, stores and the gate are controllers, whose wires are cut.
+        damaged_frac: the part of these in which the memories of some of their bodies are damaged.
         strategists: how many there are; where there are several, they are killed one after the other.
         scarce_power: whether batteries are so small that they are emptied and charged in minutes, and chargers and
             parking places are few; the chargers suffice.
@@ -98,6 +99,7 @@ class Profile:
     stations_frac: float = 0.0
     rests_frac: float = 0.0
     bodies_frac: float = 0.0
+    damaged_frac: float = 0.0
     strategists: int = 1
     scarce_power: bool = False
 
@@ -155,16 +157,16 @@ PROFILES: Mapping[str, Profile] = {
     ),
     "rests": Profile(rests_frac=1.0, leaving_frac=0.3, waves_frac=0.3, levels_frac=0.3),
     "bodies": Profile(
-        weights={Crashed: 1.0},
+        weights={Crashed: 1.0, JournalLost: 0.2},
         intensity=(0.0, 1.0),
         waves_frac=0.3,
         operators_frac=0.5,
         random_operator_frac=0.0,
-        cancelled_frac=0.0,
         revoking_frac=0.0,
         levels_frac=0.3,
         scrap_frac=0.3,
         bodies_frac=1.0,
+        damaged_frac=0.4,
     ),
     "mishaps": Profile(leaving_frac=0.3),
     "strategists": Profile(leaving_frac=0.3, levels_frac=0.3, strategists=2),

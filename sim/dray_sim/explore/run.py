@@ -15,7 +15,7 @@ from dray.messages.keys import strategists_of
 from dray.plant import Plant
 from dray.plant.file.check_levels import levels_of
 from dray.priorities import Priority
-from dray_sim.explore.bodies import Cut, draw_cuts
+from dray_sim.explore.bodies import Cut, Damage, draw_cuts, draw_damages
 from dray_sim.explore.closings import draw_closings, draw_outline
 from dray_sim.explore.levels import with_priorities
 from dray_sim.explore.profile import PROFILES, Profile
@@ -101,6 +101,7 @@ class Run:
         calls: transports that people ask for, and when they call them off.
         wired: whether machines, stores and the gate are controllers.
         cuts: of their wires, and resets of their counters.
+        damages: of what their bodies have kept.
         insider: the behaviour of an insider until the quiet phase (`dray_sim.insiders`); empty where there is none.
         traffic: whether vehicles drive with right of way; nothing but the carryings follows from it.
     """
@@ -128,12 +129,19 @@ class Run:
     strategists: int = 1
     wired: bool = False
     cuts: tuple[Cut, ...] = field(repr=False, default=())
+    damages: tuple[Damage, ...] = field(repr=False, default=())
 
     @property
     def has_faults(self) -> bool:
         """Whether it has faults."""
         people = self.random_operator or self.insider or self.closings or self.carryings
-        return bool(self.schedule or people or self.cuts)
+        return bool(self.schedule or people or self.cuts or self.damages)
+
+    @property
+    def bodies_until_s(self) -> float:
+        """When all wires are whole, and people have counted where memories were damaged."""
+        ends_s = [cut.until_s for cut in self.cuts] + [damage.until_s for damage in self.damages]
+        return max(ends_s, default=0.0)
 
     @property
     def has_scrap(self) -> bool:
@@ -164,6 +172,7 @@ class Run:
             *((f"{len(self.calls)} transports called",) if self.calls else ()),
             f"{len(self.schedule)} faults",
             *((f"controllers ({len(self.cuts)} cuts and resets)",) if self.wired else ()),
+            *((f"{len(self.damages)} damaged memories",) if self.damages else ()),
             *((f"{len(self.closings)} closures",) if self.closings else ()),
             *((f"{len(self.carryings)} carried away",) if self.carryings else ()),
             "operators" if self.habits is not None else "no operators",
@@ -178,7 +187,7 @@ class Run:
         return [
             f"{timed.at_s:7.1f} to {timed.until_s or self.faults_until_s:7.1f} s  {describe(timed.fault)}"
             for timed in self.schedule
-        ] + [str(cut) for cut in self.cuts]
+        ] + [str(each) for each in (*self.cuts, *self.damages)]
 
 
 def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
@@ -223,7 +232,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         calls=_calls(plant, ranges, seed),
         insider=_insider(ranges, Random(f"{seed} insider"), Random(f"{seed} impostor"), traffic=traffic),
         traffic=traffic,
-        **_bodies(plant, ranges, Random(f"{seed} bodies")),
+        **_bodies(plant, ranges, Random(f"{seed} bodies"), Random(f"{seed} damaged")),
     )
     lies = BEHAVIOURS[run.insider] if run.insider else None
     if lies is not None and (lies.takes_replica or lies.leads_falsely):
@@ -234,10 +243,15 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
     return run
 
 
-def _bodies(plant: Plant, ranges: Profile, random: Random) -> dict[str, Any]:
+def _bodies(plant: Plant, ranges: Profile, random: Random, of_damages: Random) -> dict[str, Any]:
     if random.random() >= ranges.bodies_frac:
         return {}
-    return {"wired": True, "cuts": draw_cuts(plant, random, FAULTS_UNTIL_S)}
+    has_damages = of_damages.random() < ranges.damaged_frac
+    return {
+        "wired": True,
+        "cuts": draw_cuts(plant, random, FAULTS_UNTIL_S),
+        "damages": draw_damages(plant, of_damages, FAULTS_UNTIL_S) if has_damages else (),
+    }
 
 
 def _of_vehicles(schedule: tuple[Timed, ...], plant: Plant) -> tuple[Timed, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path
 from typing import Self
 
@@ -126,6 +127,23 @@ class Plc:
 
         space = self._server.iserver.aspace
         space.set_attribute_value_setter(self.nodes[signal].nodeid, ua.AttributeIds.Value, write)
+
+    def note_writes(self, *signals: Signal) -> list[tuple[Signal, Value]]:
+        """Note what is written to these nodes from now on, in its order."""
+        written: list[tuple[Signal, Value]] = []
+        space = self._server.iserver.aspace
+
+        def noting(signal: Signal) -> Callable[[NodeData, ua.AttributeIds, ua.DataValue], None]:
+            def write(node: NodeData, attribute: ua.AttributeIds, data: ua.DataValue) -> None:
+                node.attributes[attribute].value = data
+                if data.Value is not None:
+                    written.append((signal, data.Value.Value))
+
+            return write
+
+        for signal in signals:
+            space.set_attribute_value_setter(self.nodes[signal].nodeid, ua.AttributeIds.Value, noting(signal))
+        return written
 
     async def read(self, signal: Signal) -> Value:
         """What it was told, or shows."""

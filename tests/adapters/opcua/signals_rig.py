@@ -15,6 +15,9 @@ PRODUCT = SPEC.makes[0].product
 CYCLE_S = min(making.cycle_s for making in SPEC.makes)
 BILL = {line.material: line.quantity for line in PLANT.products[PRODUCT].bill}
 ITEM = next(iter(BILL))
+OTHER = next(making.product for making in SPEC.makes if making.product != PRODUCT)
+ALL = {line.material: 100 for making in SPEC.makes for line in PLANT.products[making.product].bill}
+"""Material for either product."""
 
 COUNTER = {Signal.PIECES: Tag("pieces")}
 TWO_BITS = {
@@ -96,6 +99,10 @@ class Rig:
 
     def tell(self, signal: Signal, value: Value, quality: Quality = Quality.GOOD, reason: str = "") -> None:
         self.body.on_sample(signal, Sample(value, quality, reason))
+
+    def confirm(self, signal: Signal) -> None:
+        """The controller has this output as it is now."""
+        self.body.on_written(signal, self.body.outputs[signal])
 
     def start(self, product: str = PRODUCT) -> None:
         self.body.instruct(StartCycle(product=product))

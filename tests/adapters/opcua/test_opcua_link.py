@@ -107,8 +107,8 @@ def test_a_piece_and_a_dock_from_end_to_end(tmp_path: Path) -> None:
             await rig.until(lambda: rig.pieces() == 1)
             await plc.until(Signal.RUN, False)
             rig.body.instruct(OpenDock(vehicle="ATV7", item=ITEM, quantity=5))
-            await plc.until(Signal.DOCK_VEHICLE, "ATV7")
-            assert await plc.read(Signal.DOCK_PERMIT) is True
+            await plc.until(Signal.DOCK_PERMIT, True)
+            assert await plc.read(Signal.DOCK_VEHICLE) == "ATV7"
             await plc.put(Signal.DOCK_READY, True)
             await rig.until(lambda: DockReady(vehicle="ATV7") in rig.reports)
             rig.body.instruct(Book("ATV7", ITEM, 5, task="M1-2", epoch=1))
@@ -119,6 +119,34 @@ def test_a_piece_and_a_dock_from_end_to_end(tmp_path: Path) -> None:
                 while again == alive:
                     await asyncio.sleep(0.02)
                     again = await plc.read(Signal.ALIVE)
+
+    play(story())
+
+
+def test_a_product_is_written_before_run_and_the_body_hears_that_it_is_there(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc() as plc, linked(text_of(plc.url), tmp_path) as rig:
+            await rig.until(lambda: rig.state.broken == "")
+            written = plc.note_writes(Signal.RUN, Signal.PRODUCT)
+            rig.start()
+            await plc.until(Signal.RUN, True)
+            # The mapping names `run` first.
+            assert [each for each in written if each[1]] == [(Signal.PRODUCT, PRODUCT), (Signal.RUN, True)]
+            await rig.until(lambda: rig.kept is not None and rig.kept.confirmed == PRODUCT)
+
+    play(story())
+
+
+def test_a_product_that_is_refused_is_not_confirmed(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc() as plc:
+            plc.refuse(Signal.PRODUCT, {PRODUCT})
+            async with linked(text_of(plc.url), tmp_path) as rig:
+                await rig.until(lambda: rig.state.broken == "")
+                rig.start()
+                await rig.until(lambda: "does not take product" in rig.state.broken)
+                assert rig.kept is not None
+                assert rig.kept.confirmed == ""
 
     play(story())
 

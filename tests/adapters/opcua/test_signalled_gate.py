@@ -84,6 +84,43 @@ def test_what_is_on_its_way_in_counts_though_its_goal_was_shut_meanwhile() -> No
     assert (rig.arrived, rig.body.away) == ({SHAFTS: 4}, "")
 
 
+def said(rig: GateRig) -> GoodsArrived:
+    """What was reported of goods last."""
+    return [report for report in rig.reports if isinstance(report, GoodsArrived)][-1]
+
+
+@pytest.mark.parametrize("is_cut", [True, False])
+def test_a_goal_is_said_to_be_shut_when_its_permit_can_bring_nothing_in_any_more(*, is_cut: bool) -> None:
+    rig = GateRig()
+    rig.show(SHAFTS)
+    if is_cut:
+        rig.body.on_link_lost("cut")
+    rig.body.instruct(Admit(SHAFTS, 0))
+    assert said(rig) == GoodsArrived(SHAFTS, 0, 10)
+    rig.shown = 504
+    if is_cut:
+        rig.clock.pass_s(10 * SETTLE_S)
+        rig.link()
+    else:
+        rig.counter(504)
+    assert said(rig) == GoodsArrived(SHAFTS, 4, 10)
+    rig.clock.pass_s(SETTLE_S)
+    assert said(rig) == GoodsArrived(SHAFTS, 4, 0)
+    assert rig.body.away == ""
+
+
+def test_a_goal_is_not_said_to_be_shut_while_the_controller_refuses_the_end_of_its_permit() -> None:
+    rig = GateRig()
+    rig.show(SHAFTS)
+    rig.body.instruct(Admit(SHAFTS, 0))
+    rig.body.on_refused(Signal.ADMITTED, "BadNotWritable")
+    rig.clock.pass_s(5 * SETTLE_S)
+    assert said(rig) == GoodsArrived(SHAFTS, 0, 10)
+    rig.body.on_refused(Signal.ADMITTED, "")
+    rig.clock.pass_s(SETTLE_S)
+    assert said(rig) == GoodsArrived(SHAFTS, 0, 0)
+
+
 def test_a_counter_that_rolls_over_counts_on() -> None:
     rig = GateRig(first=65_534)
     rig.body.on_range(Signal.PIECES, (65_536,))

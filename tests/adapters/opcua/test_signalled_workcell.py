@@ -8,7 +8,19 @@ from dataclasses import dataclass
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from signals_rig import BILL, CYCLE_S, ITEM, PLANT, PRODUCT, PULSE, SPEC, TWO_BITS, Rig
+from signals_rig import (
+    ALL,
+    BILL,
+    CYCLE_S,
+    ITEM,
+    OTHER,
+    PLANT,
+    PRODUCT,
+    PULSE,
+    SPEC,
+    TWO_BITS,
+    Rig,
+)
 
 from dray.adapters.signals.signal import Edge, Quality, Signal, SignalMapping, Tag
 from dray.adapters.signals.workcell import DAMAGED, LATE_MIN_S
@@ -423,9 +435,6 @@ def test_a_machine_has_no_levels() -> None:
 
 # --- a broken connection ---
 
-OTHER = next(making.product for making in SPEC.makes if making.product != PRODUCT)
-ALL = {line.material: 100 for making in SPEC.makes for line in PLANT.products[making.product].bill}
-
 
 def made(rig: Rig) -> list[str]:
     """What was reported as made since this was asked last."""
@@ -494,3 +503,102 @@ def test_a_machine_that_begins_for_the_first_time_waits_for_nothing() -> None:
     rig = Rig(TWO_BITS, ALL)
     rig.start(OTHER)
     assert rig.body.outputs[Signal.RUN] is True
+
+
+# --- a product that was asked for as the connection broke ---
+
+TOLD_PRODUCT = {**TWO_BITS, Signal.PRODUCT: Tag("product")}
+
+
+def asked_as_it_broke(stock: dict[str, int] | None = None, *, confirmed: bool = False) -> Rig:
+    """A machine that has made a piece, and whose connection is broken as it is asked for another product."""
+    rig = Rig(TOLD_PRODUCT, stock or ALL)
+    rig.start()
+    rig.confirm(Signal.PRODUCT)
+    rig.clock.pass_s(PIECE_S)
+    rig.tell(Signal.PIECES, 1)
+    rig.start(OTHER)
+    if confirmed:
+        rig.confirm(Signal.PRODUCT)
+    assert made(rig) == [PRODUCT]
+    return rig
+
+
+@pytest.mark.parametrize("restarts", [False, True])
+def test_a_piece_of_which_nobody_knows_the_product_is_in_doubt_and_counts_as_the_confirmed_one(
+    restarts: bool,
+) -> None:
+    rig = asked_as_it_broke()
+    if restarts:
+        rig.begin()
+    else:
+        rig.body.on_link_lost("the cable is out")
+    assert (rig.state.cycling, rig.body.outputs[Signal.RUN]) == (OTHER, False)
+    rig.clock.pass_s(10 * PIECE_S)
+    rig.tell(Signal.PIECES, 2)
+    rig.body.on_link()
+    assert made(rig) == [PRODUCT]
+    either = f"by {PRODUCT} or by {OTHER}"
+    assert rig.state.broken == f"its count is in doubt: pieces grew after a broken connection, {either}"
+    assert (rig.state.stock[PRODUCT], rig.state.stock[OTHER]) == (2, 0)
+    rig.body.instruct(ResetFault())
+    # One that it was still at may be of either product, too.
+    rig.tell(Signal.PIECES, 3)
+    assert either in rig.state.broken
+    rig.body.instruct(ResetFault())
+    rig.clock.pass_s(2 * max(making.cycle_s for making in SPEC.makes))
+    assert (rig.body.outputs[Signal.RUN], rig.body.outputs[Signal.PRODUCT]) == (True, OTHER)
+    rig.confirm(Signal.PRODUCT)
+    rig.clock.pass_s(PIECE_S)
+    rig.heard()
+    rig.tell(Signal.PIECES, 4)
+    assert (made(rig), rig.state.broken) == ([OTHER], "")
+
+
+def test_without_a_piece_nothing_is_in_doubt() -> None:
+    rig = asked_as_it_broke()
+    rig.body.on_link_lost("the cable is out")
+    rig.clock.pass_s(10 * PIECE_S)
+    rig.tell(Signal.PIECES, 1)
+    rig.body.on_link()
+    rig.confirm(Signal.PRODUCT)
+    rig.clock.pass_s(2 * max(making.cycle_s for making in SPEC.makes))
+    assert (rig.state.broken, rig.body.outputs[Signal.RUN]) == ("", True)
+    rig.tell(Signal.PIECES, 2)
+    assert made(rig) == [OTHER]
+
+
+def test_a_product_that_the_controller_has_confirmed_is_the_one_that_it_makes() -> None:
+    rig = asked_as_it_broke(confirmed=True)
+    rig.body.on_link_lost("the cable is out")
+    assert rig.body.outputs[Signal.RUN] is True
+    rig.clock.pass_s(10 * PIECE_S)
+    rig.tell(Signal.PIECES, 2)
+    rig.body.on_link()
+    assert (made(rig), rig.state.broken) == ([OTHER], "")
+
+
+def test_a_product_that_waits_begins_only_with_its_material() -> None:
+    """What came of the last product has used it."""
+    bills = {
+        making.product: {line.material: line.quantity for line in PLANT.products[making.product].bill}
+        for making in SPEC.makes
+    }
+    first, other = bills[PRODUCT], bills[OTHER]
+    assert first.keys() & other.keys()
+    # Enough for the first piece and one of either product.
+    rig = asked_as_it_broke({item: first.get(item, 0) + other.get(item, 0) for item in {*first, *other}})
+    rig.body.on_link_lost("the cable is out")
+    rig.clock.pass_s(10 * PIECE_S)
+    rig.tell(Signal.PIECES, 2)
+    rig.body.on_link()
+    rig.body.instruct(ResetFault())
+    rig.heard()
+    rig.clock.pass_s(2 * max(making.cycle_s for making in SPEC.makes))
+    failed = [report for report in rig.heard() if isinstance(report, CycleFailed)]
+    assert [(report.product, report.reason.split()[0]) for report in failed] == [(OTHER, "missing")]
+    assert (rig.state.cycling, rig.body.outputs[Signal.RUN]) == ("", False)
+    expected = {item: other.get(item, 0) - first.get(item, 0) for item in {*first, *other}}
+    assert {item: rig.state.stock[item] for item in expected} == {
+        item: max(0, pieces) for item, pieces in expected.items()
+    }

@@ -91,3 +91,12 @@ def test_without_power_its_dock_is_shut_and_opens_anew(stand: Stand) -> None:
     stand.workcell.power_on()
     assert stand.workcell.put("ATV1", "shaft", 1) == SHUT
     assert stand.wait(10.0) == [(Signal.DOCK_READY, True)]
+
+
+def test_it_begins_no_piece_while_alive_stands_still_but_for_those_before_it_notices(stand: Stand) -> None:
+    stand.tell(product="gear", run=True)
+    stand.wait(5.0)
+    stand.controller.miss_alive(1)
+    assert stand.wait(4 * CYCLE_S) == [(Signal.PIECES, 1), (Signal.PIECES, 2)]
+    stand.tell(run=True)
+    assert stand.wait(1.5 * CYCLE_S) == [(Signal.PIECES, 3)]

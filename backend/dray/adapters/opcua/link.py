@@ -57,6 +57,9 @@ _INTEGERS = {
 }
 """Bits of a counter of each type: a signed one restarts at 0, or continues below it."""
 
+GO = (Signal.RUN, Signal.DOCK_PERMIT, Signal.ADMITTED)
+"""Signals that are written last: a controller may act on them at once, by the product, vehicle or label that it was told before."""
+
 LARGEST_FLOAT = 3.4e38
 """Of 32 bits, nearly."""
 
@@ -254,6 +257,8 @@ class _Session:
                 is_early = clock.time() < again_s
                 if value is None or (is_early and (value == refused or signal == Signal.ALIVE)):
                     continue
+                if signal in GO and self._changed.is_set():
+                    break  # What was written before it in this round may be outdated.
                 if self._written.get(signal) == value:
                     if refused is not None and not is_early:
                         self._accept(signal)
@@ -267,6 +272,8 @@ class _Session:
                     self._tell(signal, self._listener.on_refused, signal, words(error))
                     continue
                 self._written[signal] = value
+                if signal != Signal.ALIVE:
+                    self._tell(signal, self._listener.on_written, signal, value)
                 if value == refused or not is_early:
                     self._accept(signal)
             with contextlib.suppress(TimeoutError):
@@ -297,6 +304,7 @@ class _Session:
                 self._say_range(signal, tag, kind)
             else:
                 self._outputs[signal] = node, kind
+        self._outputs = dict(sorted(self._outputs.items(), key=lambda output: output[0] in GO))
         return told
 
     def _say_range(self, signal: str, tag: Tag, kind: ua.VariantType) -> None:

@@ -193,7 +193,7 @@ class SignalledGate:
         if goal != before:
             self._keep(self._with(self._kept, instruction.goal, goal))
         self._permit()
-        self._report(GoodsArrived(instruction.goal, goal.arrived, goal.admitted))
+        self._say(instruction.goal)
 
     def sense(self) -> GateState:
         """See `dray.ports.Body`."""
@@ -255,6 +255,9 @@ class SignalledGate:
                 self._refusal = None
         self._judge()
 
+    def on_written(self, name: str, value: Value) -> None:
+        """Ignore it: whatever is counted belongs to the last permit, heard or not."""
+
     # --- values ---
 
     def _take(self, signal: Signal, value: Value) -> str | None:
@@ -304,7 +307,7 @@ class SignalledGate:
         goal = kept.goals.get(name, SignalledGoal(0))
         goal = replace(goal, arrived=min(goal.arrived + reading.pieces, COUNT_MAX))
         self._keep(replace(self._with(kept, name, goal), left=left - reading.pieces))
-        self._report(GoodsArrived(name, goal.arrived, goal.admitted))
+        self._say(name)
         self._permit()
         return None
 
@@ -339,13 +342,16 @@ class SignalledGate:
     def _settle(self, turn: int) -> None:
         if turn != self._turn or self._seen is None:
             return
-        if self._gap:
-            # The count of what came in meanwhile is still to come.
+        permit, is_exceeded = self._kept.permit, self._is_exceeded(self._kept.permit)
+        if self._gap or (is_exceeded and self.away and not self._is_over):
+            # The count of what came in meanwhile is still to come, or the controller may not have taken the end of the permit.
             self._wait()
             return
-        if self._is_over and self._kept.left:
+        if self._kept.left and (self._is_over or is_exceeded):
             # What the last permit has not brought by now does not come any more.
             self._keep(replace(self._kept, left=0))
+            if is_exceeded:
+                self._say(permit)
         self._is_over, self._settled = False, True
         self._permit()
 
@@ -376,6 +382,17 @@ class SignalledGate:
             self.outputs = outputs
             self._world.write()
         self._tell()
+
+    def _say(self, name: str) -> None:
+        """Report the count of a goal, and how many pieces may be in: more than are admitted until a permit for more has ended."""
+        goal = self._kept.goals[name]
+        most = goal.arrived + self._kept.left if self._is_exceeded(name) else goal.admitted
+        self._report(GoodsArrived(name, goal.arrived, most))
+
+    def _is_exceeded(self, name: str) -> bool:
+        """Whether the last permit may bring in more pieces of a goal than are admitted now."""
+        goal, left = self._kept.goals.get(name), self._kept.left
+        return goal is not None and name == self._kept.permit and left > max(0, goal.admitted - goal.arrived)
 
     def _bar(self, signal: Signal, admitted: int, reason: str) -> None:
         """Give the present permit again after a while: longer after each refusal."""

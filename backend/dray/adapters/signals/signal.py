@@ -103,7 +103,7 @@ class Tag(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
 
 
 class LinkListener(Protocol):
-    """The receiver of a controller's values (`workcell`, `store`)."""
+    """The receiver of a controller's values (`workcell`, `store`, `gate`)."""
 
     outputs: dict[str, Value]
 
@@ -116,6 +116,9 @@ class LinkListener(Protocol):
     def on_sample(self, name: str, sample: Sample) -> None: ...
 
     def on_refused(self, name: str, reason: str) -> None: ...
+
+    def on_written(self, name: str, value: Value) -> None:
+        """The controller has confirmed a value. By MQTT none is confirmed."""
 
 
 class Quality(StrEnum):

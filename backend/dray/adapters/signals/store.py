@@ -183,6 +183,9 @@ class SignalledStore:
     def on_refused(self, name: str, reason: str) -> None:
         """Ignore it: a dock whose permit is refused does not get ready, which the station reports."""
 
+    def on_written(self, name: str, value: Value) -> None:
+        """Ignore it: `dock_ready` answers a permit."""
+
     def on_sample(self, name: str, sample: Sample) -> None:
         """The controller has sent a value."""
         is_good = sample.quality is Quality.GOOD

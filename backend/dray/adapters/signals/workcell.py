@@ -60,6 +60,9 @@ HELD_CYCLES = 2.0
 """Cycle times for which another product waits after a broken connection. A controller that keeps `run` meanwhile makes another piece of the
 last product. It ends within one cycle; the rest is for cycles that take longer than the plant file says."""
 
+UNSURE = "grew after a broken connection"
+"""Why a count is in doubt that may be of either of two products."""
+
 STANDS = {
     "notavailable": "not available",
     "outofservice": "out of service",
@@ -85,7 +88,12 @@ class Kept(Struct, frozen=True):
     last: str = ""
     """The product last asked for: pieces made without an instruction count as this."""
     held: str = ""
-    """The product that may still come, while `cycling` waits for its end after a broken connection; empty for none."""
+    """The product that may still come, while `cycling` waits for its end after a broken connection; empty for none. `cycling` has used no
+    material yet."""
+    unsure: bool = False
+    """Whether it may be `cycling` that still comes: it was asked for, and nobody knows whether the controller has heard that."""
+    confirmed: str = ""
+    """The product that the controller has confirmed last; empty for none, and by MQTT, which confirms nothing."""
     doubt: str = ""
     """Why counts may be wrong, until a person has checked them."""
     opened: tuple[str, ...] = ()
@@ -170,13 +178,14 @@ class SignalledWorkcell:
         """Number of pieces waited for, so that an outdated call of the clock is recognised."""
         self._told: tuple[str, Problem, bool] = ("", NOTHING_KNOWN, False)
         self.outputs: dict[str, Value] = {}
+        # A vehicle at the dock keeps its permit, without interruption.
+        for vehicle in self._kept.opened:
+            self._dock.want(vehicle)
+        self._hold_unconfirmed()
         # A piece begun in an earlier life is still wanted.
         wanted = "" if self._kept.held else self._kept.cycling
         self._put(Signal.PRODUCT, wanted)
         self._put(Signal.RUN, bool(wanted))
-        # A vehicle at the dock keeps its permit, without interruption.
-        for vehicle in self._kept.opened:
-            self._dock.want(vehicle)
         self._put(Signal.DOCK_PERMIT, bool(self._dock.vehicle))
         self._put(Signal.DOCK_VEHICLE, self._dock.vehicle)
         self._judge()
@@ -239,8 +248,9 @@ class SignalledWorkcell:
         """The controller is connected, and its values come."""
         self._away = ""
         if self._has_worked:
-            last = self._kept.held or self._kept.last
-            self._held_until_s = self._clock.now_s() + HELD_CYCLES * self._cycle_s.get(last, 0.0)
+            may_come = (self._kept.held or self._kept.last, self._kept.cycling if self._kept.unsure else "")
+            cycle_s = max(self._cycle_s.get(product, 0.0) for product in may_come)
+            self._held_until_s = self._clock.now_s() + HELD_CYCLES * cycle_s
             self._wait()
         self._has_worked = True
         self._settle()
@@ -251,6 +261,8 @@ class SignalledWorkcell:
         self._gaps = {Signal.PIECES, Signal.BAD}
         self._silent.clear()
         self._dock.ready(is_ready=False)
+        if self._hold_unconfirmed():
+            self._put(Signal.RUN, False)
         self._settle()
 
     def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
@@ -283,6 +295,12 @@ class SignalledWorkcell:
         else:
             self._refused.pop(signal, None)
         self._settle()
+
+    def on_written(self, name: str, value: Value) -> None:
+        """The controller has confirmed a value: what it makes from now on is the confirmed product."""
+        if name == Signal.PRODUCT and value != self._kept.confirmed:
+            self._kept = replace(self._kept, confirmed=str(value))
+            self._keep()
 
     # --- values ---
 
@@ -337,6 +355,9 @@ class SignalledWorkcell:
         else:
             reading = count(last, now, min(self._cycle_s.values()), moduli, gap=gap)
         doubt = f"{signal.value} {reading.doubt}" if reading.doubt else self._kept.doubt
+        if reading.pieces and self._kept.unsure and not doubt:
+            either = f"by {self._kept.held} or by {self._kept.cycling}"
+            doubt = f"{signal.value} {UNSURE}, {either}"
         changes = {"bad": now} if is_bad else {"pieces": now}
         self._kept = replace(self._kept, doubt=doubt, **changes)
         was_reset = last is not None and tag.edge is None and number < last.value
@@ -377,9 +398,9 @@ class SignalledWorkcell:
             return
         if self._kept.held:
             return
-        if not self._kept.cycling:
-            self._use(product)
         waits = product != self._kept.last and self._clock.now_s() < self._held_until_s
+        if not self._kept.cycling and not waits:
+            self._use(product)
         self._kept = replace(self._kept, cycling=product, last=product, held=self._kept.last if waits else "")
         self._keep()
         if waits:
@@ -401,9 +422,28 @@ class SignalledWorkcell:
     def _release(self) -> None:
         if not self._kept.held or self._away or self._clock.now_s() < self._held_until_s:
             return
-        self._kept = replace(self._kept, held="")
+        product, missing = self._kept.cycling, self._missing(self._kept.cycling)
+        self._kept = replace(self._kept, held="", unsure=False, cycling="" if missing else product)
+        if missing:
+            # What came of the last product has used it.
+            self._keep()
+            self._report(CycleFailed(product=product, reason=missing))
+            return
+        self._use(product)
         self._keep()
-        self._run(self._kept.cycling)
+        self._run(product)
+
+    def _hold_unconfirmed(self) -> bool:
+        """Let a product wait of which the controller may not have heard, since it may still make the last one; returns whether that is new."""
+        kept = self._kept
+        if kept.held or not kept.cycling or kept.confirmed in ("", kept.cycling):
+            return False
+        for item, pieces in self._bills.get(kept.cycling, {}).items():
+            self._stock[item] = min(self._stock.get(item, 0) + pieces, COUNT_MAX)
+        self._late, self._turn = "", self._turn + 1
+        self._kept = replace(kept, held=kept.confirmed, unsure=True)
+        self._keep()
+        return True
 
     def _why_not(self, product: str) -> str:
         """The reason why a piece cannot be begun; empty for none."""
@@ -415,7 +455,12 @@ class SignalledWorkcell:
             return f"busy with {self._kept.cycling}"
         if self._kept.cycling:
             return ""
-        missing = [item for item, pieces in self._bills[product].items() if self._stock.get(item, 0) < pieces]
+        return self._missing(product)
+
+    def _missing(self, product: str) -> str:
+        """The material that is missing for a piece, in words; empty for none."""
+        bill = self._bills.get(product, {})
+        missing = [item for item, pieces in bill.items() if self._stock.get(item, 0) < pieces]
         return f"missing {', '.join(missing)}" if missing else ""
 
     def _use(self, product: str) -> None:

@@ -218,6 +218,7 @@ export const de: Catalogue<typeof en> = {
   "why.resetLetIn": "{signal} ging von {last} auf {now}, als niemand zuhörte: vorher eingelassene Stück können fehlen",
   "why.pulses": "{signal} war eine Weile nicht zu hören: Stück können fehlen",
   "why.notAdmitted": "{signal} meldete ein Stück, das nicht freigegeben war",
+  "why.unsure": "{signal} ist nach einer unterbrochenen Verbindung gestiegen: gezählt wurde {held} oder {asked}",
   "why.noLabel": "{value} ist kein Etikett",
   "why.noCount": "{value} ist keine Stückzahl",
   "why.noPulse": "{value} ist kein Impuls",

@@ -215,6 +215,7 @@ export const en = {
   "why.resetLetIn": "{signal} went from {last} to {now} while nobody listened: pieces let in before that may be missing",
   "why.pulses": "{signal} was not heard for a while: pieces may be missing",
   "why.notAdmitted": "{signal} showed a piece that was not admitted",
+  "why.unsure": "{signal} grew after a broken connection, by {held} or by {asked}",
   "why.noLabel": "{value} is no label",
   "why.noCount": "{value} is no count",
   "why.noPulse": "{value} is no pulse",

@@ -218,6 +218,7 @@ export const es: Catalogue<typeof en> = {
   "why.resetLetIn": "{signal} pasó de {last} a {now} cuando nadie escuchaba: pueden faltar piezas que entraron antes",
   "why.pulses": "{signal} no se oyó durante un tiempo: pueden faltar piezas",
   "why.notAdmitted": "{signal} mostró una pieza que no estaba admitida",
+  "why.unsure": "{signal} aumentó tras una conexión interrumpida: puede contar {held} o {asked}",
   "why.noLabel": "{value} no es una etiqueta",
   "why.noCount": "{value} no es una cuenta",
   "why.noPulse": "{value} no es un impulso",
