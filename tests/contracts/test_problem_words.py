@@ -5,8 +5,11 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from asyncua import ua
@@ -21,13 +24,21 @@ from dray.adapters.opcua.link import words as opcua_words
 from dray.adapters.signals.gate import DAMAGED_SIGNALS, KeptSignals, SignalledGate
 from dray.adapters.signals.signal import OF_A_GATE, Edge, Quality, Sample, Signal, SignalMapping, Tag, Value
 from dray.adapters.signals.workcell import DAMAGED
+from dray.adapters.vda5050.control.orders import (
+    FORGOTTEN,
+    REFUSED_SILENTLY,
+    STOPPED_SHORT,
+    VANISHED,
+    Orders,
+)
+from dray.adapters.vda5050.control.vehicle_order import NOBODY_LOADS, ONLY_WAITS
 from dray.body import Admit
 from dray.protocol.contract_net.trust.probation import ON_PROBATION
 
 TEXT = Path(__file__).parents[2] / "frontend/src/text"
 
 PATTERN = re.compile(r'^  \{ says: /(.+)/, key: "([\w.]+)" \},$', re.MULTILINE)
-LINE = re.compile(r'^  "((?:failure|why)\.[^"]+)": "(.*)",$', re.MULTILINE)
+LINE = re.compile(r'^  "((?:failure|why|until)\.[^"]+)": "(.*)",$', re.MULTILINE)
 
 SENTENCES = [
     (re.compile(says.replace("(?<", "(?P<").replace("(?P<!", "(?<!").replace(r"\/", "/")), key)
@@ -259,6 +270,136 @@ def sentences(file: str, function: str) -> list[str]:
     return ["".join(map(shown, getattr(value, "values", [value]))) for value in written if is_text(value)]
 
 
+DRIVER = (
+    ("problems.py", "absence"),
+    ("problems.py", "complaint"),
+    ("master.py", "why_unknown"),
+    ("master.py", "_what_it_waits_for"),
+    ("master.py", "_find_problem"),
+    ("master.py", "_failure"),
+    ("hold.py", "tick"),
+    ("unwilling.py", "problem"),
+    ("orders.py", "overlong"),
+    ("on_board.py", "lose_track"),
+    ("on_board.py", "on_state"),
+    ("work.py", "drive"),
+    ("work.py", "_why_not"),
+    ("work.py", "locate"),
+    ("work.py", "_end_step"),
+    ("steps.py", "next"),
+)
+"""Functions of the driver of a vehicle with VDA 5050 that write sentences for people, each with its file."""
+
+FILLED_IN: dict[str, tuple[str, ...]] = {
+    "unlinked[0]": ("mqtts://broker.plant:8883: nothing was said for 2.5 s",),
+    "self._unlinked[0]": ("mqtts://broker.plant:8883: nothing was said for 2.5 s",),
+    "view.away": ("OFFLINE", "CONNECTION_BROKEN"),
+    "' or '.join(known)": ("hall", "hall or yard"),
+    "self._hindrance": ("it says that it drives",),
+    "order.reason": (REFUSED_SILENTLY, FORGOTTEN, STOPPED_SHORT, VANISHED, ONLY_WAITS, NOBODY_LOADS),
+    "problems.py: where": ("x 7 m, y 7 m",),
+    "master.py: where": ("", ": (1.0, 2.0)"),
+    "obeys": ("it does not pause", "it does not stop"),
+    "why": ("it does not say why", REFUSED_SILENTLY),
+    "what": ("pick", "drop"),
+    "theirs": ("nothing", "a load"),
+    "ours": ("nothing", "4 shaft"),
+}
+"""What may be filled in where a figure or a name would not do, by its expression, in one file or in all."""
+
+
+def parts(value: ast.expr | None) -> Iterator[ast.expr]:
+    """The expressions that a value may be, or that stand in it side by side."""
+    match value:
+        case ast.Tuple(elts=several) | ast.BoolOp(values=several):
+            for each in several:
+                yield from parts(each)
+        case ast.IfExp(body=one, orelse=other):
+            yield from parts(one)
+            yield from parts(other)
+        case ast.Constant() | ast.JoinedStr():
+            yield value
+
+
+def filled_in(expression: str, file: str) -> Sequence[str]:
+    return FILLED_IN.get(f"{file}: {expression}") or FILLED_IN.get(expression, ("7",))
+
+
+def alternatives(value: ast.expr, file: str) -> list[str]:
+    """A sentence of the driver, with each of what may be filled in."""
+    if isinstance(value, ast.Constant):
+        return [str(value.value)]
+    assert isinstance(value, ast.JoinedStr)
+    choices = [
+        filled_in(ast.unparse(part.value), file)
+        if isinstance(part, ast.FormattedValue)
+        else alternatives(part, file)
+        for part in value.values
+    ]
+    return ["".join(each) for each in product(*choices)]
+
+
+def said_by_driver(file: str, function: str) -> list[str]:
+    """The sentences that a function of the driver returns, hands over or keeps."""
+    tree = ast.parse((PACKAGE / "adapters/vda5050/control" / file).read_text(encoding="utf-8"))
+    (body,) = (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and node.name == function)
+    values: list[ast.expr | None] = []
+    for node in ast.walk(body):
+        match node:
+            case ast.Call(args=args):
+                values += args
+            case ast.Return(value=value):
+                values.append(value)
+            case ast.Assign(targets=[ast.Attribute()], value=value):
+                values.append(value)
+    texts = (part for value in values for part in parts(value) if is_text(part))
+    return [text for part in texts for text in alternatives(part, file)]
+
+
+def ends_a_wait(said: str) -> bool:
+    """Whether panels have words for what would end a wait."""
+    english = words("en")
+    filled = (english[key] for says, key in SENTENCES if key.startswith("until.") and says.match(said))
+    return f"until.{said}" in english or next(filled, None) is not None
+
+
+@pytest.mark.parametrize(("file", "function"), DRIVER)
+def test_every_sentence_of_the_driver_of_a_vehicle_has_words(file: str, function: str) -> None:
+    found = said_by_driver(file, function)
+    assert found
+    assert [said for said in found if unknown(said) and not ends_a_wait(said)] == []
+
+
+def test_what_a_vehicle_says_before_its_first_state_has_words() -> None:
+    assert unknown("the vehicle has not said anything yet that can be used: 3 times not JSON") == []
+
+
+@pytest.mark.parametrize(
+    "reason", [REFUSED_SILENTLY, FORGOTTEN, STOPPED_SHORT, VANISHED, ONLY_WAITS, NOBODY_LOADS]
+)
+def test_why_an_order_of_a_vehicle_has_ended_has_words(reason: str) -> None:
+    assert unknown(reason) == []
+
+
+@pytest.mark.parametrize("foreign", [False, True])
+@pytest.mark.parametrize("does", ["drives", "acts", "shows nodes"])
+def test_why_a_vehicle_takes_no_order_has_words(does: str, foreign: bool) -> None:
+    action = SimpleNamespace(action_type="pick", action_id="a1", action_status="RUNNING")
+    view: Any = SimpleNamespace(
+        is_idle=False,
+        is_foreign=foreign,
+        is_driving=does == "drives",
+        acting=[action] if does == "acts" else [],
+        state=SimpleNamespace(order_id="other-7"),
+    )
+    nobody: Any = None
+    orders = Orders("ATV1", 1, nobody, view, nobody, [], nobody, lambda: None)
+    hindrance = orders.hindrance(10.0)
+    assert hindrance
+    assert unknown(hindrance) == []
+    assert unknown(f"it takes no order: {hindrance}") == []
+
+
 def is_text(value: ast.expr | None) -> bool:
     """Whether an expression is a sentence, or one in which something is filled in."""
     parts = value.values if isinstance(value, ast.JoinedStr) else [value]
@@ -287,18 +428,18 @@ def test_every_sentence_of_an_agent_has_words(file: str, function: str) -> None:
 
 
 # What the controller or a library says in its own words.
-THEIRS = frozenset({"BadOutOfRange"})
+THEIRS = frozenset({"BadOutOfRange", "4 shaft"})
 
 
 def unknown(said: str) -> list[str]:
     """The parts of a sentence that panels show in the controller's English."""
     english = words("en")
     for says, key in SENTENCES:
-        if found := says.match(said):
+        if not key.startswith("until.") and (found := says.match(said)):
             groups = found.groupdict()
             if key.startswith("why."):
                 assert english[key].replace("\u00a0", " ").format(**groups) == said
-            inner = [groups[name] for name in ("why", "what") if name in groups]
+            inner = [groups[name] for name in ("why", "what", "theirs", "ours") if name in groups]
             return [part for each in inner for part in unknown(each)]
     return [] if said in THEIRS or f"why.{said}" in english or f"failure.{said}" in english else [said]
 

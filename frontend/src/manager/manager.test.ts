@@ -28,7 +28,7 @@ const plant = {
 
 const order = (more: Partial<OrderView>): OrderView => ({
   id: "O-1", customer: "c", reference: null, status: "released", items: [], created_at_s: 0, due_at_s: null, priority: "normal", wanted_at_s: null,
-  delivered_at_s: null, releases: 1, revoked_at_s: null, waits: null, changing: false, ...more,
+  delivered_at_s: null, releases: 1, begun: false, revoked_at_s: null, waits: null, changing: false, ...more,
 });
 
 describe("a draft", () => {
@@ -198,11 +198,17 @@ test("a task leads to where its story is told", () => {
 
 describe("an order that is taken back", () => {
   test("is so only when the factory has confirmed it", () => {
-    expect(stateOf(order({ status: "in_production" }))).toBe("in_production");
+    expect(stateOf(order({ status: "in_production", begun: true }))).toBe("in_production");
     expect(stateOf(order({ status: "in_production", revoked_at_s: 5 }))).toBe("being_taken_back");
     expect(stateOf(order({ status: "stored", revoked_at_s: 5 }))).toBe("taken_back");
     expect(stateOf(order({ status: "stored", releases: 0 }))).toBe("stored");
     expect(stateOf(order({ status: "cancelled", revoked_at_s: 5 }))).toBe("cancelled");
+  });
+
+  test("is planned until a machine works at it", () => {
+    expect(stateOf(order({ status: "in_production" }))).toBe("planned");
+    expect(stateOf(order({ status: "in_production", revoked_at_s: 5 }))).toBe("being_taken_back");
+    expect(stateOf(order({ status: "in_delivery" }))).toBe("in_delivery");
   });
 
   test("was in work, and nobody had asked before", () => {

@@ -1,5 +1,5 @@
 import type { AtvView } from "../api/types";
-import { failureText } from "../text/failure";
+import { failureText, untilText } from "../text/failure";
 import { t } from "../text";
 import { factoryTime } from "../text/plant-time";
 
@@ -15,5 +15,5 @@ export function BodyWait({ atv, nowS, speed }: Props) {
   if (!wait) return null;
   const time = factoryTime(Math.max(0, nowS - wait.since_at_s) * speed);
   const what = failureText(wait.what);
-  return <p class="body-wait">{wait.until === "" ? t("wait.bodyAlone", { time, what }) : t("wait.body", { time, what, until: wait.until })}</p>;
+  return <p class="body-wait">{wait.until === "" ? t("wait.bodyAlone", { time, what }) : t("wait.body", { time, what, until: untilText(wait.until) })}</p>;
 }

@@ -29,6 +29,32 @@ const FILLED = [
   { says: /^its controller refuses a permit \((?<signal>\w+)\): (?<why>.+)$/, key: "failure.permit" },
   { says: /^its count is in doubt: (?<why>.+)$/, key: "failure.doubt" },
   { says: /^its count is in doubt \((?<number>\d+)\): (?<why>.+)$/, key: "failure.doubtOf" },
+  { says: /^the broker is away: (?<why>.+)$/, key: "failure.brokerAway" },
+  { says: /^the vehicle is not there: (?<state>\w+)$/, key: "failure.vehicleAway" },
+  { says: /^the vehicle says nothing, for (?<time>\d+) s and more$/, key: "failure.saysNothing" },
+  { says: /^emergency stop \((?<stop>\w+)\)$/, key: "failure.emergencyStop" },
+  { says: /^its mode is (?<mode>\w+)$/, key: "failure.mode" },
+  { says: /^its position cannot be: x (?<x>\S+) m, y (?<y>\S+) m$/, key: "failure.position" },
+  { says: /^it is on a map that is not (?<map>.+)$/, key: "failure.otherMap" },
+  { says: /^it stands on no lane of the plant: \((?<x>\S+), (?<y>\S+)\)$/, key: "failure.noLane" },
+  { says: /^it takes no order: (?<why>.+)$/, key: "failure.takesNoOrder" },
+  { says: /^it has refused (?<count>\d+) orders one after the other: (?<why>.+)$/, key: "failure.refusedAll" },
+  { says: /^its action (?<action>\S+) has not ended for (?<time>\d+) s$/, key: "failure.overlong" },
+  { says: /^tells that (?<theirs>.+) is on board, and (?<ours>.+) should be: see to it, then MANUAL and back$/, key: "failure.loadDiffers" },
+  { says: /^our own fault, see the log: (?<event>.+) cannot be dealt with$/, key: "failure.ownFault" },
+  { says: /^it has refused order (?<order>\S+): (?<why>.+)$/, key: "failure.refusedOrder" },
+  { says: /^it does not show order (?<order>\S+)$/, key: "failure.notShown" },
+  { says: /^order (?<order>\S+) is cancelled$/, key: "failure.cancelledOrder" },
+  { says: /^its action (?<action>\S+)$/, key: "failure.action" },
+  { says: /^it drives to (?<node>\S+)$/, key: "failure.drives" },
+  { says: /^the vehicle has not said anything yet that can be used: (?<odd>.+)$/, key: "failure.nothingUsable" },
+  { says: /^the way must begin at (?<node>\S+)$/, key: "failure.mustBegin" },
+  { says: /^no lane from (?<from>\S+) to (?<to>\S+)$/, key: "failure.noLaneFrom" },
+  { says: /^it was moved from (?<from>\S+) to (?<to>\S+)$/, key: "failure.movedFrom" },
+  { says: /^it was bound for (?<node>\S+) already$/, key: "failure.boundFor" },
+  { says: /^no station (?<place>\S+)$/, key: "failure.noStation" },
+  { says: /^not at (?<place>\S+)$/, key: "failure.notAt" },
+  { says: /^(?<item>\S+) is on board$/, key: "failure.aboard" },
 ] as const;
 
 /** Why a controller is not heard, has no value, or its count is in doubt: what stands within the words above. */
@@ -54,12 +80,22 @@ const WHY = [
   { says: /^nothing was said for (?<silent>[\d.]+) s$/, key: "why.silent" },
   { says: /^it has ended the subscription: (?<status>.+)$/, key: "why.ended" },
   { says: /^fault (?<code>[\d.e+-]+)$/, key: "why.faultOf" },
+  { says: /^it says that it drives an order of somebody else: (?<order>.+)$/, key: "why.drivesOther" },
+  { says: /^its action (?<action>.+) is (?<status>\w+), of an order of somebody else: (?<order>.+)$/, key: "why.actionOther" },
+  { says: /^its action (?<action>.+) is (?<status>\w+), of an earlier order$/, key: "why.actionEarlier" },
+  { says: /^it shows an order of somebody else: (?<order>.+)$/, key: "why.showsOther" },
+] as const;
+
+/** What a vehicle's driver says would end its wait. */
+const UNTIL = [
+  { says: /^it does not, or (?<action>\w+) has ended$/, key: "until.stopsCharging" },
+  { says: /^it does, for (?<time>\S+) s$/, key: "until.shows" },
 ] as const;
 
 /** Which of the names above are figures, grouped in thousands as the reader groups them. */
 const FIGURES: ReadonlySet<string> = new Set(["last", "now", "most", "size"]);
 /** Which of them say why, in words of their own. */
-const INNER: ReadonlySet<string> = new Set(["why", "what"]);
+const INNER: ReadonlySet<string> = new Set(["why", "what", "theirs", "ours"]);
 
 /** What somebody reports in words of their own; some of them are known here. */
 export function failureText(said: string): string {
@@ -71,13 +107,18 @@ function whyText(said: string): string {
   return filled(WHY, said) ?? known("why", said);
 }
 
+/** What would end the wait of a vehicle's body. */
+export function untilText(said: string): string {
+  return filled(UNTIL, said) ?? known("until", said);
+}
+
 /** What is not known here stays as it is: codes of controllers have lines in them. */
 function known(group: string, said: string): string {
   const text = word(group, said);
   return text === said.replaceAll("_", " ") ? said : text;
 }
 
-function filled(sentences: typeof FILLED | typeof WHY, said: string): string | null {
+function filled(sentences: typeof FILLED | typeof WHY | typeof UNTIL, said: string): string | null {
   for (const { says, key } of sentences) {
     const found = says.exec(said)?.groups;
     if (found) return t(key, Object.fromEntries(Object.entries(found).map(([name, text]) => [name, inWords(name, text)])) as never);

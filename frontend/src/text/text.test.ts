@@ -138,6 +138,14 @@ describe("texts", () => {
     ["fault 17", "Störung 17"],
     ["must charge: 28% left, takes work again from 40% on", "muss laden: noch 28\u00a0%, nimmt ab 40\u00a0% wieder Arbeit an"],
     ["it has not come nearer to m8 for 65 s: it stands, and does not say why", "es ist m8 seit 65\u00a0s nicht näher gekommen: es steht, und sagt nicht warum"],
+    ["its mode is MANUAL", "seine Betriebsart ist MANUAL"],
+    ["it does not pause: it moves although it was told to stand", "es hält nicht an: es bewegt sich, obwohl es stehen soll"],
+    ["it has refused 2 orders one after the other: it does not say why", "es hat 2 Fahraufträge nacheinander abgewiesen: es sagt nicht warum"],
+    ["it takes no order: its action pick is RUNNING, of an earlier order", "es nimmt keinen Fahrauftrag an: seine Aktion pick steht auf RUNNING, aus einem früheren Fahrauftrag"],
+    [
+      "tells that nothing is on board, and 4 shaft should be: see to it, then MANUAL and back",
+      "meldet an Bord: nichts; es sollte sein: 4 shaft. Nachsehen, dann auf MANUAL und zurück schalten",
+    ],
     ["AXIS_3_LIMIT", "AXIS_3_LIMIT"],
     ["its controller has a fault: AXIS_3_LIMIT", "seine Steuerung hat eine Störung: AXIS_3_LIMIT"],
   ])("tell in the reader's language what a controller's problem is, and in the controller's what it says: %s", (said, text) => {

@@ -100,7 +100,7 @@ def test_a_page_without_a_script_tells_everything_and_how_to_ask_again(
     page = open_page(order(factory, 9000), who=None, java_script_enabled=False)
     expect(page.get_by_role("heading", level=1)).to_have_text(re.compile("9,000 . Gear unit G1"))
     expect(page.get_by_role("list").nth(1).get_by_role("listitem")).to_have_count(5)
-    expect(page.get_by_text("keeps itself up to date")).to_be_hidden()
+    expect(page.get_by_text("updates by itself")).to_be_hidden()
     page.get_by_role("link", name="Show the newest state").click()
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     screenshot(page, "customer-without-script")

@@ -215,5 +215,5 @@ def test_a_link_that_has_ended_says_so_and_what_to_do(
         page = open_at(factory, open_page, story, options)
         if look.endswith("en"):
             expect(page.get_by_role("heading", level=1)).to_have_text(heading)
-            expect(page.get_by_text("Ask whoever sent it to you for a new one.")).to_be_visible()
+            expect(page.get_by_text("Ask the sender for a new one.")).to_be_visible()
         screenshot(page, f"customer-{name}-{look}", whole=True)

@@ -46,7 +46,7 @@ def test_the_card_of_a_vehicle_says_what_its_body_waits_for(
 
 @pytest.mark.parametrize(
     ("look", "begins", "until"),
-    [("lying-light-en", "Waiting for ", "until"), ("upright-dark-de", "Wartet seit ", "bis:")],
+    [("lying-light-en", "Waiting for ", "until"), ("upright-dark-de", "Wartet seit ", "(bis ")],
 )
 def test_so_does_the_tablet(
     waiting: str, enter: Enter, screenshot: Screenshot, look: str, begins: str, until: str

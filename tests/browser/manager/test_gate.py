@@ -51,12 +51,15 @@ def test_the_card_of_the_gate_and_an_alert_say_why_no_container_comes_in(
 
     house.do(lambda inside: beat(inside, 1, WHY))
     page = as_manager(house, open_page, locale=LOCALES[language])
-    box = next(each.box for each in PLANT.warehouses if each.kind == "delivery")
+    gate = next(each for each in PLANT.warehouses if each.kind == "delivery")
+    box = gate.box
     expect(page.locator("#plant-map canvas").first).to_be_visible()
     page.mouse.click(*on_map(page, PLANT, box.x_m, box.y_m))
     said = page.locator(".card.place .problem")
     expect(said).to_have_text(WORDS[language])
     assert page.locator(".card.place").evaluate(CUT) == []
+    # The line of the selection calls it as the map and its card do.
+    expect(page.locator(".story dd").get_by_role("button")).to_have_text([gate.name])
     screenshot(page, f"gate-card-{language}")
     page.locator(".alerts-button").click()
     expect(page.locator("main > section").first).to_contain_text(WORDS[language])

@@ -75,6 +75,21 @@ def internal(page: Page) -> list[str]:
 
 
 @pytest.mark.parametrize("language", LOCALES)
+def test_the_head_of_every_page_has_one_row_on_a_small_laptop(
+    factory: Any, open_page: OpenPage, screenshot: Screenshot, language: str
+) -> None:
+    page = open_page(factory.url, locale=LOCALES[language], viewport={"width": 1280, "height": 800})
+    expect(page.locator("#plant-map canvas").first).to_be_visible()
+    links = page.locator("header.top").locator("nav a, .person")
+    expect(links).to_have_count(12)
+    middles = links.evaluate_all(
+        "all => all.map((each) => { const box = each.getBoundingClientRect(); return (box.top + box.bottom) / 2; })"
+    )
+    assert max(middles) - min(middles) < 4.0
+    screenshot(page, f"head-{language}", audited=False)
+
+
+@pytest.mark.parametrize("language", LOCALES)
 def test_no_page_says_an_id_or_the_name_of_a_field(
     factory: Any, open_page: OpenPage, screenshot: Screenshot, language: str
 ) -> None:

@@ -8,12 +8,13 @@ from typing import Any
 import msgspec
 import pytest
 from answers import problem
-from gateway_kit import House
+from gateway_kit import PRODUCT, House
+from heartbeats import machine_heartbeat
 from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, PACE_S, VEHICLE, WAY_OUT, Story
 from wall_clock import NOW_S
 
 from dray.gateway.orders.timeline import TimelineView, timeline
-from dray.messages import Phase, Reason, Role, Transport
+from dray.messages import GoalBrief, MachineStatus, Phase, Reason, Role, Transport
 from dray.messages.fact import (
     AnyFact,
     CarrierChanged,
@@ -195,6 +196,32 @@ async def test_an_order_tells_its_timeline_and_when_it_is_expected(house: House)
     assert [each["kind"] for each in told["moments"]] == ["planned", "began", "fetched"]
     assert told["is_whole"]
     assert NOW_S < told["expected"]["from_at_s"] <= told["expected"]["to_at_s"]
+
+
+async def test_a_goal_tells_what_its_machine_does_and_since_when(house: House) -> None:
+    story = await Story.begin(house, quantity=4)
+    path = f"/api/orders/{story.order['id']}"
+    await story.planned()
+    other = GoalBrief("strategist.1-1", PRODUCT, 3, 0, 0)
+    own = GoalBrief(GOAL, PRODUCT, 4, 0, 0)
+
+    async def tells(
+        seq: int, *goals: GoalBrief, status: MachineStatus = MachineStatus.PRODUCING
+    ) -> list[Any]:
+        story.now(100.0 + seq)
+        beat = machine_heartbeat(MACHINE, seq, at_s=100.0 + seq, status=status, goals=goals)
+        house.bus.say(beat)
+        (goal,) = (await house.get(f"{path}/timeline"))["goals"]
+        begun = (await house.get(path))["begun"]
+        reached = [stage["name"] for stage in (await story.state())["stages"] if stage["reached"]]
+        assert begun == ("in_production" in reached), "the customer's page says the same"
+        return [goal["doing"], goal["doing_since_at_s"], goal["behind"], begun]
+
+    assert await tells(10, other, own) == ["busy", None, 1, False]
+    assert await tells(11, own) == ["making", NOW_S + 111.0, 0, True]
+    assert await tells(12, own, status=MachineStatus.STARVED) == ["starved", None, 0, True]
+    assert await tells(13, own, status=MachineStatus.ERROR) == ["broken", None, 0, False]
+    assert await tells(14, msgspec.structs.replace(own, made=4)) == ["busy", None, 0, False]
 
 
 async def test_an_order_and_its_customers_page_are_the_same_when_the_log_has_forgotten_everything(

@@ -255,6 +255,23 @@ async def test_an_order_whose_turn_has_not_come_tells_what_its_machine_has_asked
     assert (await story.state())["materials"] == []
 
 
+async def test_a_more_urgent_goal_of_its_machine_moves_the_range(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned(finish_s=150.0)
+    making = next(spec for spec in PLANT.machines if spec.id == MACHINE).makes[0]
+    work_s = 100 * making.cycle_s
+    urgent = GoalBrief("strategist.1-1", making.product, 100, 0, 0)
+    own = GoalBrief(GOAL, PRODUCT, story.quantity, 0, 0)
+    story.now(101.0)
+    house.bus.say(machine_heartbeat(MACHINE, 9, at_s=101.0, goals=(own, urgent)))
+    before = (await story.state())["eta"]
+    assert before["latest"] < iso(NOW_S + 0.5 * work_s)
+    story.now(102.0)
+    house.bus.say(machine_heartbeat(MACHINE, 10, at_s=102.0, goals=(urgent, own)))
+    after = (await story.state())["eta"]
+    assert after["earliest"] > iso(NOW_S + 0.8 * work_s)
+
+
 async def test_the_want_of_material_of_another_order_is_none_of_this_one(house: House) -> None:
     story = await Story.begin(house)
     await story.planned()

@@ -74,6 +74,14 @@ def test_what_is_all_made_has_only_its_way_before_it() -> None:
     assert eta([paced(20, 20)], History(way_s=WAY_S), NOW_S) == Range(NOW_S + 60, NOW_S + 180)
 
 
+def test_a_promise_that_more_urgent_goals_have_overtaken_counts_no_more() -> None:
+    missed_by_s = tuple(float(number) for number in range(-2, 8))
+    late = Running(20, 2, promised_at_s=2000.0, ahead_s=1500.0)
+    assert eta([late], History(missed_by_s, WAY_S), NOW_S) == Range(NOW_S + 1500.0 - 2, NOW_S + 1500.0 + 6)
+    early = msgspec.structs.replace(late, ahead_s=900.0)
+    assert eta([early], History(missed_by_s, WAY_S), NOW_S) == Range(2000.0 - 2, 2000.0 + 6)
+
+
 def test_before_there_is_a_pace_a_promise_counts_as_far_as_promises_have_been_kept() -> None:
     missed_by_s = tuple(float(number) for number in range(-2, 8))
     found = eta([Running(20, 2, promised_at_s=2000.0)], History(missed_by_s, WAY_S), NOW_S)

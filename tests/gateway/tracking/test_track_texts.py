@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo
 
@@ -129,3 +130,15 @@ def test_large_numbers_are_grouped_where_the_language_does_it(
 )
 def test_a_time_zone_that_is_none_is_ignored(name: str) -> None:
     assert zone_named(name) is None
+
+
+PANEL_TEXTS = Path(__file__).parents[3] / "frontend/src/text/manager"
+
+
+@pytest.mark.parametrize("language", TEXTS)
+def test_the_panels_and_the_customers_page_call_the_same_state_by_one_word(language: str) -> None:
+    panel = (PANEL_TEXTS / language / "orders.ts").read_text(encoding="utf-8")
+    for stage in (StageName.PLANNED, StageName.IN_PRODUCTION, StageName.DELIVERED):
+        said = re.search(rf'"order\.{stage.value}": "(.+)"', panel)
+        assert said is not None
+        assert said[1].casefold() == TEXTS[language].stages[stage.value].casefold()

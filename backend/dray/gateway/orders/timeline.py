@@ -101,7 +101,13 @@ class OrderGoalView(View, kw_only=True):
     last_at_s: float | None = None
     """When the last piece so far was made."""
     promised_at_s: float | None = None
-    """The machine's promised time."""
+    """The machine's promised time when it took the goal. It is not renewed when more urgent goals come."""
+    doing: Literal["", "making", "starved", "busy", "broken", "silent"] = ""
+    """The present activity of its machine: `busy` with another goal first. Empty once all is made, or after the end."""
+    doing_since_at_s: float | None = None
+    """Since when its machine makes it, as far as heard here; None while it does not."""
+    behind: int = 0
+    """Unfinished goals that its machine makes before it."""
     ended: Literal["", "lost", "withdrawn"] = ""
     ended_at_s: float | None = None
     successor: str = ""

@@ -9,7 +9,8 @@ Method. Each running goal gets a range of its own, from the best evidence there 
    is chance in each gap, the second how little `n` gaps tell of the mean. All of that is working time
    of the machine, and ends when so much of it has passed. The way is added as above.
 3. *Too few pieces.* What the machine promised when it took the goal, its queue included, moved by what
-   the last finished goals missed their promises by (p10 to p90). With fewer than
+   the last finished goals missed their promises by (p10 to p90). Machines do not renew promises: where more urgent
+   goals have come since, the end of the machine's present work for them and for this goal counts instead, if that is later. With fewer than
    `PROMISES_NEEDED` of those, the range reaches from the promise to half the time till then later.
 
 The order's range ends with the latest of its goals, since it is delivered when all are. An open gap counts as
@@ -81,6 +82,8 @@ class Running(msgspec.Struct, frozen=True):
     """Times of its last pieces, oldest first."""
     working: Working = ALWAYS
     """Working time of its machine."""
+    ahead_s: float = 0.0
+    """Work of its machine until all of it is made, more urgent goals included; 0 if unknown, or if there are none."""
 
 
 class History(msgspec.Struct, frozen=True):
@@ -138,7 +141,10 @@ def _of_goal(goal: Running, history: History, now_s: float) -> Range | None:
         return _then_way(made, way_s)
     if goal.promised_at_s is None:
         return None
-    return _by_promise(goal.promised_at_s, history.missed_by_s, now_s)
+    promised_s = goal.promised_at_s
+    if goal.ahead_s > 0.0:
+        promised_s = max(promised_s, goal.working.after_s(now_s, goal.ahead_s))
+    return _by_promise(promised_s, history.missed_by_s, now_s) if isfinite(promised_s) else None
 
 
 def _by_pace(piece_times_s: Sequence[float], left: int, now_s: float, working: Working) -> Range | None:

@@ -7,10 +7,12 @@ from enum import StrEnum
 import msgspec
 
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.orders import first_to_make
 from dray.gateway.live.views import MachineView
 from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.reasons import Doing
 from dray.gateway.tracking.track import Facts
+from dray.plant.model import MachineSpec
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.store import Store
 from dray.store.orders.orders import Order
@@ -100,6 +102,7 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
     way_s = [projection.tasks.transports.quantile_s(part) for part in (0.1, 0.9)]
     machines = {goal.machine: projection.machines.view(goal.machine) for goal in goals if goal.machine}
     heard_s = now_s - max(SILENCE_S[0], SILENCE_S[1] / speed)
+    doings = {goal.id: _doing(goal, machines.get(goal.machine), heard_s) for goal in goals}
     return Facts(
         order=order,
         now_s=now_s,
@@ -107,10 +110,16 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
         goals=goals,
         times=times,
         piece_times_s=await work.milestones.piece_times_s(ids),
-        doings={goal.id: _doing(goal, machines.get(goal.machine), heard_s) for goal in goals},
+        doings=doings,
+        begun=projection.orders.begun(order.id),
         lacking={goal.id: projection.orders.lacking(goal.id, goal.machine) for goal in goals if goal.machine},
         working={
             goal.id: working for goal in goals if (working := projection.working_of(goal.machine)) is not None
+        },
+        ahead_s={
+            goal.id: _ahead_s(goal, machine, site.plant.machines.get(goal.machine)) / speed
+            for goal in goals
+            if doings[goal.id] is Doing.BUSY and (machine := machines.get(goal.machine)) is not None
         },
         history=History(
             await work.milestones.promises_missed_by_s(),
@@ -135,11 +144,18 @@ def _doing(goal: Goal, machine: MachineView | None, heard_s: float) -> Doing:
         return Doing.SILENT
     if machine.status == "error":
         return Doing.BROKEN
-    if goal.id != _at_work(machine):
+    if goal.id != first_to_make(machine.goals):
         return Doing.BUSY
     return Doing.STARVED if machine.status == "starved" else Doing.MAKING
 
 
-def _at_work(machine: MachineView) -> str | None:
-    """The goal that a machine works at: the first unfinished one in its queue."""
-    return next((goal.goal for goal in machine.goals if goal.made < goal.quantity), None)
+def _ahead_s(goal: Goal, machine: MachineView, spec: MachineSpec | None) -> float:
+    """A machine's work until all of a goal is made, in factory seconds; 0 where its queue does not have it."""
+    queue = [each for each in machine.goals if each.made < each.quantity]
+    places = [each.goal for each in queue]
+    if spec is None or goal.id not in places or machine.speed_frac <= 0.0:
+        return 0.0
+    cycle_s = {making.product: making.cycle_s for making in spec.makes}
+    until = queue[: places.index(goal.id) + 1]
+    work_s = sum((each.quantity - each.made) * cycle_s.get(each.product, 0.0) for each in until)
+    return work_s / machine.speed_frac

@@ -49,10 +49,14 @@ class Facts(msgspec.Struct, frozen=True, kw_only=True):
     """Per goal, times of its last pieces, oldest first."""
     doings: dict[str, Doing] = {}
     """Per goal, its machine's activity."""
+    begun: bool = False
+    """Whether a machine works at it."""
     lacking: dict[str, tuple[str, ...]] = {}
     """Per goal, names of the materials that it waits for, as reported by its machine."""
     working: dict[str, Working] = {}
     """Per goal, its machine's working time; missing if it never rests."""
+    ahead_s: dict[str, float] = {}
+    """Per goal behind others, its machine's work until all of it is made."""
     history: History = History()
     waits: bool = False
     """Whether the strategist has reported that no machine can make a part of it."""
@@ -158,6 +162,7 @@ def _eta(facts: Facts) -> Range | None:
                 goal.promised_at_s,
                 facts.piece_times_s.get(goal.id, ()),
                 facts.working.get(goal.id, ALWAYS),
+                facts.ahead_s.get(goal.id, 0.0),
             )
             for goal in running
         ],
@@ -197,13 +202,12 @@ def _lacking(facts: Facts) -> tuple[str, ...]:
 
 def _stages(facts: Facts) -> tuple[Stage, ...]:
     order, times = facts.order, facts.times
-    at_it = any(facts.doings.get(goal.id) in {Doing.MAKING, Doing.STARVED} for goal in _making(facts))
     made = any(item.made for item in order.items)
     arrived = any(item.delivered for item in order.items)
     told = [
         (StageName.PLACED, True, order.created_at_s),
         (StageName.PLANNED, any(goal.incarnation for goal in facts.goals), times.planned_at_s),
-        (StageName.IN_PRODUCTION, made or at_it, times.first_piece_at_s),
+        (StageName.IN_PRODUCTION, made or facts.begun, times.first_piece_at_s),
         (StageName.ON_ITS_WAY, arrived or times.left_at_s is not None, times.left_at_s),
         (StageName.DELIVERED, order.status is OrderStatus.DELIVERED, order.delivered_at_s),
     ]

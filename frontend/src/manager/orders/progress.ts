@@ -21,7 +21,8 @@ export function progressOf(order: OrderView): Progress {
 /** How an order stands, as a word of the catalogue's group `order`. */
 export function stateOf(order: OrderView): string {
   if (order.status === "stored") return order.releases > 0 ? "taken_back" : "stored";
-  return order.revoked_at_s !== null && !isClosed(order) ? "being_taken_back" : order.status;
+  if (order.revoked_at_s !== null && !isClosed(order)) return "being_taken_back";
+  return order.status === "in_production" && !order.begun ? "planned" : order.status;
 }
 
 /** Whether the factory works at it, and nobody has asked it to stop. */

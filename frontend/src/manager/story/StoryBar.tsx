@@ -5,7 +5,7 @@ import { Link } from "../../parts/Link";
 import { lastChosen, NOTHING, selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
-import { names, orderName, taskName } from "../state";
+import { names, orderName, placeOf, taskName } from "../state";
 import { addressOf, addressOfTransport, storyOf as pageOf, transportOf } from "../views";
 import { follow, following } from "./address";
 import { isUnknown, storyOf, taskOfStory } from "./story";
@@ -40,7 +40,7 @@ export function StoryBar() {
         )}
         {atv !== null && <Part name={t("story.vehicle")}><Link kind="atv" id={atv} /></Part>}
         {standby !== null && <Part name={<Term name="standby">{t("story.standby")}</Term>}><Link kind="atv" id={standby} /></Part>}
-        {place !== null && <Part name={t(place.kind === "machine" ? "story.machine" : "story.place")}><Link kind={place.kind} id={place.id} /></Part>}
+        {place !== null && <Part name={t(place.kind === "machine" ? "story.machine" : "story.place")}><Link kind={place.kind} id={place.id} name={placeOf(place.id)} /></Part>}
         {called !== "" && (
           <Part name={t("story.called")}>
             <a class="link" href={addressOfTransport(called)}>{called}</a>

@@ -332,7 +332,7 @@ export const de: Catalogue<typeof en> = {
   "calling.level": "{level} hier",
   "calling.lasts": "reicht bis {time}",
   "calling.coming": "{quantity} kommen",
-  "calling.first": "Antippen, was. Damit ist noch nichts gesendet.",
+  "calling.first": "Tippen Sie an, was Sie brauchen. Damit ist noch nichts gesendet.",
   "calling.notSent": "Noch ist nichts gesendet.",
   "calling.bringWhat": "{what} nach {place}",
   "calling.takeWhat": "{what} von {place} abholen",

@@ -332,7 +332,7 @@ export const es: Catalogue<typeof en> = {
   "calling.level": "{level} aquí",
   "calling.lasts": "alcanza hasta las {time}",
   "calling.coming": "{quantity} en camino",
-  "calling.first": "Toque qué. Con eso no se envía nada.",
+  "calling.first": "Toque lo que necesita. Con eso no se envía nada.",
   "calling.notSent": "Aún no se ha enviado nada.",
   "calling.bringWhat": "{what} a {place}",
   "calling.takeWhat": "{what} de {place}",

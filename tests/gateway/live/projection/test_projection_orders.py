@@ -13,7 +13,7 @@ from wall_clock import NOW_S
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.orders import ENDED_KEPT
 from dray.gateway.live.timescale import TimeScale
-from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait
+from dray.messages import GoalBrief, MachineHeartbeat, MachineStatus, MaterialWait
 from dray.messages.fact import AnyFact, OrderAccepted
 from dray.store.orders.orders import Item, OrderTotals
 from dray.store.orders.progress import Goal, OrderStatus
@@ -50,6 +50,45 @@ def test_a_machines_goal_tells_its_order_and_when_that_is_due(projection: Projec
     assert view is not None
     assert [goal.order_due_at_s for goal in view.goals] == [wall_s(1000.0), None]
     assert [goal.order_name for goal in view.goals] == ["O-1", ""]
+
+
+def begun(projection: Projection, order: str) -> bool:
+    view = projection.orders.view(order)
+    assert view is not None
+    return view.begun
+
+
+def test_an_order_has_begun_when_a_machine_has_its_goal_first_in_the_queue(projection: Projection) -> None:
+    projection.orders.put(order("O-1", 4))
+    tell(projection, "strategist", contracted())
+    first = GoalBrief(goal="G9", product="P1", quantity=2, made=0, delivered=0)
+    own = GoalBrief(goal="G1", product="P1", quantity=4, made=0, delivered=0)
+    projection.fold(machine_heartbeat("M8", 1, at_s=100.0, goals=(first, own)))
+    assert seen(projection)[0] == "in_production"
+    assert not begun(projection, "O-1")
+    assert projection.orders.work_since_s("G1") is None
+    projection.orders.take_changed()
+    done = msgspec.structs.replace(first, made=2)
+    projection.fold(machine_heartbeat("M8", 2, at_s=160.0, goals=(done, own)))
+    projection.fold(machine_heartbeat("M8", 3, at_s=170.0, goals=(own,)))
+    assert begun(projection, "O-1")
+    assert projection.orders.work_since_s("G1") == wall_s(160.0)
+    assert [view.id for view in projection.orders.take_changed()] == ["O-1"]
+    projection.fold(machine_heartbeat("M8", 4, at_s=180.0, status=MachineStatus.ERROR, goals=(own,)))
+    assert not begun(projection, "O-1")
+    # A machine that works at something more urgent first has begun it all the same, once there is a piece.
+    tell(projection, "M8", made(1))
+    projection.fold(machine_heartbeat("M8", 5, at_s=190.0, goals=(first, own)))
+    assert begun(projection, "O-1")
+
+
+def test_parts_for_an_order_are_no_beginning_of_its_own_production(projection: Projection) -> None:
+    projection.orders.put(order("O-1", 4))
+    part = msgspec.structs.replace(contracted(), part_of="G1")
+    tell(projection, "strategist", part)
+    own = GoalBrief(goal="G1", product="P1", quantity=4, made=0, delivered=0)
+    projection.fold(machine_heartbeat("M8", 1, goals=(own,)))
+    assert not begun(projection, "O-1")
 
 
 def test_facts_of_an_order_in_any_order_and_twice_end_the_same(projection: Projection) -> None:

@@ -11,8 +11,8 @@ from typing import ClassVar, get_args
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.reasons import failures_of, told
-from dray.gateway.live.views import CauseView, OrderItemView, OrderView
-from dray.messages import Event, MachineHeartbeat, MaterialWait, Reason
+from dray.gateway.live.views import CauseView, GoalView, OrderItemView, OrderView
+from dray.messages import Event, GoalBrief, MachineHeartbeat, MachineStatus, MaterialWait, Reason
 from dray.messages.fact import GoalContracted, GoalWaits, OrderAccepted
 from dray.store.history.clocks import ToWall
 from dray.store.orders.orders import Order, OrderTotals
@@ -62,6 +62,10 @@ class Orders:
         """Per order that waits, the goals that no machine can make now, and why."""
         self._lacks: dict[str, dict[str, tuple[MaterialWait, ...]]] = {}
         """Per machine that waits for material, its waiting goals and their materials."""
+        self._at_work: dict[str, str] = {}
+        """Per machine that works, the goal that it works at."""
+        self._work_since_s: dict[str, float] = {}
+        """Per goal that a machine works at, since when (wall clock), as far as heard here."""
         self._cut_off: frozenset[str] = frozenset()
         """Places that closures have cut off."""
         self._strange: dict[str, list[str]] = {}
@@ -146,7 +150,8 @@ class Orders:
         return True
 
     def on_heartbeat(self, heartbeat: MachineHeartbeat) -> None:
-        """Take in the materials that a machine and its goals wait for."""
+        """Take in the goal that a machine works at, and the materials that it and its goals wait for."""
+        self._note_work(heartbeat)
         if not heartbeat.waits and heartbeat.machine not in self._lacks:
             return
         before, now = self._lacks.get(heartbeat.machine, {}), self._materials.lacking(heartbeat)
@@ -158,6 +163,35 @@ class Orders:
             order = self._order_of.get(goal)
             if order is not None and before.get(goal) != now.get(goal):
                 self.changes.mark(order)
+
+    def _note_work(self, heartbeat: MachineHeartbeat) -> None:
+        before = self._at_work.get(heartbeat.machine)
+        now = None if heartbeat.status is MachineStatus.ERROR else first_to_make(heartbeat.goals)
+        if before == now:
+            return
+        if before is not None:
+            del self._at_work[heartbeat.machine]
+            self._work_since_s.pop(before, None)
+        if now is not None:
+            self._at_work[heartbeat.machine] = now
+            self._work_since_s[now] = self._to_wall_s(heartbeat.at_s)
+        for goal in (before, now):
+            order = self._order_of.get(goal or "")
+            if order is not None:
+                self.changes.mark(order)
+
+    def work_since_s(self, goal: str) -> float | None:
+        """Since when a machine has worked at a goal (wall clock), as far as heard here; None when none does."""
+        return self._work_since_s.get(goal)
+
+    def begun(self, order: str) -> bool:
+        """Whether a machine works at one of an order's goals.
+
+        Parts for its products do not count, nor do goals that their machines have failed with.
+        """
+        goals = self._goals.get(order, {}).values()
+        own = (goal.id for goal in goals if goal.item is not None and not goal.over)
+        return any(goal in self._work_since_s for goal in own)
 
     def get(self, order: str) -> Order | None:
         """One order, if it is kept here."""
@@ -267,7 +301,7 @@ class Orders:
         return waited
 
     def _view(self, order: Order) -> OrderView:
-        return order_view(order, self.why_waits(order.id))
+        return order_view(order, self.why_waits(order.id), begun=self.begun(order.id))
 
     def _subject(self, event: Event) -> str | None:
         """Note what an event says about a goal; returns its order."""
@@ -338,18 +372,31 @@ class Orders:
         self.changes.drop(order)
 
 
-def order_view(order: Order, waits: CauseView | None = None) -> OrderView:
+def first_to_make(goals: Iterable[GoalBrief | GoalView]) -> str | None:
+    """The goal that a machine with this queue works at: the first unfinished one; None without any."""
+    return next((goal.goal for goal in goals if goal.made < goal.quantity), None)
+
+
+def goals_before(goal: str, queue: Iterable[GoalView]) -> int:
+    """How many unfinished goals a machine makes before one of its queue; 0 where the queue does not have it."""
+    before = [each.goal for each in queue if each.made < each.quantity]
+    return before.index(goal) if goal in before else 0
+
+
+def order_view(order: Order, waits: CauseView | None = None, *, begun: bool = False) -> OrderView:
     """An order, as panels see it.
 
     Args:
         order: the order.
         waits: why it waits; None when it goes on.
+        begun: whether a machine works at it.
     """
     return OrderView(
         id=order.id,
         customer=order.customer,
         reference=order.reference,
         status=order.status.value,
+        begun=begun or any(item.made for item in order.items),
         items=tuple(
             OrderItemView(
                 product=item.product,

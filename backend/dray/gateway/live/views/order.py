@@ -26,6 +26,9 @@ class OrderView(View, kw_only=True):
     customer: str
     reference: str | None = None
     status: Literal["stored", "released", "in_production", "in_delivery", "delivered", "cancelled"]
+    begun: bool = False
+    """Whether production has begun: a piece is made, or a machine has a goal of it first in its queue. Before that
+    an order `in_production` is planned."""
     items: tuple[OrderItemView, ...]
     created_at_s: float
     due_at_s: float | None = None

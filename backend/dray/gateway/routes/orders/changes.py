@@ -65,5 +65,6 @@ async def change_order(
     after = await changing.change(order, draft, if_match)
     if after is None:
         raise not_found("order", order, "GET /api/orders")
-    answer = order_answer(after, base, projection.orders.why_waits(after.id))
+    orders = projection.orders
+    answer = order_answer(after, base, orders.why_waits(after.id), begun=orders.begun(after.id))
     return Json(answer, headers={"ETag": version_tag(order_version(after))})

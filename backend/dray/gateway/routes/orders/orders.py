@@ -245,7 +245,9 @@ async def list_orders(
     last = orders[limit - 1] if len(orders) > limit else None
     return await counted_in_turns(
         orders[:limit],
-        lambda order: order_answer(order, base, projection.orders.why_waits(order.id)),
+        lambda order: order_answer(
+            order, base, projection.orders.why_waits(order.id), begun=projection.orders.begun(order.id)
+        ),
         None if last is None else write_cursor(*sorting.place(last)),
         total,
     )
@@ -318,15 +320,18 @@ async def cancel_order(
     return _answer(projection, await actions.cancel(order), order, base)
 
 
-def order_answer(order: Order, base_url: str, waits: CauseView | None = None) -> OrderAnswer:
+def order_answer(
+    order: Order, base_url: str, waits: CauseView | None = None, *, begun: bool = False
+) -> OrderAnswer:
     """An order as in REST answers.
 
     Args:
         order: the order.
         base_url: this gateway's address, without a slash at the end.
         waits: why it waits; None when it does not.
+        begun: whether a machine works at it.
     """
-    view = order_view(order, waits)
+    view = order_view(order, waits, begun=begun)
     fields = {name: getattr(view, name) for name in view.__struct_fields__}
     return OrderAnswer(
         **fields,
@@ -373,5 +378,6 @@ def _created(order_id: str, answer: bytes, headers: Mapping[str, str] | None = N
 def _answer(projection: Projection, order: Order | None, order_id: str, base_url: str) -> Json:
     if order is None:
         raise not_found("order", order_id, "GET /api/orders")
-    answer = order_answer(order, base_url, projection.orders.why_waits(order.id))
+    orders = projection.orders
+    answer = order_answer(order, base_url, orders.why_waits(order.id), begun=orders.begun(order.id))
     return Json(answer, headers={"ETag": version_tag(order_version(order))})

@@ -14,6 +14,7 @@ from dray.gateway.http.public_urls import BaseUrl
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.orders import goals_before
 from dray.gateway.orders.order_ids import new_token
 from dray.gateway.orders.timeline import (
     LegView,
@@ -32,7 +33,8 @@ from dray.gateway.routes.orders.links import (
     too_many_links,
 )
 from dray.gateway.tracking.facts import facts_of_order
-from dray.gateway.tracking.track import track
+from dray.gateway.tracking.reasons import Doing
+from dray.gateway.tracking.track import Facts, track
 from dray.store import Store
 from dray.store.history.events import EventFilter
 from dray.store.orders.estimates import EstimateCause
@@ -155,6 +157,8 @@ async def order_timeline(
         links = await work.links.to(order)
         estimates = await work.estimates.of_order(order)
     told = timeline(together(kept, rows[:EVENTS_MOST]), facts.goals, is_whole=len(rows) <= EVENTS_MOST)
+    for goal in told.goals:
+        _add_present(goal, facts, projection)
     tracked = track(facts)
     expected = None if tracked.eta is None else ExpectedView(tracked.eta.from_s, tracked.eta.to_s)
     return Json(
@@ -169,6 +173,19 @@ async def order_timeline(
             links=tuple(map(link_view, links)),
         )
     )
+
+
+def _add_present(goal: OrderGoalView, facts: Facts, projection: Projection) -> None:
+    """Add what its machine does now to an unfinished goal."""
+    doing = facts.doings.get(goal.goal)
+    machine = projection.machines.view(goal.machine)
+    if doing is None or machine is None or goal.ended or goal.made >= goal.quantity:
+        return
+    goal.doing = doing.value
+    if doing is Doing.MAKING:
+        goal.doing_since_at_s = projection.orders.work_since_s(goal.goal)
+    elif doing is Doing.BUSY:
+        goal.behind = goals_before(goal.goal, machine.goals)
 
 
 @router.post(

@@ -69,7 +69,7 @@ DE = Catalogue(
     stages={
         "placed": "Auftrag erteilt",
         "planned": "Eingeplant",
-        "in_production": "In Produktion",
+        "in_production": "In Fertigung",
         "on_its_way": "Unterwegs",
         "delivered": "Geliefert",
     },
@@ -95,9 +95,9 @@ DE = Catalogue(
     as_of="Stand {time}",
     zone="Zeiten in {zone}",
     refresh="Neuesten Stand zeigen",
-    live="Diese Seite hält sich selbst auf dem neuesten Stand.",
+    live="Diese Seite aktualisiert sich von selbst.",
     offline="Keine Verbindung. Letzter bekannter Stand: {time}",
-    private="Wer den Link hat, kann diese Seite sehen. Geben Sie ihn mit Bedacht weiter.",
+    private="Jeder mit diesem Link kann diese Seite sehen. Geben Sie ihn nur an Personen weiter, denen Sie vertrauen.",
     gone_title={
         "unknown": "Hier ist kein Auftrag",
         "revoked": "Dieser Link wurde zurückgenommen",

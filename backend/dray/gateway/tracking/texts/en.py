@@ -81,9 +81,9 @@ EN = Catalogue(
     as_of="As of {time}",
     zone="Times are in {zone}",
     refresh="Show the newest state",
-    live="This page keeps itself up to date.",
+    live="This page updates by itself.",
     offline="No connection. Last known state: {time}",
-    private="Whoever has the link can see this page. Pass it on with care.",
+    private="Anyone with this link can see this page. Share it only with people you trust.",
     gone_title={
         "unknown": "There is no order here",
         "revoked": "This link was taken back",
@@ -91,12 +91,12 @@ EN = Catalogue(
     },
     gone_text={
         "unknown": "The link may be incomplete: some mail programs break long links into two lines.",
-        "revoked": "Whoever sent it to you has ended it. The order itself is not affected by that.",
-        "expired": "Links to orders end after some time. The order itself is not affected by that.",
+        "revoked": "The sender has ended it. The order itself is not affected.",
+        "expired": "Links to orders end after some time. The order itself is not affected.",
     },
     gone_help={
-        "unknown": "Open the link from the message once more, or ask whoever sent it to you for a new one.",
-        "revoked": "Ask whoever sent it to you for a new one.",
-        "expired": "Ask whoever sent it to you for a new one.",
+        "unknown": "Open the link from the message once more, or ask the sender for a new one.",
+        "revoked": "Ask the sender for a new one.",
+        "expired": "Ask the sender for a new one.",
     },
 )

@@ -83,7 +83,7 @@ ES = Catalogue(
     refresh="Mostrar el estado más reciente",
     live="Esta página se actualiza sola.",
     offline="Sin conexión. Último estado conocido: {time}",
-    private="Quien tenga el enlace puede ver esta página. Compártalo con cuidado.",
+    private="Cualquier persona con este enlace puede ver esta página. Compártalo solo con personas de confianza.",
     gone_title={
         "unknown": "Aquí no hay ningún pedido",
         "revoked": "Este enlace ha sido retirado",

@@ -21,3 +21,13 @@ export function ClockMark({ clock }: { clock: ClockView | null | undefined }) {
     </span>
   );
 }
+
+/** The same below a fact, over the whole width of a list of facts. */
+export function ClockFact({ clock }: { clock: ClockView | null | undefined }) {
+  if (!clock?.wrong) return null;
+  return (
+    <dd class="fact-wide">
+      <ClockMark clock={clock} />
+    </dd>
+  );
+}

@@ -13,7 +13,7 @@ import { nowS, presentS, world } from "../../../stream/stream";
 import { failureText } from "../../../text/failure";
 import { sinceHeard } from "../../../text/heard";
 import { format, t, word } from "../../../text/manager";
-import { ClockMark } from "../agents/ClockMark";
+import { ClockFact } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
 import { CommandMenu } from "../commands/CommandMenu";
 import { ShutOutNote } from "../agents/ShutOutNote";
@@ -107,9 +107,9 @@ function AtvCard({ atv }: { atv: AtvView }) {
         <Fact name={t("atv.heartbeat")}>
           <span class={lost ? "tone-alarm" : atv.link === "mesh" ? "tone-warn" : ""}>
             {t("atv.heardBy", { age: sinceHeard(nowS.value - atv.seen_at_s), link: lost ? t("atv.noLink") : linkText(atv) })}
-          </span>{" "}
-          <ClockMark clock={atv.clock} />
+          </span>
         </Fact>
+        <ClockFact clock={atv.clock} />
       </Facts>
       <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
       <div class="stock-row battery">

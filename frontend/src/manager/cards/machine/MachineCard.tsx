@@ -10,7 +10,7 @@ import { nowS, presentS, world } from "../../../stream/stream";
 import { causeText, failureText } from "../../../text/failure";
 import { sinceHeard } from "../../../text/heard";
 import { format, n, t, word } from "../../../text/manager";
-import { ClockMark } from "../agents/ClockMark";
+import { ClockFact } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
@@ -64,9 +64,9 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
         <Fact name={t("machine.heartbeat")}>
           <span class={lost ? "tone-alarm" : ""}>
             {machine ? t("machine.ago", { age: sinceHeard(nowS.value - machine.seen_at_s) }) : t("machine.never")}
-          </span>{" "}
-          <ClockMark clock={machine?.clock} />
+          </span>
         </Fact>
+        <ClockFact clock={machine?.clock} />
       </Facts>
       <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
       <Documents machine={machine} name={nameOf} />

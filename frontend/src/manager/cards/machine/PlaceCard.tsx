@@ -9,7 +9,7 @@ import { nowS, presentS, world } from "../../../stream/stream";
 import { failureText } from "../../../text/failure";
 import { sinceHeard } from "../../../text/heard";
 import { format, t } from "../../../text/manager";
-import { ClockMark } from "../agents/ClockMark";
+import { ClockFact } from "../agents/ClockMark";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { isOpen } from "../auction/auction";
 import { names } from "../../state";
@@ -38,12 +38,14 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
       {station?.shut_out && <ShutOutNote agent={agent} kind="machine" out={station.shut_out} />}
       <Facts>
         {beats && (
-          <Fact name={t("machine.heartbeat")}>
-            <span class={lost ? "tone-alarm" : ""}>
-              {station ? t("machine.ago", { age: sinceHeard(nowS.value - station.seen_at_s) }) : t("machine.never")}
-            </span>{" "}
-            <ClockMark clock={station?.clock} />
-          </Fact>
+          <>
+            <Fact name={t("machine.heartbeat")}>
+              <span class={lost ? "tone-alarm" : ""}>
+                {station ? t("machine.ago", { age: sinceHeard(nowS.value - station.seen_at_s) }) : t("machine.never")}
+              </span>
+            </Fact>
+            <ClockFact clock={station?.clock} />
+          </>
         )}
         {charger ? (
           <Fact name={t("place.charging")}>

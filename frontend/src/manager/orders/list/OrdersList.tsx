@@ -107,7 +107,8 @@ function emptyText(isLoading: boolean, failed: string | null): string {
 function Filters() {
   const statuses = [
     { id: "open", name: t("filter.open") },
-    ...STATUSES.map((id) => ({ id, name: word("order", id) })),
+    // Planned ones are no status of their own.
+    ...STATUSES.map((id) => ({ id, name: id === "in_production" ? t("filter.inProduction") : word("order", id) })),
   ];
   return (
     <>

@@ -6,6 +6,7 @@ import { usePrinting } from "../../parts/paper/printing";
 import { names, orderName } from "../../state";
 import { addressOf } from "../../views";
 import { type Estimate, heightOf, leftOf, linesOf, type Move, movesOf, stepsOf, timeOf, topOf } from "./estimates";
+import type { Story } from "./lanes";
 
 /** The newest, before somebody asks for more. */
 const AT_FIRST = 5;
@@ -16,10 +17,12 @@ interface Props {
   deliveredS: number | null;
   /** Now, or the order's end. */
   untilS: number;
+  /** When all of it is expected now; null where nobody can tell, and after the end. */
+  expected: Story["expected"];
 }
 
 /** How the expected time has moved, as a band, and below it why. */
-export function EstimatesCard({ deliveredS, dueS, estimates, untilS }: Props) {
+export function EstimatesCard({ deliveredS, dueS, estimates, expected, untilS }: Props) {
   const all = useSignal(false);
   const printing = usePrinting();
   if (estimates.length === 0) return null;
@@ -29,7 +32,7 @@ export function EstimatesCard({ deliveredS, dueS, estimates, untilS }: Props) {
   return (
     <Card title={t("estimates.title")} class="order-estimates">
       <Band estimates={estimates} dueS={dueS} deliveredS={deliveredS} untilS={untilS} shown={shown} first={hidden + 1} />
-      {moves.length === 0 && <p class="muted">{t("estimates.stayed")}</p>}
+      {moves.length === 0 && <p class="muted">{stayedText(estimates, expected)}</p>}
       {hidden > 0 && (
         <button type="button" class="button small" onClick={() => (all.value = true)}>
           {t("moments.more", { n: format.count(hidden) })}
@@ -49,7 +52,14 @@ export function EstimatesCard({ deliveredS, dueS, estimates, untilS }: Props) {
   );
 }
 
-function Band({ deliveredS, dueS, estimates, first, shown, untilS }: Props & { shown: readonly Move[]; first: number }) {
+/** Small moves are not kept: where the last one that is kept is not what is expected now, that is told. */
+export function stayedText(estimates: readonly Estimate[], expected: Story["expected"]): string {
+  const kept = estimates.at(-1);
+  if (expected === null || (kept?.from_at_s === expected.from_at_s && kept.to_at_s === expected.to_at_s)) return t("estimates.stayed");
+  return t("estimates.nearly", { from: format.due(expected.from_at_s, nowS.value), to: format.due(expected.to_at_s, nowS.value) });
+}
+
+function Band({ deliveredS, dueS, estimates, first, shown, untilS }: Omit<Props, "expected"> & { shown: readonly Move[]; first: number }) {
   const time = timeOf(estimates, untilS);
   const height = heightOf(estimates, [dueS, deliveredS]);
   const at = (atS: number) => ({ left: `${leftOf(time, atS)}%` });

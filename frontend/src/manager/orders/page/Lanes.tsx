@@ -1,4 +1,4 @@
-import { format, t } from "../../../text/views/order";
+import { format, n, t } from "../../../text/views/order";
 import { placesOf } from "../../state";
 import { chooseTransport, chosenTransport } from "./address";
 import { type Bar, barsOfExpected, type Goal, type Group, percentOf, type Sign, signsOf, type Span, type Story, ticksOf, type Transport } from "./lanes";
@@ -8,6 +8,9 @@ const TICKS = 7;
 
 /** Behind a bar that ends further right, or before one that begins further left than its mirror image, a note has no room. */
 const NOTE_FITS_PERCENT = 65;
+
+/** A longer note, in characters, has no room beside a bar. */
+const NOTE_BESIDE_MOST = 40;
 
 interface Props {
   groups: readonly Group[];
@@ -28,7 +31,7 @@ export function Lanes({ dueS, expected, groups, nowS, span }: Props) {
         <div key={group.goal.goal} role="group" aria-label={goalText(group.goal)}>
           <div class="lane lane-goal">
             <b>{goalText(group.goal)}</b>
-            <Track {...shared} bars={group.bars} note={madeText(group.goal)} />
+            <Track {...shared} bars={group.bars} note={goalNote(group.goal, nowS)} />
           </div>
           {group.transports.map((each) => (
             <TransportLane key={each.transport.task} {...shared} {...each} />
@@ -154,7 +157,7 @@ function Track({ bars, note, signs, span, ticks }: TrackProps) {
   const endPercent = bars.length > 0 ? Math.max(...bars.map((bar) => percentOf(span, bar.toS))) : percentOf(span, nowS);
   const startPercent = Math.min(...bars.map((bar) => percentOf(span, bar.fromS)), endPercent);
   // A note stands behind its bar, or before it where no room is left, and below it where there is none either.
-  const isBelow = endPercent > NOTE_FITS_PERCENT && startPercent < 100 - NOTE_FITS_PERCENT;
+  const isBelow = note.length > NOTE_BESIDE_MOST || (endPercent > NOTE_FITS_PERCENT && startPercent < 100 - NOTE_FITS_PERCENT);
   const noteAt = isBelow ? {} : endPercent > NOTE_FITS_PERCENT ? { right: `${100 - startPercent}%` } : { left: `${endPercent}%` };
   return (
     <span class={isBelow ? "lane-track lane-low" : "lane-track"}>
@@ -181,11 +184,20 @@ function goalText(goal: Goal): string {
   return goal.ended === "" ? t("lanes.goal", what) : t(`lanes.${goal.ended}`, what);
 }
 
-function madeText(goal: Goal): string {
+/** How far it is, why its machine does not work at it, and what was promised of it. */
+export function goalNote(goal: Goal, nowS: number): string {
   const made = t("lanes.made", { made: format.count(goal.made), quantity: format.count(goal.quantity) });
-  return goal.promised_at_s !== null && goal.made < goal.quantity && goal.ended === ""
-    ? `${made} · ${t("lanes.promised", { at: format.hour(goal.promised_at_s) })}`
-    : made;
+  if (goal.made >= goal.quantity || goal.ended !== "") return made;
+  const { promised_at_s: promisedS } = goal;
+  // Of an order that has ended nothing is overdue any more.
+  const promised = promisedS === null || !Number.isFinite(nowS) ? "" : t(promisedS < nowS ? "lanes.overdue" : "lanes.promised", { at: format.hour(promisedS) });
+  return [made, waitNote(goal), promised].filter((part) => part !== "").join(" · ");
+}
+
+function waitNote({ behind, doing }: Goal): string {
+  if (doing === "" || doing === "making") return "";
+  if (doing !== "busy") return t(`lanes.${doing}`);
+  return behind > 0 ? n("lanes.behind", behind, format.count(behind)) : t("lanes.busy");
 }
 
 function expectedText({ from_at_s: fromS, to_at_s: toS }: NonNullable<Story["expected"]>, nowS: number): string {

@@ -71,6 +71,7 @@ function Page({ again, kept, story }: { kept: OrderAnswer; story: Story; again: 
           <EstimatesCard
             key={`estimates ${id}`}
             estimates={story.estimates}
+            expected={isClosed(order) ? null : story.expected}
             dueS={order.due_at_s}
             deliveredS={order.delivered_at_s}
             untilS={isClosed(order) ? endOf(order, story) : nowS.value}

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { type Estimate, heightOf, leftOf, linesOf, movesOf, stepsOf, timeOf, topOf } from "./estimates";
-import { moveText } from "./EstimatesCard";
+import { moveText, stayedText } from "./EstimatesCard";
 
 const at = (atS: number, fromS: number | null, toS: number | null, more: Partial<Estimate> = {}): Estimate => ({
   at_s: atS, from_at_s: fromS, to_at_s: toS, cause: "later", agent: "", other: "", ...more,
@@ -46,6 +46,13 @@ describe("a move says its cause by name, and by how much", () => {
     expect(again).toBe("It can be told again");
     expect(moveText({ estimate: at(0, 1, 2, { cause: "sooner" }), byS: -120 })).toMatch(/sooner$/);
   });
+});
+
+test("an estimate that has moved too little to be kept is told as it is now", () => {
+  const kept = [at(0, 1000, 1300, { cause: "first" }), at(100, 1050, 1250, { cause: "closer" })];
+  expect(stayedText(kept, { from_at_s: 1050, to_at_s: 1250 })).toBe("It has not moved since it was first told.");
+  expect(stayedText(kept, null)).toBe("It has not moved since it was first told.");
+  expect(stayedText(kept, { from_at_s: 1050, to_at_s: 1310 })).toMatch(/^It has changed little since the first estimate\. Now expected: .+ to .+\.$/);
 });
 
 describe("the numbers of moves", () => {

@@ -1,10 +1,11 @@
 import { describe, expect, test } from "vitest";
 import { barsOfExpected, barsOfGoal, barsOfLeg, type Goal, groupsOf, type Leg, legendOf, percentOf, signsOf, spanOf, type Story, ticksOf, type Transport } from "./lanes";
+import { goalNote } from "./Lanes";
 import { momentText, transportText } from "./moments";
 
 const goal = (more: Partial<Goal>): Goal => ({
   goal: "O-1.1", product: "g2", quantity: 10, machine: "M9", made: 0, delivered: 0, taken_at_s: 100, begun_at_s: null, last_at_s: null,
-  promised_at_s: null, ended: "", ended_at_s: null, successor: "", ...more,
+  promised_at_s: null, ended: "", ended_at_s: null, successor: "", doing: "making", doing_since_at_s: 100, behind: 0, ...more,
 });
 const leg = (more: Partial<Leg>): Leg => ({ carrier: "ATV1", since_at_s: 200, aboard_at_s: null, until_at_s: null, replaced: "", ...more });
 const transport = (legs: Leg[], more: Partial<Transport> = {}): Transport => ({
@@ -21,8 +22,48 @@ describe("a goal's bars", () => {
     ]);
     // Later than promised there is nothing left to promise.
     expect(barsOfGoal(goal({ promised_at_s: 400 }), 500)).toEqual([{ kind: "made", fromS: 100, toS: 500 }]);
-    expect(barsOfGoal(goal({ ended: "lost", ended_at_s: 250 }), 900)).toEqual([{ kind: "made", fromS: 100, toS: 250 }]);
-    expect(barsOfGoal(goal({ taken_at_s: null }), 900)).toEqual([]);
+    expect(barsOfGoal(goal({ ended: "lost", ended_at_s: 250, made: 1, last_at_s: 250 }), 900)).toEqual([{ kind: "made", fromS: 100, toS: 250 }]);
+    expect(barsOfGoal(goal({ taken_at_s: null, doing: "" }), 900)).toEqual([]);
+  });
+
+  test("wait while the machine makes something else, and as long as it has no material", () => {
+    for (const doing of ["busy", "starved", "broken", "silent"] as const) {
+      expect(barsOfGoal(goal({ doing, doing_since_at_s: null, promised_at_s: 150 }), 200)).toEqual([{ kind: "waits", fromS: 100, toS: 200 }]);
+    }
+    expect(barsOfGoal(goal({ doing_since_at_s: 180 }), 200)).toEqual([
+      { kind: "waits", fromS: 100, toS: 180 },
+      { kind: "made", fromS: 180, toS: 200 },
+    ]);
+    // One piece each 10 s: it began 10 s before the first.
+    const paced = { made: 3, begun_at_s: 150, last_at_s: 170 };
+    expect(barsOfGoal(goal({ ...paced, doing: "busy", doing_since_at_s: null }), 200)).toEqual([
+      { kind: "waits", fromS: 100, toS: 140 },
+      { kind: "made", fromS: 140, toS: 170 },
+      { kind: "waits", fromS: 170, toS: 200 },
+    ]);
+    expect(barsOfGoal(goal({ ...paced, doing_since_at_s: 140 }), 175)).toEqual([
+      { kind: "waits", fromS: 100, toS: 140 },
+      { kind: "made", fromS: 140, toS: 175 },
+    ]);
+    expect(barsOfGoal(goal({ ...paced, doing_since_at_s: 190 }), 200)).toEqual([
+      { kind: "waits", fromS: 100, toS: 140 },
+      { kind: "made", fromS: 140, toS: 170 },
+      { kind: "waits", fromS: 170, toS: 190 },
+      { kind: "made", fromS: 190, toS: 200 },
+    ]);
+    expect(barsOfGoal(goal({ ...paced, quantity: 3, doing: "", doing_since_at_s: null }), 900)).toEqual([
+      { kind: "waits", fromS: 100, toS: 140 },
+      { kind: "made", fromS: 140, toS: 170 },
+    ]);
+  });
+
+  test("say in a note why the machine does not work at it, and that a promise is overdue", () => {
+    expect(goalNote(goal({ promised_at_s: 400 }), 200)).toMatch(/^0 of 10 made · promised by \d\d:\d\d$/);
+    expect(goalNote(goal({ doing: "busy", behind: 1, promised_at_s: 150 }), 200)).toMatch(/^0 of 10 made · waits behind 1 goal · promised by \d\d:\d\d, overdue$/);
+    expect(goalNote(goal({ doing: "busy", behind: 2 }), 200)).toBe("0 of 10 made · waits behind 2 goals");
+    expect(goalNote(goal({ doing: "starved", made: 4 }), 200)).toBe("4 of 10 made · waits for material");
+    expect(goalNote(goal({ doing: "", made: 4, promised_at_s: 150 }), Infinity)).toBe("4 of 10 made");
+    expect(goalNote(goal({ doing: "", made: 10, promised_at_s: 150 }), 200)).toBe("10 of 10 made");
   });
 });
 
@@ -79,7 +120,7 @@ describe("the signs at the head of the axis", () => {
   });
 
   test("are in the legend, as is the expected range, where they are drawn", () => {
-    const bars = ["fetch", "carry", "lost", "made", "open"];
+    const bars = ["fetch", "carry", "lost", "waits", "made", "open"];
     expect(legendOf(false, true, true)).toEqual([...bars, "expected", "now", "due"]);
     expect(legendOf(true, false, false)).toEqual(bars);
   });

@@ -6,8 +6,8 @@ export type Goal = components["schemas"]["OrderGoalView"];
 export type Transport = components["schemas"]["WayOutView"];
 export type Leg = components["schemas"]["LegView"];
 
-/** `fetch`: to the source; `carry`: with the load; `lost`: replaced on the way; `made`: a machine works; `open`: what is still to come; `expected`: when all of it may be delivered. */
-export type BarKind = "fetch" | "carry" | "lost" | "made" | "open" | "expected";
+/** `fetch`: to the source; `carry`: with the load; `lost`: replaced on the way; `waits`: a machine has it and makes something else, or lacks material; `made`: a machine works; `open`: what is still to come; `expected`: when all of it may be delivered. */
+export type BarKind = "fetch" | "carry" | "lost" | "waits" | "made" | "open" | "expected";
 
 export interface Bar {
   readonly kind: BarKind;
@@ -54,14 +54,35 @@ export function groupsOf(story: Story, nowS: number): Group[] {
 }
 
 export function barsOfGoal(goal: Goal, nowS: number): Bar[] {
-  const { begun_at_s: begunS, ended_at_s: endedS, last_at_s: lastS, promised_at_s: promisedS, taken_at_s: takenS } = goal;
-  const bars: Bar[] = [];
+  const { ended_at_s: endedS, last_at_s: lastS, promised_at_s: promisedS, taken_at_s: takenS } = goal;
   const isDone = goal.made >= goal.quantity || goal.ended !== "";
   const untilS = isDone ? (endedS ?? lastS ?? nowS) : nowS;
-  const sinceS = takenS ?? begunS;
-  if (sinceS !== null) bars.push({ kind: "made", fromS: sinceS, toS: Math.max(sinceS, untilS) });
-  if (!isDone && promisedS !== null && promisedS > untilS) bars.push({ kind: "open", fromS: untilS, toS: promisedS });
-  return bars;
+  const works = worksOf(goal, untilS, isDone);
+  const sinceS = takenS ?? works[0]?.fromS ?? null;
+  if (sinceS === null) return [];
+  const bars: Bar[] = [];
+  let atS = sinceS;
+  for (const { fromS, toS } of works) {
+    bars.push({ kind: "waits", fromS: atS, toS: fromS }, { kind: "made", fromS: Math.max(atS, fromS), toS });
+    atS = Math.max(atS, toS);
+  }
+  bars.push({ kind: "waits", fromS: atS, toS: untilS });
+  if (!isDone && promisedS !== null) bars.push({ kind: "open", fromS: untilS, toS: promisedS });
+  return bars.filter((bar) => bar.toS > bar.fromS);
+}
+
+/** When its machine has worked at a goal, as far as that is told, oldest first. */
+function worksOf(goal: Goal, untilS: number, isDone: boolean): Span[] {
+  const { begun_at_s: begunS, doing_since_at_s: doingS, last_at_s: lastS, made, taken_at_s: takenS } = goal;
+  const present = goal.doing === "making" && doingS !== null ? [{ fromS: Math.min(doingS, untilS), toS: untilS }] : [];
+  const pieceS = made > 1 && begunS !== null && lastS !== null ? (lastS - begunS) / (made - 1) : 0;
+  // Before the first piece came out, the machine has worked at it: as long as at each of the others.
+  const firstS = begunS === null ? (made > 0 ? takenS : null) : begunS - pieceS;
+  if (firstS === null) return present;
+  const endS = isDone && goal.ended === "" ? untilS : (lastS ?? untilS);
+  // Between two pieces it works.
+  const goesOn = present.some(({ fromS }) => fromS <= endS + pieceS);
+  return goesOn ? [{ fromS: Math.min(firstS, ...present.map(({ fromS }) => fromS)), toS: untilS }] : [{ fromS: firstS, toS: endS }, ...present];
 }
 
 export function barsOfLeg(leg: Leg, nowS: number): Bar[] {
@@ -78,7 +99,7 @@ export function barsOfLeg(leg: Leg, nowS: number): Bar[] {
 /** What the legend names, as far as it is drawn. */
 export function legendOf(isClosed: boolean, isDue: boolean, isExpected: boolean): (BarKind | Sign["kind"])[] {
   return [
-    "fetch", "carry", "lost", "made", "open",
+    "fetch", "carry", "lost", "waits", "made", "open",
     ...(isExpected ? ["expected" as const] : []),
     ...(isClosed ? [] : ["now" as const]),
     ...(isDue ? ["due" as const] : []),

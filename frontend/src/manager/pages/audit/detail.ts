@@ -4,7 +4,7 @@ import { format, t, word } from "../../../text/views/records";
 type Detail = Readonly<Record<string, unknown>>;
 
 /** Whose values are chosen from a few that have words. */
-const CHOSEN: ReadonlySet<string> = new Set(["kind", "state", "answer", "by", "priority", "session_over", "role", "scopes"]);
+const CHOSEN: ReadonlySet<string> = new Set(["kind", "state", "answer", "by", "priority", "session_over", "role", "scopes", "missed"]);
 
 /** @returns nothing of what was left empty */
 export function detailText(detail: Detail): string {
@@ -22,7 +22,10 @@ function tellsSomething(value: unknown): boolean {
 }
 
 function partsText(parts: readonly (readonly [string, unknown])[]): string {
+  const names = new Set(parts.map(([name]) => name));
   return parts
+    // Without a vehicle there is none that alone may do it.
+    .filter(([name]) => name !== "vehicle_only" || names.has("vehicle"))
     .map(([name, value]) => `${word("audit.of", name)} ${valueText(name, value)}`)
     .join(" · ");
 }

@@ -17,7 +17,7 @@ export const panel = {
   "skip.toContent": "Skip to the content",
 
   "news.title": "Lately",
-  "news.none": "Nothing since this gateway was started.",
+  "news.none": "No takeover, call for help or silence since this gateway was started.",
   "news.took": "{agent} took over {task} from {other}: {reason}",
   "news.tookSilent": "{agent} took over {task} from {other} after {silence} of silence",
   "news.taking": "{agent} takes over {task} from {other}: {reason}",

@@ -27,6 +27,7 @@ export const products: Catalogue<typeof en> = {
   "products.material": "Material",
   "products.amount": "Stück",
   "products.machine": "Maschine",
+  "products.machinesFor": "Gemacht an, mit den Sekunden je Stück",
   "products.seconds": "s je Stück",
   "products.addMaterial": "Material hinzufügen",
   "products.addMachine": "Maschine hinzufügen",

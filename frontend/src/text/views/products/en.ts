@@ -24,6 +24,7 @@ export const products = {
   "products.material": "Material",
   "products.amount": "Pieces",
   "products.machine": "Machine",
+  "products.machinesFor": "Made at, with the seconds for each piece",
   "products.seconds": "Seconds each",
   "products.addMaterial": "Add a material",
   "products.addMachine": "Add a machine",

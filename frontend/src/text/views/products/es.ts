@@ -27,6 +27,7 @@ export const products: Catalogue<typeof en> = {
   "products.material": "Material",
   "products.amount": "Piezas",
   "products.machine": "Máquina",
+  "products.machinesFor": "Se hace en, con los segundos por pieza",
   "products.seconds": "s por pieza",
   "products.addMaterial": "Añadir un material",
   "products.addMachine": "Añadir una máquina",

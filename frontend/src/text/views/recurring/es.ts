@@ -16,7 +16,7 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.addTitle": "Planificar trabajo recurrente",
   "recurring.changeTitle": "Modificar trabajo recurrente",
   "recurring.change": "Modificar {name}",
-  "recurring.way": "de {from} a {to}",
+  "recurring.way": "{from} → {to}",
   "recurring.kind": "Qué se repite",
   "recurring.transport": "un transporte",
   "recurring.order": "un pedido",

@@ -4,7 +4,7 @@ import type { shift as en } from "./en";
 
 export const shift: Catalogue<typeof en> = {
   "shift.title": "Informe de turno",
-  "shift.back": "Indicadores",
+  "shift.back": "Cifras",
   "shift.loading": "Leyendo el turno",
   "shift.failed": "No se pudo leer el informe: {reason}",
   "recent.title": "Últimos 30 minutos",

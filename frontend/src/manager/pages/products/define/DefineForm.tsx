@@ -1,4 +1,5 @@
 import type { ComponentProps } from "preact";
+import { inFactoryTime } from "../../../../text/plant-time";
 import { format, t } from "../../../../text/views/products";
 import * as parts from "../../../parts/Field";
 import { Sheet } from "../../../parts/Sheet";
@@ -49,7 +50,7 @@ export function DefineForm({ onDefined }: { onDefined: () => void }) {
           </Field>
         </div>
         <Amounts part="bill" title={t("products.bill")} what={t("products.material")} amount={t("products.amount")} add={t("products.addMaterial")} options={file?.materials ?? []} />
-        <Amounts part="machines" title={t("products.machines")} what={t("products.machine")} amount={t("products.seconds")} add={t("products.addMachine")} options={file?.machines ?? []} />
+        <Amounts part="machines" title={inFactoryTime(t("products.machinesFor"))} what={t("products.machine")} amount={t("products.seconds")} add={t("products.addMachine")} options={file?.machines ?? []} />
         <Documents />
         <p class="form-actions">
           <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>

@@ -17,8 +17,8 @@ export function Head({ report, shift }: { report: Report; shift: Shift }) {
       </h1>
       <p class="muted">{t("shift.made", { plant: report.plant, at: format.moment(report.made_at_s) })}</p>
       {period.until_at_s < shift.untilS && <p class="shift-note">{t("shift.goesOn", { at: format.hour(period.until_at_s) })}</p>}
-      {period.seen_frac < ALL_SEEN_FRAC && <p class="shift-note tone-warn">{t("shift.seen", { part: format.percent(period.seen_frac) })}</p>}
-      {report.before.seen_frac < ALL_SEEN_FRAC && <p class="shift-note">{t("shift.seenBefore", { part: format.percent(report.before.seen_frac) })}</p>}
+      {period.seen_frac < ALL_SEEN_FRAC && <p class="shift-note tone-warn">{t("shift.seen", { part: partText(period.seen_frac) })}</p>}
+      {report.before.seen_frac < ALL_SEEN_FRAC && <p class="shift-note">{t("shift.seenBefore", { part: partText(report.before.seen_frac) })}</p>}
       <ul class="shift-said">
         <li>
           <b>
@@ -56,4 +56,9 @@ function LookAt({ missed, report }: { missed: Figure | undefined; report: Report
       {longest}
     </li>
   );
+}
+
+/** A small part is told in tenths: it is not nothing. */
+function partText(frac: number): string {
+  return format.percent(frac, frac > 0 && frac < 0.01 ? 1 : 0);
 }
