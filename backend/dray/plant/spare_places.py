@@ -34,7 +34,7 @@ class SparePlaces(msgspec.Struct, frozen=True):
     """Nodes of chargers and parking places that the reserve shuts off: a vehicle there belongs to it."""
     filled: Mapping[str, str] = msgspec.field(default_factory=dict)
     """Places that vehicles without work take before all others, and then belong to the reserve -> their nodes. Empty
-    where nobody has to wait in the way of others, and where the fleet is small for the docks."""
+    where few or none have to wait in the way of others, and where the fleet is small for the docks."""
 
     @property
     def all(self) -> tuple[str, ...]:
@@ -44,11 +44,19 @@ class SparePlaces(msgspec.Struct, frozen=True):
     @property
     def reserve_size(self) -> int:
         """Vehicles that the reserve keeps from work; with `filled` those at chargers that it shuts off are not counted."""
-        return len(self.filled) or len(self.reserve) + len(self.shut)
+        return len(self.filled) or self._own_places
 
     def holds_back_from(self, able: int) -> bool:
-        """Whether the reserve leaves work for so many able vehicles to others: a third of them is outside of the reserve."""
-        return 2 * able >= 3 * self.reserve_size
+        """Whether the reserve leaves work for so many able vehicles to others: a third of them has no room at its own places.
+
+        Places that it has because of `filled` do not count: able vehicles hardly take all of those at one time.
+        """
+        return 2 * able >= 3 * self._own_places
+
+    @property
+    def _own_places(self) -> int:
+        """Places at which a vehicle belongs to the reserve on any floor."""
+        return len(self.reserve) + len(self.shut)
 
     def is_reserve(self, node: str) -> bool:
         """Whether a vehicle that waits at a node belongs to the reserve."""
@@ -59,7 +67,8 @@ class SparePlaces(msgspec.Struct, frozen=True):
 
         As many vehicles stay at work as there are chargers, parking places and clear nodes that the reserve does not
         shut off. That is their number on a floor where nobody waits in the way of others, too. At least as many stay
-        as there are docks for goods, and a third of the fleet.
+        as there are docks for goods, and a third of the fleet. Nothing changes where less than a third of that reserve
+        would be without a place of its own.
 
         Args:
             parkings: their nodes, by id.
@@ -69,7 +78,7 @@ class SparePlaces(msgspec.Struct, frozen=True):
         """
         at_work = max(len(parkings) + chargers + len(self.clear) - len(self.shut), docks, -(-vehicles // 3))
         size = vehicles - at_work
-        if not self.reserve or not self.others or size <= self.reserve_size:
+        if not self.reserve or not self.others or 2 * size < 3 * self._own_places:
             return self
         shut = [each for each, node in parkings.items() if node in self.shut]
         rest = [each for each, node in parkings.items() if node not in self.shut]

@@ -403,6 +403,6 @@ def test_one_that_must_charge_waits_near_a_charger_instead() -> None:
     for _ in PLANT.chargers:
         claim = published(rig.all, DwellPointClaimed)[-1]
         if claim.dwell_point in PLANT.chargers:
-            rig.on_message("ATV9", replace(claim, atv="ATV9", battery_frac=0.0, standing=True))
+            rig.on_message("ATV2", replace(claim, atv="ATV2", battery_frac=0.0, standing=True))
             rig.run(rig.now_s)
     assert published(rig.all, DwellPointClaimed)[-1].dwell_point in PLANT.parkings

@@ -66,7 +66,7 @@ def test_who_comes_back_belongs_to_the_reserve_as_before(reserve: Reserve) -> No
 @pytest.fixture
 def crowded() -> Plant:
     """Some vehicles wait in the way of others there."""
-    plant = with_fleet(draw_raster(17), 28)
+    plant = with_fleet(draw_raster(27), 28)
     assert plant.spare_places.others
     return plant
 
