@@ -178,10 +178,8 @@ class Plant:
         stops = (node for node in self.stops if not self.has_place(node))
         needed = len(self.fleet) - len(self.dwell_points)
         docks = map(self.node_of, self.places)
-        goods = {self.node_of(each): None for each in (*self.machines, *self.storages, *self.warehouses)}
-        found = spare_nodes(self.nodes, map(self.roads_of, kinds), stops, docks, needed, goods)
-        parkings = {each: self.node_of(each) for each in self.parkings}
-        return found.fill(parkings, len(self.chargers), len(goods), len(self.fleet))
+        goods = map(self.node_of, (*self.machines, *self.storages, *self.warehouses))
+        return spare_nodes(self.nodes, map(self.roads_of, kinds), stops, docks, needed, goods)
 
     def stand_of(self, dwell_point: str) -> str:
         """The node of a dwell point; of a spare place it is its id."""

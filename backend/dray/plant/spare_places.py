@@ -5,8 +5,7 @@ nodes named first here, all other vehicles still get from every dock to every ot
 back. Where these are too few, some vehicles are a *reserve*, which takes no work that others can do. The reserve may
 shut off some chargers and parking places, in which others of the reserve stand, but no dock for goods. Where that is
 too little as well, the floor is too small for the fleet: then the least used nodes that are before no dock follow.
-There the reserve also has places that are in nobody's way, and vehicles without work fill it first
-(`SparePlaces.filled`). Every agent computes the same nodes, and vehicles claim them as they claim parking places.
+Every agent computes the same nodes, and vehicles claim them as they claim parking places.
 """
 
 from __future__ import annotations
@@ -32,9 +31,6 @@ class SparePlaces(msgspec.Struct, frozen=True):
     not."""
     shut: frozenset[str] = frozenset()
     """Nodes of chargers and parking places that the reserve shuts off: a vehicle there belongs to it."""
-    filled: Mapping[str, str] = msgspec.field(default_factory=dict)
-    """Places that vehicles without work take before all others, and then belong to the reserve -> their nodes. Empty
-    where few or none have to wait in the way of others, and where the fleet is small for the docks."""
 
     @property
     def all(self) -> tuple[str, ...]:
@@ -43,47 +39,16 @@ class SparePlaces(msgspec.Struct, frozen=True):
 
     @property
     def reserve_size(self) -> int:
-        """Vehicles that the reserve keeps from work; with `filled` those at chargers that it shuts off are not counted."""
-        return len(self.filled) or self._own_places
+        """Most vehicles in the reserve at one time."""
+        return len(self.reserve) + len(self.shut)
 
     def holds_back_from(self, able: int) -> bool:
-        """Whether the reserve leaves work for so many able vehicles to others: a third of them has no room at its own places.
-
-        Places that it has because of `filled` do not count: able vehicles hardly take all of those at one time.
-        """
-        return 2 * able >= 3 * self._own_places
-
-    @property
-    def _own_places(self) -> int:
-        """Places at which a vehicle belongs to the reserve on any floor."""
-        return len(self.reserve) + len(self.shut)
+        """Whether the reserve leaves work for so many able vehicles to others: a third of them is outside of the reserve."""
+        return 2 * able >= 3 * self.reserve_size
 
     def is_reserve(self, node: str) -> bool:
         """Whether a vehicle that waits at a node belongs to the reserve."""
-        return node in self.shut or node in self.reserve or node in self.filled.values()
-
-    def fill(self, parkings: Mapping[str, str], chargers: int, docks: int, vehicles: int) -> SparePlaces:
-        """The same places, with those of a larger reserve (`filled`) where some vehicles wait in the way of others.
-
-        As many vehicles stay at work as there are chargers, parking places and clear nodes that the reserve does not
-        shut off. That is their number on a floor where nobody waits in the way of others, too. At least as many stay
-        as there are docks for goods, and a third of the fleet. Nothing changes where less than a third of that reserve
-        would be without a place of its own.
-
-        Args:
-            parkings: their nodes, by id.
-            chargers: how many.
-            docks: how many nodes where goods are handed over.
-            vehicles: the size of the fleet.
-        """
-        at_work = max(len(parkings) + chargers + len(self.clear) - len(self.shut), docks, -(-vehicles // 3))
-        size = vehicles - at_work
-        if not self.reserve or not self.others or 2 * size < 3 * self._own_places:
-            return self
-        shut = [each for each, node in parkings.items() if node in self.shut]
-        rest = [each for each, node in parkings.items() if node not in self.shut]
-        order = (*self.reserve, *shut, *self.clear, *rest, *self.others)
-        return msgspec.structs.replace(self, filled={each: parkings.get(each, each) for each in order[:size]})
+        return node in self.shut or node in self.reserve
 
 
 SOURCES = 24

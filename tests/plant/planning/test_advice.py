@@ -69,12 +69,6 @@ def test_the_reserve_of_a_fleet_is_named() -> None:
     assert "8 are a reserve, which takes no work that others can do" in dwell_points.text
 
 
-def test_the_larger_reserve_where_some_wait_in_the_way_is_named() -> None:
-    [dwell_points] = [each for each in advice(with_fleet(draw_raster(27), 28)) if each.kind == "dwell_points"]
-    assert "11 are a reserve" in dwell_points.text
-    assert "4 wait in somebody's way" in dwell_points.text
-
-
 def test_the_reserve_counts_for_no_carriers() -> None:
     """In raster 38 all vehicles are of one type, 10 of 28 are a reserve, and 18 carry what 18 without a reserve do."""
     floor = draw_raster(38)

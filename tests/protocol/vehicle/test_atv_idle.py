@@ -22,7 +22,6 @@ from dray.messages import (
 )
 from dray.messages.fact import AtvStatusChanged
 from dray.plant import Plant
-from dray.plant.spare_places import SparePlaces
 from dray.protocol.runtime.events import Effect
 from dray.protocol.vehicle.dwell_points import CONTEST_S
 from dray.protocol.vehicle.idle_positioning import SETTLE_S, TRIES
@@ -372,37 +371,3 @@ def test_a_spare_place_that_somebody_stands_at_is_left_to_it() -> None:
     assert second not in ("", first)
     rig.run(rig.now_s + CONTEST_S)
     assert rig.last(Drive).nodes[-1] == second
-
-
-def crowded(filled: dict[str, str]) -> Plant:
-    """The plant of all these tests, with some vehicles in the way of others and these places filled first."""
-    plant = Plant(PLANT.file)
-    first, *others = without_parking(12).spare_places.all
-    vars(plant)["spare_places"] = SparePlaces((), tuple(others), (first,), filled=filled)
-    return plant
-
-
-def test_on_a_crowded_floor_a_vehicle_without_work_goes_to_the_reserve_before_a_nearer_parking_place() -> (
-    None
-):
-    [place] = without_parking(12).spare_places.all[:1]
-    for filled in ({}, {place: place}):
-        rig = parked(plant=crowded(filled), node="s3", battery_frac=0.9)
-        rig.run(SETTLED_S)
-        claim = published(rig.all, DwellPointClaimed)[-1]
-        assert (claim.dwell_point == place) is bool(filled)
-        rig.run(SETTLED_S + CONTEST_S)
-        rig.arrive()
-        assert last_beat(rig).in_reserve is bool(filled)
-
-
-def test_one_that_must_charge_waits_near_a_charger_instead() -> None:
-    [place] = without_parking(12).spare_places.all[:1]
-    rig = parked(plant=crowded({place: place}), node="s3", battery_frac=0.1)
-    rig.run(SETTLED_S)
-    for _ in PLANT.chargers:
-        claim = published(rig.all, DwellPointClaimed)[-1]
-        if claim.dwell_point in PLANT.chargers:
-            rig.on_message("ATV2", replace(claim, atv="ATV2", battery_frac=0.0, standing=True))
-            rig.run(rig.now_s)
-    assert published(rig.all, DwellPointClaimed)[-1].dwell_point in PLANT.parkings

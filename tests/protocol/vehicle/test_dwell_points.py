@@ -22,7 +22,6 @@ from dray.protocol.vehicle.dwell_points import (
 )
 from dray.protocol.vehicle.idle_positioning import WaitingPlaces
 from dray.protocol.vehicle.reserve import STAYS_S
-from dray_sim.plants.fleet_sizes import with_fleet
 from dray_sim.plants.raster import draw_raster
 
 
@@ -404,14 +403,3 @@ def test_who_leaves_the_reserve_for_another_place_belongs_to_it_until_it_has_sto
     points.arrive(1000.0)
     assert points.reserve.is_member(1000.0 + STAYS_S - 1.0)
     assert not points.reserve.is_member(1000.0 + STAYS_S)
-
-
-def test_parking_places_are_sought_among_spare_places_by_their_nodes() -> None:
-    plant = with_fleet(draw_raster(27), 28)
-    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, Life())
-    parking = next(each for each in plant.spare_places.filled if each in plant.parkings)
-    others = [each for each in plant.spare_places.filled if each not in plant.parkings]
-    assert points.seek_spare([*others, parking], plant.node_of(parking), 0.9, 0.0)
-    assert points.dwell_point == parking
-    points.arrive(1.0)
-    assert points.reserve.is_member(1.0)

@@ -7,10 +7,8 @@ from typing import cast
 import pytest
 from atv1 import SETTLED_S, last_beat, parked
 from defaults import PLANT
-from msgspec.structs import replace
 from spoken import award
 
-from dray.plant import Plant
 from dray.plant.spare_places import SparePlaces
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.reserve import STAYS_S, Reserve
@@ -63,41 +61,11 @@ def test_who_comes_back_belongs_to_the_reserve_as_before(reserve: Reserve) -> No
     assert reserve.is_member(40.0 + 2 * STAYS_S)
 
 
-@pytest.fixture
-def crowded() -> Plant:
-    """Some vehicles wait in the way of others there."""
-    plant = with_fleet(draw_raster(27), 28)
-    assert plant.spare_places.others
-    return plant
-
-
-def test_where_some_wait_in_the_way_who_leaves_the_reserve_belongs_to_it_until_it_finds_no_place(
-    crowded: Plant,
-) -> None:
-    spare = crowded.spare_places
-    assert spare.filled
-    reserve = Reserve(crowded)
-    for node in spare.filled.values():
-        reserve.stand(node, 0.0)
-        reserve.leave(1.0)
-        assert reserve.is_member(1.0 + 2 * STAYS_S)
-        reserve.lack_place()
-        assert not reserve.is_member(2.0)
-
-
-def test_with_a_place_for_all_who_finds_none_for_a_moment_belongs_to_the_reserve_as_before(
-    reserve: Reserve,
-) -> None:
-    reserve.stand(IN, 0.0)
-    reserve.leave(1.0)
-    reserve.lack_place()
-    assert reserve.is_member(2.0)
-
-
-def test_where_the_reserve_is_not_filled_first_who_leaves_it_is_at_work(crowded: Plant) -> None:
-    spare = replace(crowded.spare_places, filled={})
-    vars(crowded)["spare_places"] = spare
-    reserve = Reserve(crowded)
+def test_where_vehicles_wait_in_the_way_of_others_who_leaves_the_reserve_is_at_work() -> None:
+    plant = with_fleet(draw_raster(17), 28)
+    spare = plant.spare_places
+    assert spare.others
+    reserve = Reserve(plant)
     reserve.stand(spare.reserve[0], 0.0)
     assert reserve.is_member(1.0)
     reserve.leave(2.0)

@@ -113,7 +113,7 @@ def _dwell_points(plant: Plant) -> Iterator[Advice]:
         return
     wait = [Reason("waits_on_roads", count=missing)]
     if spare.reserve:
-        wait.append(Reason("waits_reserve", count=spare.reserve_size))
+        wait.append(Reason("waits_reserve", count=len(spare.reserve) + len(spare.shut)))
     if spare.others:
         wait.append(Reason("waits_in_way", count=len(spare.others)))
     most = most_vehicles(plant)

@@ -134,7 +134,7 @@ class Bidder:
         return now_s < (message.needed_s or message.deadline_s) + RESERVE_AFTER_S
 
     def _has_able_at_work(self, work: Transport) -> bool:
-        """Whether a third of the able vehicles are at work even if able ones take all places of the reserve's own."""
+        """Whether a third of the able vehicles are at work even if able ones take all reserve places."""
         plant = self._plant
         able = sum(
             set(work.needed) <= set(plant.vehicle_types[spec.type].abilities) for spec in plant.fleet.values()

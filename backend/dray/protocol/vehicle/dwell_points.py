@@ -206,23 +206,22 @@ class DwellPoints:
     def seek_spare(
         self, among: Iterable[str], node: str, battery_frac: float, now_s: float, near: str = ""
     ) -> bool:
-        """Claim the nearest of some parking places and spare places that is not known to be taken; False if none is."""
+        """Claim the nearest of some spare road places that is not known to be taken, as `seek` does; False if none is."""
         plant = self._plant
         closed = plant.restrictions.nodes
-        stands = {each: plant.stand_of(each) for each in among if not self.is_taken(each, now_s)}
-        free = [each for each, at in stands.items() if at not in closed]
+        free = [each for each in among if not self.is_taken(each, now_s) and each not in closed]
         routes = plant.routes(self._type)
         near = near or node
         here = plant.nodes[near]
 
         def distance_m(spot: str) -> float:
-            there = plant.nodes[stands[spot]]
+            there = plant.nodes[spot]
             return hypot(there.x_m - here.x_m, there.y_m - here.y_m)
 
         found, least_s = "", float("inf")
         for spot in nsmallest(COMPARED, free, key=distance_m):
-            way_s = _way_s(routes, near, stands[spot])
-            if way_s < least_s and self.battery_reserve.is_enough_after(node, stands[spot], battery_frac):
+            way_s = _way_s(routes, near, spot)
+            if way_s < least_s and self.battery_reserve.is_enough_after(node, spot, battery_frac):
                 found, least_s = spot, way_s
         if not found:
             return False

@@ -6,8 +6,7 @@
 
 If all chargers are taken, it waits at a parking place. Without one it waits at a spare road place
 (`dray.plant.spare_places`), else at a node without a dock: a vehicle that waits at a machine blocks others.
-On a floor where some vehicles wait in the way of others it looks for a place of the reserve first. Charging decisions
-are made in `charging`.
+Charging decisions are made in `charging`.
 
 A resting vehicle goes on bidding; `stop` ends the rest when it wins.
 """
@@ -305,14 +304,11 @@ class IdlePositioning:
             self._life.alarm(CLAIM, now_s + CONTEST_S)
             return
         if dwell_points.hold is Hold.NONE:
-            dwell_points.reserve.lack_place()
             self._step_aside(now_s)
         self._life.alarm(SETTLE, now_s + SEEK_AGAIN_S)
 
     def _seek(self, charger: bool, battery_frac: float, now_s: float) -> bool:
         node, near = self._driver.next_node, ""
-        if not charger and self._seek_reserve(node, battery_frac, now_s):
-            return True
         if not charger and self._charging.is_needy:
             # It waits for a charger, and has little charge for the way there.
             near = self._dwell_points.battery_reserve.nearest_charger(node)
@@ -320,15 +316,6 @@ class IdlePositioning:
             charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
         )
         return found or (not charger and self._seek_spare(node, battery_frac, now_s, near))
-
-    def _seek_reserve(self, node: str, battery_frac: float, now_s: float) -> bool:
-        """Where some vehicles wait in the way of others, fill the reserve first: too many are at work else."""
-        filled = self._plant.spare_places.filled
-        return (
-            bool(filled)
-            and not self._charging.is_needy
-            and self._dwell_points.seek_spare(filled, node, battery_frac, now_s)
-        )
 
     def _seek_nearer(self, battery_frac: float, now_s: float) -> bool:
         """Move a parked vehicle that waits for a charger nearer to one."""
