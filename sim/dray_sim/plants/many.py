@@ -1,10 +1,10 @@
-"""Many plants, one after the other or in several processes, judged in the order of their seeds."""
+"""Many plants, one after the other or in several processes."""
 
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Container, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 
@@ -22,6 +22,8 @@ def play_seeds(
     hours: float = HOURS,
     traffic: bool = False,
     jobs: int = 1,
+    left_out: Container[int] = (),
+    at_once: bool = False,
 ) -> Iterator[Judgement]:
     """Play the plants of so many seeds.
 
@@ -33,19 +35,23 @@ def play_seeds(
         hours: of demand.
         traffic: whether vehicles drive with right of way.
         jobs: processes; 1 plays them in this one.
+        left_out: seeds that are not played.
+        at_once: yield each judgement as soon as its plant has worked; else in the order of the seeds.
 
     Raises:
         UnavailableError: a process was killed from outside.
     """
     play = partial(play_seed, kind=kind, small=small, hours=hours, traffic=traffic)
-    seeds = range(first, first + count)
+    seeds = [seed for seed in range(first, first + count) if seed not in left_out]
     if jobs == 1:
         yield from map(play, seeds)
         return
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=end_with_parent)
     try:
-        yield from pool.map(play, seeds)
+        futures = [pool.submit(play, seed) for seed in seeds]
+        for future in as_completed(futures) if at_once else futures:
+            yield future.result()
     except BrokenProcessPool:
         remedy = "see whether memory ran out, and give fewer --jobs"
         raise UnavailableError("the search", "one of its processes was killed", remedy) from None

@@ -189,6 +189,14 @@ def _orders(plant: Plant, random: Random, load: float, until_s: float) -> Iterat
         now_s += random.expovariate(1.0) * work_s / (len(plant.machines) * load)
 
 
+def replay_of(seed: int, kind: Kind, *, small: bool, hours: float, traffic: bool) -> str:
+    """The command that repeats a run."""
+    return (
+        f"dray sim plants --seed {seed} --kind {kind}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}"
+        f" {'--traffic' if traffic else '--no-traffic'}"
+    )
+
+
 def play_seed(
     seed: int, kind: Kind = "raster", *, small: bool = False, hours: float = HOURS, traffic: bool = False
 ) -> Judgement:
@@ -240,10 +248,7 @@ def play_seed(
         messages_per_task=report.messages_per_task,
         invariants=report.invariants,
         took_s=time.process_time() - began_s,
-        replay=(
-            f"dray sim plants --seed {seed} --kind {kind}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}"
-            f" {'--traffic' if traffic else '--no-traffic'}"
-        ),
+        replay=replay_of(seed, kind, small=small, hours=hours, traffic=traffic),
         foreseen=next((each.text for each in warned if _forbids(each)), ""),
         verdict=report.verdict,
         warnings=tuple(f"{each.kind}: {each.text}" for each in warned),

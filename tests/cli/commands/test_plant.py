@@ -13,8 +13,10 @@ from typer.testing import CliRunner
 
 from dray.cli import app
 from dray.cli.runtime.plant_errors import tell_errors
-from dray.errors import PlantError, PlantErrors, SettingsError
+from dray.errors import PlantError, PlantErrors, SettingsError, UnavailableError
 from dray.plant import Door, Lane, LaneEnds, Node, Plant, load_plant, plant_yaml
+from dray_sim.plants import many
+from dray_sim.plants.play import play_seed
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
 SHORTEST_SHIFT = ("--hours", "0.1", "--load", "0.5")
@@ -227,6 +229,54 @@ def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
     assert load_plant(kept).id == "r3"
     [each] = json.loads(judged.read_text())
     assert each["replay"] == "dray sim plants --seed 3 --kind raster --small --hours 0.3 --traffic"
+
+
+SHORT_PLANTS = ("--small", "--hours", "0.1", "--jobs", "1")
+
+
+def test_a_run_over_many_plants_that_was_ended_goes_on_where_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept, judged = tmp_path / "kept.jsonl", tmp_path / "judged.json"
+    asked = ("sim", "plants", "--first", "3", *SHORT_PLANTS, "--keep", str(kept))
+    seeds: list[int] = []
+
+    def play(seed: int, *args: object, **options: object) -> object:
+        seeds.append(seed)
+        return play_seed(seed, *args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(many, "play_seed", play)
+    dray(*asked, "--count", "1")
+    first = kept.read_text()
+    assert first.count("\n") == 1
+    kept.write_text(first + first[: len(first) // 2])
+    _, told = dray(*asked, "--count", "2", "--json", str(judged))
+    assert seeds == [3, 4]
+    assert kept.read_text().startswith(first)
+    lines = [json.loads(line) for line in kept.read_text().splitlines()]
+    assert [each["seed"] for each in lines] == [3, 4]
+    assert json.loads(judged.read_text()) == lines
+    orders = sum(each["orders"] for each in lines)
+    assert told.splitlines()[-2].startswith("2 plants: ")
+    assert f"of {orders} orders delivered, 0 plants with a broken invariant" in told
+    dray(*asked, "--count", "2")
+    assert seeds == [3, 4]
+
+
+def test_a_file_that_holds_something_else_is_left_as_it_is(tmp_path: Path) -> None:
+    file = tmp_path / "mine.txt"
+    file.write_text("mine\n")
+    with pytest.raises(SettingsError, match=r"line 1 of .* is no judgement"):
+        dray("sim", "plants", *SHORT_PLANTS, "--keep", str(file))
+    assert file.read_text() == "mine\n"
+    file.write_text("mine without an end")
+    with pytest.raises(SettingsError, match=r"line 1 of .* is no judgement"):
+        dray("sim", "plants", *SHORT_PLANTS, "--keep", str(file))
+    assert file.read_text() == "mine without an end"
+    with pytest.raises(UnavailableError, match="choose another file for --keep"):
+        dray("sim", "plants", *SHORT_PLANTS, "--keep", str(tmp_path))
+    with pytest.raises(SettingsError, match="for many plants"):
+        dray("sim", "plants", "--seed", "3", "--keep", str(file))
 
 
 def test_fleets_of_several_sizes_are_compared_on_one_floor(tmp_path: Path) -> None:

@@ -126,7 +126,8 @@ class BoxMachine(Agent):
 
     def revive(self, *, forget: bool = False) -> None:
         """Restart, with the persisted state or without."""
-        kept = {} if forget else dict(self.tables.kept())
+        tables = {} if forget else self.tables.districts
+        kept = {name: table.copies.kept for name, table in tables.items() if not table.copies.lost}
         self.off = False
         self.life.timers = Timers()
         self._wake_s = float("inf")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,6 +28,12 @@ def plants(
     jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
     traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the judgements here too.")] = None,
+    keep: Annotated[
+        Path | None,
+        typer.Option(
+            help="Append each judgement to this file at once, and leave out plants that are in it: a run that was ended goes on."
+        ),
+    ] = None,
     write: Annotated[Path | None, typer.Option(help="Write the plant of --seed to this file.")] = None,
     vehicles: Annotated[
         str,
@@ -45,34 +52,68 @@ def plants(
     from dray.cli.runtime.output import write_json
     from dray.errors import SettingsError
     from dray_sim.explore.search import cores
+    from dray_sim.plants.judgement_file import JudgementFile
     from dray_sim.plants.many import play_seeds
+    from dray_sim.plants.play import replay_of
 
     drawn: Kind = "halls" if kind == "halls" else "raster"
     if kind != drawn:
         raise SettingsError("--kind", f"{kind} is none: choose raster or halls")
+    if keep is not None and (seed is not None or vehicles):
+        raise SettingsError("--keep", "is for many plants: leave it out with --seed and --vehicles")
     if seed is not None:
         first, count, jobs = seed, 1, 1
         if write is not None:
             _write(seed, drawn, small, write)
-    judged: list[Judgement] = []
     on = right_of_way(traffic)
     if vehicles:
         _compare_fleets(first, drawn, _sizes(vehicles), small=small, hours=hours, traffic=on, json=json)
         return
-    for each in play_seeds(first, count, drawn, small=small, hours=hours, traffic=on, jobs=jobs or cores()):
+    kept = None if keep is None else JudgementFile(keep)
+    judged: list[Judgement] = [] if kept is None else list(kept.judged)
+    done = frozenset() if kept is None else kept.replays
+    left_out = frozenset(
+        each
+        for each in range(first, first + count)
+        if replay_of(each, drawn, small=small, hours=hours, traffic=on) in done
+    )
+    played = play_seeds(
+        first,
+        count,
+        drawn,
+        small=small,
+        hours=hours,
+        traffic=on,
+        jobs=jobs or cores(),
+        left_out=left_out,
+        at_once=kept is not None,
+    )
+    for each in played:
+        if kept is not None:
+            kept.add(each)
         judged.append(each)
         for line in each.tell(whole=seed is not None):
             typer.echo(line)
     if json is not None:
         write_json(json, judged)
+    if _tell(judged):
+        raise typer.Exit(1)
+
+
+def _tell(judged: Sequence[Judgement]) -> int:
+    """Print the sums, and return how many plants failed without an explanation."""
+    from dray_sim.run.evidence import HELD
+
     failed = [each for each in judged if each.failures]
     unnamed = [each for each in failed if not each.named]
     typer.echo(
         f"{len(judged)} plants: {len(judged) - len(failed)} served, {len(failed) - len(unnamed)} failed as foreseen "
         f"or explained, {len(unnamed)} failed"
     )
-    if unnamed:
-        raise typer.Exit(1)
+    broken = sum(each.invariants != HELD for each in judged)
+    delivered, orders = sum(each.delivered for each in judged), sum(each.orders for each in judged)
+    typer.echo(f"{delivered} of {orders} orders delivered, {broken} plants with a broken invariant")
+    return len(unnamed)
 
 
 def _sizes(text: str) -> tuple[int, ...]:
