@@ -37,7 +37,7 @@ class Person:
 
     def __init__(self, rig: Rig) -> None:
         self._held = HeldOut(Counter(shaft=20))
-        rig.yard.places["pit"], rig.yard.docks["pit"] = self._held, "pit"
+        rig.yard.stands.add("pit", self._held, "pit")
 
     def comes(self) -> None:
         self._held.offer("shaft", 20)

@@ -81,7 +81,7 @@ def test_the_head_of_every_page_has_one_row_on_a_small_laptop(
     page = open_page(factory.url, locale=LOCALES[language], viewport={"width": 1280, "height": 800})
     expect(page.locator("#plant-map canvas").first).to_be_visible()
     links = page.locator("header.top").locator("nav a, .person")
-    expect(links).to_have_count(12)
+    expect(links).to_have_count(11)
     middles = links.evaluate_all(
         "all => all.map((each) => { const box = each.getBoundingClientRect(); return (box.top + box.bottom) / 2; })"
     )
