@@ -62,6 +62,8 @@ def test_an_open_form_stays_when_its_vehicle_leaves_and_is_sent_when_it_is_back(
 ) -> None:
     page = enter(**LOOKS[look])
     own = card(page, "ATV2")
+    expect(page.locator(".vehicle h2")).to_have_text(["ATV2", "ATV6"])
+    expect(page.locator(".vehicle.settling")).to_have_count(0)
     own.locator(".service-open").tap()
     form = own.locator(".service")
     form.locator("button").nth(1).tap()

@@ -205,8 +205,9 @@ async def test_answers_from_before_the_gateways_start_are_read_again(house: Hous
         PlacesFreed(atv="ATV1", number=number, by="x", places=("c3",)),
     )
     events = [fact(answers[0], 1, "M5"), fact(answers[1], 1, "M4")]
+    assert await refused(house) == []
     async with house.store.write() as work:
-        await work.events.add(events, lambda plant_s: plant_s)
+        await work.events.add(events, lambda _plant_s: house.wall.now_s)
     await provided(house.app, Carrying).restore()
     assert await refused(house) == [("M5", "heard_since")]
     assert (await house.get("/api/atvs/ATV1"))["removal"]["freed"] == ["c3"]
