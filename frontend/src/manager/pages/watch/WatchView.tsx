@@ -13,7 +13,7 @@ import { linkText } from "../../cards/atv/link";
 import { Search } from "../../parts/filters/Search";
 import { ShowLink } from "../../parts/ShowLink";
 import { names } from "../../state";
-import { type Filter, FILTERS, type Watched, watches, isFound, passes, type WatchState } from "./watch";
+import { type Filter, FILTERS, isFound, passes, type Watched, watches, type WatchState } from "./watch";
 
 const filter = signal<Filter>("all");
 const words = signal("");

@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { AtvView, TaskView } from "../../../api/types";
 import type { World } from "../../../stream/world";
 import { statusCounts } from "../../cards/factory/status";
-import { watches, isFound, passes } from "./watch";
+import { isFound, passes, watches } from "./watch";
 
 const NOW_S = 100;
 const task = (id: string, primary: string, more: Partial<TaskView> = {}) =>
