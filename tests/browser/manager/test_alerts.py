@@ -98,7 +98,7 @@ def close(page: Page, closure: dict[str, str]) -> None:
     )
 
 
-def log_of(page: Page, name: str = "All there were") -> Locator:
+def log_of(page: Page, name: str = "All alerts so far") -> Locator:
     return page.get_by_role("region", name=name)
 
 

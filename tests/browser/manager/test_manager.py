@@ -202,7 +202,7 @@ def test_the_promise_ledger_can_be_sorted_and_downloaded(
     expect(page.get_by_role("columnheader", name="Vehicle")).to_have_attribute("aria-sort", "ascending")
     names = page.get_by_role("rowheader").all_inner_texts()
     assert names == ["All vehicles", *sorted(names[1:], key=lambda name: int(name.removeprefix("ATV")))]
-    for column, means in (("Median", "Half of the deliveries"), ("p95", "95 of 100 deliveries")):
+    for column, means in (("Half within", "Half of the deliveries"), ("95 % within", "95 of 100 deliveries")):
         head = page.get_by_role("button", name=column, exact=True)
         expect(head).to_have_accessible_description(re.compile(means))
         head.focus()

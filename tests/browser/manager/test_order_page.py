@@ -68,7 +68,7 @@ def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
         lambda: quiet.ask(f"/api/orders/{address[8:]}")["status"] == "in_delivery", step_s=STEP_S
     )
     expect(lanes.first).to_be_visible()
-    expect(tag).to_have_text("in delivery")
+    expect(tag).to_have_text("being delivered")
     quiet.advance_until(
         lambda: quiet.ask(f"/api/orders/{address[8:]}")["status"] == "delivered", step_s=STEP_S
     )
@@ -356,7 +356,7 @@ def test_an_alert_about_an_order_leads_to_its_page(
     expect(heading).to_have_text("PO-LATE")
     # And of what was: the log below, and the picture of the past.
     page.goto(f"{factory}/#alerts")
-    log = page.get_by_role("region", name="All there were")
+    log = page.get_by_role("region", name="All alerts so far")
     expect(log.get_by_role("link", name="PO-LATE", exact=True)).to_be_visible()
     for theme in THEMES:
         page.emulate_media(color_scheme=theme)

@@ -78,6 +78,22 @@ async def test_of_a_shift_of_which_nothing_is_kept_no_figure_is_invented(house: 
     known = {name for name, each in figures.items() if each["value"] is not None}
     assert known == {"orders_delivered", "orders_late", "orders_open", "orders_overdue", "interventions"}
     assert told["period"]["seen_frac"] == 0.0
+    # But where nobody has counted there is nothing to compare with.
+    assert {each["before"] for each in figures.values()} == {None}
+
+
+async def test_a_shift_is_compared_with_what_was_counted_in_the_other_a_count_of_none_included(
+    house: House,
+) -> None:
+    async with house.store.write() as work:
+        await work.orders.add_all([order("O-1", delivered_at_s=NOW_S - DAY_S - 60)])
+    _, figures = await report(house)
+    # An order that was delivered is known, though nobody has counted minutes.
+    assert (figures["orders_delivered"]["before"], figures["orders_late"]["before"]) == (1, None)
+    async with house.store.write() as work:
+        await work.kpis.add(sample(NOW_S - DAY_S - HOUR_S))
+    _, figures = await report(house)
+    assert (figures["orders_delivered"]["before"], figures["orders_late"]["before"]) == (1, 0)
 
 
 async def test_orders_count_in_the_shift_in_which_they_came_and_open_ones_at_its_end(house: House) -> None:

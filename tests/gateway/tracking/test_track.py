@@ -103,6 +103,33 @@ async def test_an_order_on_its_way_tells_how_much_has_arrived(house: House) -> N
     assert "20 of 40 delivered" in await story.page()
 
 
+async def test_an_order_is_being_delivered_for_its_customer_when_its_status_says_so(house: House) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    await story.making(20)
+    # Of two loads one has left: more is being made, and nothing is there yet.
+    await story.leaving(320.0)
+    state = await story.state()
+    assert (state["status"], reached(state)) == ("in_production", STAGES[:3])
+    await story.arrived(4, 400.0)
+    state = await story.state()
+    assert (state["status"], reached(state)) == ("in_delivery", STAGES[:4])
+    assert times(state)[3] == "17:52:00"
+    page = await story.page()
+    assert re.search(r'<li class="now" aria-current="step">\s*<span class="name">Being delivered', page)
+
+
+async def test_an_order_of_which_all_is_made_is_being_delivered_before_a_vehicle_has_fetched_it(
+    house: House,
+) -> None:
+    story = await Story.begin(house)
+    await story.planned()
+    await story.making(40)
+    state = await story.state()
+    assert (state["status"], reached(state)) == ("in_delivery", STAGES[:4])
+    assert times(state)[3] is None
+
+
 async def test_a_delivered_order_says_when_and_asks_for_no_more_news(house: House) -> None:
     story = await Story.begin(house, due_at="2030-03-17T18:46:40Z")
     await story.planned()

@@ -62,7 +62,7 @@ class ReportFigure(msgspec.Struct, frozen=True, kw_only=True):
     """more or less."""
     value: float | None
     before: float | None
-    """Value of the compared shift."""
+    """Value of the compared shift. None if unknown, and for a count of 0 of a span in which no gateway counted."""
     target: float | None
     missed: bool
     """Whether there is a target and the value is worse."""

@@ -108,7 +108,7 @@ class ShiftReporter:
             made_at_s=now_s,
             period=now.period,
             before=before.period,
-            figures=figures_of(now.figures, before.figures, targets),
+            figures=figures_of(now.figures, _comparable(before), targets),
             course=course,
             step_s=step_s,
             agents=now.agents,
@@ -191,6 +191,13 @@ class ShiftReporter:
                 )
             )
         return tuple(found)
+
+
+def _comparable(sums: _Sums) -> dict[str, float | None]:
+    """The figures to compare with: where no gateway has counted, a 0 means nothing."""
+    if sums.period.seen_frac > 0.0:
+        return sums.figures
+    return {name: value or None for name, value in sums.figures.items()}
 
 
 async def _course(work: Work, since_s: float, until_s: float, step_s: float) -> tuple[KpiPoint, ...]:

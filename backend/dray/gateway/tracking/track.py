@@ -208,7 +208,8 @@ def _stages(facts: Facts) -> tuple[Stage, ...]:
         (StageName.PLACED, True, order.created_at_s),
         (StageName.PLANNED, any(goal.incarnation for goal in facts.goals), times.planned_at_s),
         (StageName.IN_PRODUCTION, made or facts.begun, times.first_piece_at_s),
-        (StageName.ON_ITS_WAY, arrived or times.left_at_s is not None, times.left_at_s),
+        # The same as the order's status says to everybody else.
+        (StageName.ON_ITS_WAY, arrived or order.status is OrderStatus.IN_DELIVERY, times.left_at_s),
         (StageName.DELIVERED, order.status is OrderStatus.DELIVERED, order.delivered_at_s),
     ]
     # A stage reached includes all stages before it, reported or not.

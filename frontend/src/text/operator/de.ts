@@ -261,7 +261,7 @@ export const de: Catalogue<typeof en> = {
   "machine.firstDue": "Das erste soll fertig sein: {at}.",
   "machine.offered": "Andere können sie jetzt übernehmen.",
   "machine.brings": "{atv} bringt {quantity} {item}",
-  "machine.secondary": "{atv} steht bereit",
+  "machine.secondary": "{atv} ist das sekundäre Fahrzeug",
   "machine.waits": "bis ihre Ziele anderen Maschinen angeboten werden",
   "machine.coming": "warten ihre Ziele; {by} ist unterwegs",
   "machine.over": "Auf ihre Ziele wird nicht mehr gewartet: wer kann, fertigt sie. Was niemand übernommen hat, bleibt bei ihr.",

@@ -261,7 +261,7 @@ export const es: Catalogue<typeof en> = {
   "machine.firstDue": "El primero debe estar listo {at}.",
   "machine.offered": "Otras pueden tomarlos ahora.",
   "machine.brings": "{atv} trae {quantity} {item}",
-  "machine.secondary": "{atv} está de reserva",
+  "machine.secondary": "{atv} es el secundario",
   "machine.waits": "hasta que sus objetivos se ofrezcan a otras máquinas",
   "machine.coming": "esperan sus objetivos; {by} está de camino",
   "machine.over": "Ya no se espera por sus objetivos: los hace quien pueda. Los que nadie ha tomado siguen siendo suyos.",

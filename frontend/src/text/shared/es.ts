@@ -542,7 +542,7 @@ export const es: Catalogue<typeof en> = {
   "carry.refused.not_trusted": "Allí no se confía en la firma de este aviso. Compare las claves del gateway y de la máquina.",
   "carry.refused.expired": "Este aviso había caducado cuando llegó. Compare los relojes del gateway y de la máquina.",
   "carry.refused.no_place": "El lugar donde se devuelve no está allí en el archivo de la planta.",
-  "carry.refused.not_there": "Se oyó por última vez, o se devuelve, fuera de las zonas de quien ha avisado. Tiene que avisar alguien para esas zonas.",
+  "carry.refused.not_there": "El vehículo se oyó por última vez fuera de las zonas de quien avisó, o se devuelve fuera de ellas. Tiene que avisar alguien responsable de ese lugar.",
   "carry.refused.too_early": "Allí aún no se ha escuchado al vehículo el tiempo suficiente. Espere un minuto.",
   "carry.refused.is_heard": "El vehículo todavía se oye allí. Apáguelo.",
   "carry.refused.heard_since": "El vehículo se oyó allí después de este aviso. Mire otra vez. Si no está en el suelo, reserve abajo un lugar para él: así se avisa de nuevo.",

@@ -70,7 +70,7 @@ DE = Catalogue(
         "placed": "Auftrag erteilt",
         "planned": "Eingeplant",
         "in_production": "In Fertigung",
-        "on_its_way": "Unterwegs",
+        "on_its_way": "In Auslieferung",
         "delivered": "Geliefert",
     },
     pieces_made="{part} von {all} gefertigt",

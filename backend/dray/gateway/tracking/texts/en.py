@@ -56,7 +56,7 @@ EN = Catalogue(
         "placed": "Order placed",
         "planned": "Planned",
         "in_production": "In production",
-        "on_its_way": "On its way",
+        "on_its_way": "Being delivered",
         "delivered": "Delivered",
     },
     pieces_made="{part} of {all} made",

@@ -56,7 +56,7 @@ ES = Catalogue(
         "placed": "Pedido realizado",
         "planned": "Planificado",
         "in_production": "En producción",
-        "on_its_way": "En camino",
+        "on_its_way": "En reparto",
         "delivered": "Entregado",
     },
     pieces_made="{part} de {all} fabricadas",

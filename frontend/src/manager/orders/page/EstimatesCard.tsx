@@ -5,8 +5,11 @@ import { format, t } from "../../../text/views/order";
 import { usePrinting } from "../../parts/paper/printing";
 import { names, orderName } from "../../state";
 import { addressOf } from "../../views";
-import { type Estimate, heightOf, leftOf, linesOf, type Move, movesOf, stepsOf, timeOf, topOf } from "./estimates";
+import { dueOnBand, type Estimate, heightOf, labelsOf, leftOf, linesOf, type Move, movesOf, stepsOf, timeOf, topOf } from "./estimates";
 import type { Story } from "./lanes";
+
+/** What is shorter is told to the second. */
+const FINE_S = 300;
 
 /** The newest, before somebody asks for more. */
 const AT_FIRST = 5;
@@ -17,12 +20,13 @@ interface Props {
   deliveredS: number | null;
   /** Now, or the order's end. */
   untilS: number;
+  hasEnded: boolean;
   /** When all of it is expected now; null where nobody can tell, and after the end. */
   expected: Story["expected"];
 }
 
 /** How the expected time has moved, as a band, and below it why. */
-export function EstimatesCard({ deliveredS, dueS, estimates, expected, untilS }: Props) {
+export function EstimatesCard({ deliveredS, dueS, estimates, expected, hasEnded, untilS }: Props) {
   const all = useSignal(false);
   const printing = usePrinting();
   if (estimates.length === 0) return null;
@@ -31,7 +35,7 @@ export function EstimatesCard({ deliveredS, dueS, estimates, expected, untilS }:
   const shown = moves.slice(hidden);
   return (
     <Card title={t("estimates.title")} class="order-estimates">
-      <Band estimates={estimates} dueS={dueS} deliveredS={deliveredS} untilS={untilS} shown={shown} first={hidden + 1} />
+      <Band estimates={estimates} dueS={dueS} deliveredS={deliveredS} hasEnded={hasEnded} untilS={untilS} shown={shown} first={hidden + 1} />
       {moves.length === 0 && <p class="muted">{stayedText(estimates, expected)}</p>}
       {hidden > 0 && (
         <button type="button" class="button small" onClick={() => (all.value = true)}>
@@ -59,8 +63,10 @@ export function stayedText(estimates: readonly Estimate[], expected: Story["expe
   return t("estimates.nearly", { from: format.due(expected.from_at_s, nowS.value), to: format.due(expected.to_at_s, nowS.value) });
 }
 
-function Band({ deliveredS, dueS, estimates, first, shown, untilS }: Omit<Props, "expected"> & { shown: readonly Move[]; first: number }) {
-  const time = timeOf(estimates, untilS);
+function Band({ deliveredS, dueS: orderDueS, estimates, first, hasEnded, shown, untilS }: Omit<Props, "expected"> & { shown: readonly Move[]; first: number }) {
+  const time = timeOf(estimates, untilS, hasEnded);
+  const clock = time.toS - time.fromS < FINE_S ? format.clock : format.hour;
+  const dueS = dueOnBand(estimates, orderDueS, deliveredS, hasEnded);
   const height = heightOf(estimates, [dueS, deliveredS]);
   const at = (atS: number) => ({ left: `${leftOf(time, atS)}%` });
   const lines = linesOf(shown.map(({ estimate }) => leftOf(time, estimate.at_s)));
@@ -71,8 +77,8 @@ function Band({ deliveredS, dueS, estimates, first, shown, untilS }: Omit<Props,
   return (
     <div class="estimates" role="img" aria-label={bandText(estimates)} style={{ "--lines": raised }}>
       <span class="estimates-scale num" aria-hidden="true">
-        {ends.map((atS) => (
-          <i key={atS} style={top(atS)}>{format.hour(atS)}</i>
+        {labelsOf(ends, height).map(({ atS, topPercent }) => (
+          <i key={atS} style={{ top: `${topPercent}%` }}>{format.hour(atS)}</i>
         ))}
       </span>
       <span class="estimates-band">
@@ -96,8 +102,8 @@ function Band({ deliveredS, dueS, estimates, first, shown, untilS }: Omit<Props,
         {deliveredS !== null && <i class="estimates-end" style={{ ...at(deliveredS), ...top(deliveredS) }} />}
       </span>
       <span class="estimates-time num" aria-hidden="true">
-        <i>{format.hour(time.fromS)}</i>
-        <i>{format.hour(time.toS)}</i>
+        <i>{clock(time.fromS)}</i>
+        <i>{clock(time.toS)}</i>
       </span>
     </div>
   );

@@ -15,7 +15,7 @@ import { ChangeCard } from "./ChangeCard";
 import { EstimatesCard } from "./EstimatesCard";
 import { Head } from "./Head";
 import { Lanes } from "./Lanes";
-import { groupsOf, legendOf, spanOf, type Story, type Transport } from "./lanes";
+import { dueOnAxis, groupsOf, legendOf, spanOf, type Story, type Transport } from "./lanes";
 import { LinkCard } from "./LinkCard";
 import { Moments } from "./Moments";
 import { transportText } from "./moments";
@@ -75,6 +75,7 @@ function Page({ again, kept, story }: { kept: OrderAnswer; story: Story; again: 
             dueS={order.due_at_s}
             deliveredS={order.delivered_at_s}
             untilS={isClosed(order) ? endOf(order, story) : nowS.value}
+            hasEnded={isClosed(order)}
           />
           <ChangeCard key={`change ${id}`} kept={kept} onChanged={again} />
           <LinkCard
@@ -99,18 +100,20 @@ function endOf(order: OrderView, story: Story): number {
 }
 
 function LanesCard({ order, story }: { order: OrderView; story: Story }) {
-  const untilS = isClosed(order) ? endOf(order, story) : nowS.value;
-  const groups = groupsOf(story, untilS);
-  const span = spanOf(story, [untilS, order.due_at_s, story.expected?.to_at_s ?? null], order.created_at_s);
-  const expected = isClosed(order) ? null : story.expected;
-  const drawn = legendOf(isClosed(order), order.due_at_s !== null, expected !== null);
+  const endedS = isClosed(order) ? endOf(order, story) : null;
+  const untilS = endedS ?? nowS.value;
+  const groups = groupsOf(story, untilS, endedS !== null);
+  const dueS = dueOnAxis(order.due_at_s, endedS);
+  const expected = endedS === null ? story.expected : null;
+  const span = spanOf(groups, [untilS, dueS, expected?.to_at_s ?? null], order.created_at_s, endedS !== null);
+  const drawn = legendOf(endedS !== null, dueS !== null, expected !== null);
   const transport = story.transports.find((each) => each.task === chosenTransport.value);
   return (
     <Card title={t("lanes.title")} class="order-lanes">
       {groups.length === 0 ? (
         <p class="empty">{t("lanes.none")}</p>
       ) : (
-        <Lanes groups={groups} span={span} nowS={isClosed(order) ? Infinity : nowS.value} dueS={order.due_at_s} expected={expected} />
+        <Lanes groups={groups} span={span} nowS={endedS === null ? nowS.value : Infinity} dueS={dueS} expected={expected} />
       )}
       {groups.length > 0 && <Legend kinds={drawn} />}
       {transport && <Told transport={transport} />}

@@ -23,7 +23,7 @@ export function StoryFrame({ back, children, failed, id, loading }: Props) {
             <h1>{id}</h1>
           </header>
           <p class="empty" role="status">
-            {failed ?? loading} <a href={back.href}>{back.text}</a>
+            {failed ?? loading} <a class="quiet-link" href={back.href}>{back.text}</a>
           </p>
         </section>
       </main>

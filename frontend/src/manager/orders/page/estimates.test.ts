@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { type Estimate, heightOf, leftOf, linesOf, movesOf, stepsOf, timeOf, topOf } from "./estimates";
+import { dueOnBand, type Estimate, heightOf, labelsOf, leftOf, linesOf, movesOf, stepsOf, timeOf, topOf } from "./estimates";
 import { moveText, stayedText } from "./EstimatesCard";
 
 const at = (atS: number, fromS: number | null, toS: number | null, more: Partial<Estimate> = {}): Estimate => ({
@@ -20,7 +20,7 @@ describe("the estimates of an order", () => {
   });
 
   test("are drawn as long as each was told, with a gap where nothing could be", () => {
-    const time = timeOf(MOVED, 500);
+    const time = timeOf(MOVED, 500, false);
     const height = heightOf(MOVED, [1350, null]);
     expect([time.fromS, time.toS]).toEqual([0, 500]);
     const steps = stepsOf(MOVED, time, height, 500);
@@ -63,5 +63,35 @@ describe("the numbers of moves", () => {
 
   test("are left out where more stand in one place than there are lines", () => {
     expect(linesOf([10, 11, 12, 13, 18])).toEqual([0, 1, 2, null, 0]);
+  });
+});
+
+test("the drawing of an order that has ended leaves out a due time that was never in doubt", () => {
+  const told = [at(100, 140, 150)];
+  expect(dueOnBand(told, 4000, 145, true)).toBeNull();
+  expect(dueOnBand(told, 148, 145, true)).toBe(148);
+  expect(dueOnBand(told, 4000, null, false)).toBe(4000);
+});
+
+test("the drawing of an order that has ended ends with it", () => {
+  expect(timeOf([at(100, 140, 150)], 120, true)).toEqual({ fromS: 100, toS: 120 });
+  expect(timeOf([at(100, 140, 150)], 120, false)).toEqual({ fromS: 100, toS: 160 });
+});
+
+describe("the times beside the drawing", () => {
+  const height = { fromS: 0, toS: 1000 };
+
+  test("stand where they belong, if there is room between them", () => {
+    expect(labelsOf([200, 600], height)).toEqual([{ atS: 200, topPercent: 80 }, { atS: 600, topPercent: 40 }]);
+  });
+
+  test("stand apart, the later above, where there is none", () => {
+    const [earlier, later] = labelsOf([200, 210], height);
+    expect((earlier?.topPercent ?? 0) - (later?.topPercent ?? 0)).toBeCloseTo(13);
+  });
+
+  test("are one where both are the same, and none where nothing is known", () => {
+    expect(labelsOf([200, 200], height)).toEqual([{ atS: 200, topPercent: 80 }]);
+    expect(labelsOf([], height)).toEqual([]);
   });
 });

@@ -23,11 +23,21 @@ export interface Move {
 const ROOM_FRAC = 0.08;
 
 const LEAST_SPAN_S = 60;
+const LEAST_ENDED_S = 5;
+
+/** Of the drawing's height, what a time beside it takes. */
+const LABEL_PERCENT = 13;
 
 /** From the first estimate to now, or to the order's end. */
-export function timeOf(estimates: readonly Estimate[], untilS: number): Span {
+export function timeOf(estimates: readonly Estimate[], untilS: number, hasEnded: boolean): Span {
   const fromS = estimates[0]?.at_s ?? untilS;
-  return { fromS, toS: Math.max(untilS, estimates.at(-1)?.at_s ?? untilS, fromS + LEAST_SPAN_S) };
+  return { fromS, toS: Math.max(untilS, estimates.at(-1)?.at_s ?? untilS, fromS + (hasEnded ? LEAST_ENDED_S : LEAST_SPAN_S)) };
+}
+
+/** When it is due, as far as the drawing shows that: of what has ended, only where that was ever expected later. */
+export function dueOnBand(estimates: readonly Estimate[], dueS: number | null, deliveredS: number | null, hasEnded: boolean): number | null {
+  const latestS = Math.max(deliveredS ?? -Infinity, ...estimates.map(({ to_at_s: toS }) => toS ?? -Infinity));
+  return hasEnded && dueS !== null && dueS > latestS ? null : dueS;
 }
 
 /** From the earliest to the latest that was ever expected, with what is due and when it was delivered. */
@@ -37,6 +47,16 @@ export function heightOf(estimates: readonly Estimate[], marks: readonly (number
   const toS = Math.max(fromS + LEAST_SPAN_S, ...all);
   const roomS = (toS - fromS) * ROOM_FRAC;
   return { fromS: fromS - roomS, toS: toS + roomS };
+}
+
+/** Where the times beside the drawing stand, so that the later one, which is above, does not cover the earlier one. */
+export function labelsOf(ends: readonly number[], height: Span): { readonly atS: number; readonly topPercent: number }[] {
+  const [low, high] = [topOf(height, Math.min(...ends)), topOf(height, Math.max(...ends))];
+  const byPercent = Math.max(0, LABEL_PERCENT - (low - high)) / 2;
+  return [...new Set(ends)].map((atS, _index, all) => ({
+    atS,
+    topPercent: topOf(height, atS) + (all.length < 2 ? 0 : atS === Math.max(...ends) ? -byPercent : byPercent),
+  }));
 }
 
 export function leftOf(span: Span, atS: number): number {

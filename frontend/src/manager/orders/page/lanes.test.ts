@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { barsOfExpected, barsOfGoal, barsOfLeg, type Goal, groupsOf, type Leg, legendOf, percentOf, signsOf, spanOf, type Story, ticksOf, type Transport } from "./lanes";
+import { barsOfExpected, barsOfGoal, barsOfLeg, dueOnAxis, type Goal, groupsOf, type Leg, legendOf, percentOf, signsOf, spanOf, type Story, ticksOf, type Transport } from "./lanes";
 import { goalNote } from "./Lanes";
 import { momentText, transportText } from "./moments";
 
@@ -87,12 +87,27 @@ test("transports stand under the goal whose pieces they carry", () => {
 
 describe("the axis", () => {
   test("reaches from the order's beginning over all that is told, due and expected", () => {
-    const span = spanOf(story({ goals: [goal({})] }), [500, null, 700], 90);
+    const span = spanOf(groupsOf(story({ goals: [goal({})] }), 500), [500, null, 700], 90);
     expect(span.fromS).toBe(90);
     expect(span.toS).toBeGreaterThan(700);
     expect(percentOf(span, 90)).toBe(0);
     expect(percentOf(span, 1e6)).toBe(100);
     expect(percentOf(span, 0)).toBe(0);
+  });
+
+  test("ends with the order, and not with what was promised or due after that", () => {
+    const ended = story({ goals: [goal({ made: 4, promised_at_s: 900 })], transports: [transport([leg({ aboard_at_s: 240, until_at_s: 300 })])] });
+    const groups = groupsOf(ended, 500, true);
+    expect(groups[0]?.bars.map(({ kind }) => kind)).not.toContain("open");
+    const span = spanOf(groups, [500, dueOnAxis(4000, 500)], 100, true);
+    expect(span.toS).toBe(500 + 400 * 0.04);
+    // It was short, and the axis is short, too.
+    const short = spanOf(groupsOf(story({}), 112, true), [112], 90, true);
+    expect(short).toEqual({ fromS: 90, toS: 112 + 22 * 0.04 });
+    expect(ticksOf(short, 7).length).toBeGreaterThan(3);
+    // When it came too late, the axis shows since when; and so it does while it is still to come.
+    expect(dueOnAxis(450, 500)).toBe(450);
+    expect(dueOnAxis(4000, null)).toBe(4000);
   });
 
   test("has round ticks, and never too many", () => {
@@ -120,8 +135,8 @@ describe("the signs at the head of the axis", () => {
   });
 
   test("are in the legend, as is the expected range, where they are drawn", () => {
-    const bars = ["fetch", "carry", "lost", "waits", "made", "open"];
-    expect(legendOf(false, true, true)).toEqual([...bars, "expected", "now", "due"]);
+    const bars = ["fetch", "carry", "lost", "waits", "made"];
+    expect(legendOf(false, true, true)).toEqual([...bars, "open", "expected", "now", "due"]);
     expect(legendOf(true, false, false)).toEqual(bars);
   });
 });

@@ -37,16 +37,20 @@ export interface Group {
 }
 
 const HOUR_S = 3600;
-const STEPS_S = [10, 30, 60, 120, 300, 600, 900, 1800, HOUR_S, 2 * HOUR_S, 6 * HOUR_S, 12 * HOUR_S, 24 * HOUR_S, 168 * HOUR_S];
-/** What is shorter has no ticks that tell anything. */
+const STEPS_S = [1, 2, 5, 10, 30, 60, 120, 300, 600, 900, 1800, HOUR_S, 2 * HOUR_S, 6 * HOUR_S, 12 * HOUR_S, 24 * HOUR_S, 168 * HOUR_S];
+/** What has just begun has this much of an axis, so that it does not move with every second. What has ended needs less. */
 const LEAST_SPAN_S = 60;
+const LEAST_ENDED_S = 5;
+/** Room behind the last of it, as part of all. */
+const ROOM_FRAC = 0.04;
 /** Two signs that are nearer have no room beside one another. */
 const SIGNS_APART_PERCENT = 30;
 
-export function groupsOf(story: Story, nowS: number): Group[] {
+/** @param hasEnded nothing is still to come then */
+export function groupsOf(story: Story, nowS: number, hasEnded = false): Group[] {
   return story.goals.map((goal) => ({
     goal,
-    bars: barsOfGoal(goal, nowS),
+    bars: barsOfGoal(goal, nowS).filter(({ kind }) => !hasEnded || kind !== "open"),
     transports: story.transports
       .filter((transport) => transport.goal === goal.goal)
       .map((transport) => ({ transport, bars: transport.legs.flatMap((leg) => barsOfLeg(leg, nowS)) })),
@@ -99,7 +103,8 @@ export function barsOfLeg(leg: Leg, nowS: number): Bar[] {
 /** What the legend names, as far as it is drawn. */
 export function legendOf(isClosed: boolean, isDue: boolean, isExpected: boolean): (BarKind | Sign["kind"])[] {
   return [
-    "fetch", "carry", "lost", "waits", "made", "open",
+    "fetch", "carry", "lost", "waits", "made",
+    ...(isClosed ? [] : ["open" as const]),
     ...(isExpected ? ["expected" as const] : []),
     ...(isClosed ? [] : ["now" as const]),
     ...(isDue ? ["due" as const] : []),
@@ -121,13 +126,23 @@ export function signsOf(span: Span, nowS: number, dueS: number | null): Sign[] {
   return [...now, { kind: "due", atS: dueS, row: isNear ? 1 : 0 }];
 }
 
+/** When it is due, as far as the axis shows that: the axis of what has ended does not run on to a time that was not needed. */
+export function dueOnAxis(dueS: number | null, endedS: number | null): number | null {
+  return dueS !== null && endedS !== null && dueS > endedS ? null : dueS;
+}
+
 /** From the first of an order to the last of it, with what is expected and due, and a little room at the end. */
-export function spanOf(story: Story, marks: readonly (number | null)[], startS: number): Span {
-  const bars = groupsOf(story, startS).flatMap((group) => [...group.bars, ...group.transports.flatMap((each) => each.bars)]);
+export function spanOf(groups: readonly Group[], marks: readonly (number | null)[], startS: number, hasEnded = false): Span {
+  const bars = groups.flatMap((group) => [...group.bars, ...group.transports.flatMap((each) => each.bars)]);
   const ends = [...bars.map((bar) => bar.toS), ...marks.filter((mark) => mark !== null)];
   const fromS = Math.min(startS, ...bars.map((bar) => bar.fromS));
-  const lastS = Math.max(fromS + LEAST_SPAN_S, ...ends);
-  return { fromS, toS: lastS + (lastS - fromS) * 0.04 };
+  return spanBetween(fromS, ends, hasEnded);
+}
+
+/** From a moment to the last of some others, with a little room behind it. */
+export function spanBetween(fromS: number, ends: readonly number[], hasEnded: boolean): Span {
+  const lastS = Math.max(fromS + (hasEnded ? LEAST_ENDED_S : LEAST_SPAN_S), ...ends);
+  return { fromS, toS: lastS + (lastS - fromS) * ROOM_FRAC };
 }
 
 /** How far along the span a moment lies, in percent; what lies outside is at its edge. */

@@ -26,13 +26,13 @@ test("what else a line tells is one line of text in people's words", () => {
   speak("en", en, "en-GB");
   expect(plain(detailText({ kind: "set_speed", speed_frac: 0.5 }))).toBe("kind set speed · speed 50 %");
   expect(detailText({ agents: ["ATV2", "M5"] })).toBe("agents ATV2, M5");
-  expect(detailText({ kind: "one_way", lane: { start: "a1", end: "a2" }, after_work: true })).toBe("kind one-way · lane (from a1 · to a2) · after its work yes");
+  expect(detailText({ kind: "one_way", lane: { start: "a1", end: "a2" }, after_work: true })).toBe("kind one-way · lane (from a1 · to a2) · after its work");
   expect(detailText({ change: '{"priority":"urgent","due_at":null}' })).toBe("change (priority urgent · due none)");
   expect(detailText({ name: "ERP", days: null, place: "", areas: [] })).toBe("name ERP");
   expect(detailText({})).toBe("");
   // Without a vehicle there is none that alone may do it.
   expect(detailText({ to: "M8", vehicle_only: true })).toBe("to M8");
-  expect(detailText({ vehicle: "ATV2", vehicle_only: true })).toBe("vehicle ATV2 · only this vehicle yes");
+  expect(detailText({ vehicle: "ATV2", vehicle_only: true })).toBe("vehicle ATV2 · only this vehicle");
   expect(detailText({ time_zone: "Europe/Berlin", missed: "skip" })).toBe("time zone Europe/Berlin · missed runs left out");
   expect(detailText({ kind: "resume", after_work: false, command: "6c21f0a4-0b7e-4c55-9a40-1f2d3c4b5a69" })).toBe("kind resume");
   speak("de", de, "de-DE");

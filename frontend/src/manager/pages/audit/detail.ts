@@ -26,7 +26,8 @@ function partsText(parts: readonly (readonly [string, unknown])[]): string {
   return parts
     // Without a vehicle there is none that alone may do it.
     .filter(([name]) => name !== "vehicle_only" || names.has("vehicle"))
-    .map(([name, value]) => `${word("audit.of", name)} ${valueText(name, value)}`)
+    // What is so is told by its name alone.
+    .map(([name, value]) => (value === true ? word("audit.of", name) : `${word("audit.of", name)} ${valueText(name, value)}`))
     .join(" · ");
 }
 

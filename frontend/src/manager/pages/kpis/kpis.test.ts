@@ -2,6 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { KpiHistory, KpiPoint } from "../../../api/types";
 import { CHARTS } from "./charts";
 import { stepFor } from "./charts/keys";
+import { bandsOf } from "./charts/options";
 import { shownValue } from "./charts/shown";
 import { columnOf, lastOf, stacked, stepsOf, transportsPerHour } from "./history";
 
@@ -73,4 +74,10 @@ describe("arrow keys", () => {
     expect(stepFor("Escape", 3, 5)).toBeNull();
     expect(stepFor("Tab", 3, 5)).toBeUndefined();
   });
+});
+
+test("each part of a stack is filled down to the next one alone, the last down to the axis", () => {
+  const [stack, lines] = [CHARTS.find(({ kind }) => kind === "stack"), CHARTS.find(({ kind }) => kind === "lines")];
+  expect(stack && bandsOf(stack).map(({ series }) => series)).toEqual([[1, 2], [2, 3], [3, 4], [4, 5], [5, 6]]);
+  expect(lines && bandsOf(lines)).toEqual([]);
 });

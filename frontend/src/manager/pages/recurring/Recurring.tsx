@@ -171,12 +171,12 @@ function Last({ schedule: { last, missed_at, time_zone } }: { schedule: Schedule
       {last === null ? "–" : at(last.planned_at)}
       {last?.transport != null && (
         <small class="line">
-          <a href={addressOfTransport(last.transport)}>{last.transport}</a>
+          <a class="link" href={addressOfTransport(last.transport)}>{last.transport}</a>
         </small>
       )}
       {last?.order != null && (
         <small class="line">
-          <a href={addressOf(last.order)}>{orderName(last.order)}</a>
+          <a class="link" href={addressOf(last.order)}>{orderName(last.order)}</a>
         </small>
       )}
       {last?.refused != null && <small class="line complaint">{t("recurring.refused", { reason: last.refused })}</small>}

@@ -13,13 +13,13 @@ import { linkText } from "../../cards/atv/link";
 import { Search } from "../../parts/filters/Search";
 import { ShowLink } from "../../parts/ShowLink";
 import { names } from "../../state";
-import { type Filter, FILTERS, type Guarding, guardings, isFound, passes, type WatchState } from "./watch";
+import { type Filter, FILTERS, isFound, passes, type Watched, watches, type WatchState } from "./watch";
 
 const filter = signal<Filter>("all");
 const words = signal("");
 
 const TONES: Readonly<Record<WatchState, Tone>> = {
-  silent: "alarm", overdue: "warn", unguarded: "normal", guarded: "normal",
+  silent: "alarm", overdue: "warn", unwatched: "normal", watched: "normal",
 };
 
 /** The view, once it has its words. */
@@ -28,27 +28,27 @@ export async function load(): Promise<typeof WatchView> {
   return WatchView;
 }
 
-/** Who guards whom, and how long ago the guarded one was heard. */
+/** Who watches whom, and how long ago the watched one was heard. */
 export function WatchView() {
-  const all = useComputed(() => (world.value ? guardings(world.value, presentS.value) : [])).value;
+  const all = useComputed(() => (world.value ? watches(world.value, presentS.value) : [])).value;
   const shown = all.filter((each) => passes(each, filter.value) && isFound(each, words.value));
-  const heads = ["carrier", "age", "guard", "guardAge", "doing", "task", "for"] as const;
+  const heads = ["carrier", "age", "secondary", "secondaryAge", "doing", "task", "for"] as const;
   return (
     <Table
       title={t("watch.title")}
       hint={t("watch.hint")}
-      heads={heads.map((head) => (head === "age" || head === "guardAge" ? inFactoryTime(t(`watch.${head}`)) : t(`watch.${head}`)))}
+      heads={heads.map((head) => (head === "age" || head === "secondaryAge" ? inFactoryTime(t(`watch.${head}`)) : t(`watch.${head}`)))}
       empty={t(all.length === 0 ? "watch.none" : "watch.noneOf")}
       aside={<Filters all={all} />}
     >
       {shown.map((each) => (
-        <Row key={each.task.id} guarding={each} />
+        <Row key={each.task.id} watched={each} />
       ))}
     </Table>
   );
 }
 
-function Filters({ all }: { all: readonly Guarding[] }) {
+function Filters({ all }: { all: readonly Watched[] }) {
   return (
     <>
       <Search words={words} />
@@ -70,8 +70,8 @@ function Filters({ all }: { all: readonly Guarding[] }) {
   );
 }
 
-function Row({ guarding }: { guarding: Guarding }) {
-  const { aboard, carrier, guard, state, task } = guarding;
+function Row({ watched }: { watched: Watched }) {
+  const { aboard, carrier, secondary, state, task } = watched;
   return (
     <tr>
       <th scope="row">
@@ -93,7 +93,7 @@ function Row({ guarding }: { guarding: Guarding }) {
           <span class="tone-warn">{t("watch.nobody")}</span>
         )}
       </td>
-      <td>{guard && <Age atv={guard} />}</td>
+      <td>{secondary && <Age atv={secondary} />}</td>
       <td>{task.phase && word("phase", task.phase)}</td>
       <td>
         <ShowLink chosen={{ kind: "task", id: task.id }} label={t("tasks.open", { id: task.id })} />

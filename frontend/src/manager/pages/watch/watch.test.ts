@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { AtvView, TaskView } from "../../../api/types";
 import type { World } from "../../../stream/world";
 import { statusCounts } from "../../cards/factory/status";
-import { guardings, isFound, passes } from "./watch";
+import { isFound, passes, watches } from "./watch";
 
 const NOW_S = 100;
 const task = (id: string, primary: string, more: Partial<TaskView> = {}) =>
@@ -17,8 +17,8 @@ function world(tasks: TaskView[], atvs: AtvView[]): World {
   } as unknown as World;
 }
 
-describe("who guards whom", () => {
-  const shown = guardings(
+describe("who watches whom", () => {
+  const shown = watches(
     world(
       [
         task("M8-1", "ATV10", { secondary: "ATV1" }),
@@ -36,22 +36,22 @@ describe("who guards whom", () => {
 
   test("begins with who is silent, then who is overdue, then who has no watch", () => {
     expect(shown.map(({ state, task: { primary } }) => [primary, state])).toEqual([
-      ["ATV4", "silent"], ["ATV3", "overdue"], ["ATV2", "unguarded"], ["ATV6", "guarded"], ["ATV10", "guarded"],
+      ["ATV4", "silent"], ["ATV3", "overdue"], ["ATV2", "unwatched"], ["ATV6", "watched"], ["ATV10", "watched"],
     ]);
   });
 
   test("can be filtered by what is wrong, and by name", () => {
     const named = (filter: Parameters<typeof passes>[1]) =>
       shown.filter((each) => passes(each, filter)).map((each) => each.task.primary);
-    expect(named("guarded")).toEqual(["ATV3", "ATV6", "ATV10"]);
-    expect(named("unguarded")).toEqual(["ATV4", "ATV2"]);
+    expect(named("watched")).toEqual(["ATV3", "ATV6", "ATV10"]);
+    expect(named("unwatched")).toEqual(["ATV4", "ATV2"]);
     expect(named("overdue")).toEqual(["ATV4", "ATV3"]);
     expect(shown.filter((each) => isFound(each, " atv1 ")).map((each) => each.task.id)).toEqual(["M8-3", "M8-6", "M8-1"]);
   });
 
   test("tells goods on board from a watch that is only missing", () => {
     const goods = task("M8-7", "ATV2", { goods_aboard: true });
-    const aboard = guardings(world([goods, task("M8-8", "ATV3")], []), NOW_S);
+    const aboard = watches(world([goods, task("M8-8", "ATV3")], []), NOW_S);
     expect(aboard.map((each) => each.aboard)).toEqual([true, false]);
     expect(aboard[0]?.carrier).toBeNull();
   });

@@ -15,7 +15,7 @@ export const records: Catalogue<typeof english> = {
   "filter.find": "In dieser Liste suchen",
   "filter.any": "alle",
   "filter.open": "offen",
-  "filter.inProduction": "in Arbeit",
+  "filter.inProduction": "eingeplant oder in Fertigung",
   "filter.none": "Nichts Passendes.",
   "filter.csv": "CSV",
   "filter.csvTitle": "Für eine Tabelle herunterladen",

@@ -9,7 +9,7 @@ export const story: Catalogue<typeof en> = {
   "story.transport": "Transport",
   "story.production": "Ziel",
   "story.vehicle": "Fahrzeug",
-  "story.standby": "Steht bereit",
+  "story.standby": "Sekundär",
   "story.machine": "Maschine",
   "story.place": "Ort",
   "story.called": "Gerufen",

@@ -51,7 +51,7 @@ export const auction = {
   "part.rest": "rests",
 
   "state.bidding": "bidding",
-  "state.contracted": "contracted",
+  "state.contracted": "assigned",
   "state.delivered": "delivered",
   "state.withdrawn": "withdrawn",
 

@@ -46,7 +46,7 @@ export const orders = {
   "order.released": "published",
   "order.planned": "planned",
   "order.in_production": "in production",
-  "order.in_delivery": "in delivery",
+  "order.in_delivery": "being delivered",
   "order.delivered": "delivered",
   "order.cancelled": "cancelled",
 

@@ -12,7 +12,7 @@ export const records = {
   "filter.find": "Find in this list",
   "filter.any": "any",
   "filter.open": "open",
-  "filter.inProduction": "in work",
+  "filter.inProduction": "planned or in production",
   "filter.none": "Nothing fits.",
   "filter.csv": "CSV",
   "filter.csvTitle": "Download for a spreadsheet",

@@ -6,7 +6,7 @@ export const story = {
   "story.transport": "Transport",
   "story.production": "Goal",
   "story.vehicle": "Vehicle",
-  "story.standby": "Stands by",
+  "story.standby": "Secondary",
   "story.machine": "Machine",
   "story.place": "Place",
   "story.called": "Called for",

@@ -15,7 +15,7 @@ export const records: Catalogue<typeof english> = {
   "filter.find": "Buscar en esta lista",
   "filter.any": "todos",
   "filter.open": "abiertos",
-  "filter.inProduction": "en curso",
+  "filter.inProduction": "planificado o en producción",
   "filter.none": "Nada coincide.",
   "filter.csv": "CSV",
   "filter.csvTitle": "Descargar para una hoja de cálculo",

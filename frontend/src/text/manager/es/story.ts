@@ -9,7 +9,7 @@ export const story: Catalogue<typeof en> = {
   "story.transport": "Transporte",
   "story.production": "Meta",
   "story.vehicle": "Vehículo",
-  "story.standby": "De reserva",
+  "story.standby": "Secundario",
   "story.machine": "Máquina",
   "story.place": "Lugar",
   "story.called": "Pedido como",

@@ -21,7 +21,7 @@ export const alerts: Catalogue<typeof en> = {
   "alerts.back.over": "Fragt wieder: die Zeit ist um",
   "alerts.back.worse": "Fragt wieder: es ist schlimmer",
   "alerts.said": "{by}: {comment}",
-  "alertLog.title": "Alle, die es gab",
+  "alertLog.title": "Alle Meldungen bisher",
   "alertLog.kind": "Art",
   "alertLog.level": "Stufe",
   "alertLog.state": "Stand",

@@ -18,7 +18,7 @@ export const alerts = {
   "alerts.back.over": "Asks again: the time is over",
   "alerts.back.worse": "Asks again: it is worse",
   "alerts.said": "{by}: {comment}",
-  "alertLog.title": "All there were",
+  "alertLog.title": "All alerts so far",
   "alertLog.kind": "Kind",
   "alertLog.level": "Level",
   "alertLog.state": "State",

@@ -21,7 +21,7 @@ export const alerts: Catalogue<typeof en> = {
   "alerts.back.over": "Pregunta de nuevo: se acabó el plazo",
   "alerts.back.worse": "Pregunta de nuevo: ha empeorado",
   "alerts.said": "{by}: {comment}",
-  "alertLog.title": "Todos los que hubo",
+  "alertLog.title": "Todos los avisos hasta ahora",
   "alertLog.kind": "Tipo",
   "alertLog.level": "Nivel",
   "alertLog.state": "Estado",

@@ -8,7 +8,7 @@ export const guide: Catalogue<typeof en> = {
   "legend.free": "freies Fahrzeug",
   "legend.charging": "lädt",
   "legend.chosen": "gewähltes Fahrzeug",
-  "legend.standby": "steht für das gewählte bereit",
+  "legend.standby": "sekundäres Fahrzeug zum gewählten",
   "legend.trouble": "angehalten oder mit Störung",
   "legend.silent": "stumm: wo es zuletzt gehört wurde",
   "legend.radio": "spricht nur noch über Funk",

@@ -5,7 +5,7 @@ export const guide = {
   "legend.free": "vehicle that is free",
   "legend.charging": "charges",
   "legend.chosen": "chosen vehicle",
-  "legend.standby": "stands by for the chosen one",
+  "legend.standby": "secondary of the chosen vehicle",
   "legend.trouble": "stopped, or reports a fault",
   "legend.silent": "silent: where it was heard last",
   "legend.radio": "speaks by radio only",

@@ -8,7 +8,7 @@ export const guide: Catalogue<typeof en> = {
   "legend.free": "vehículo libre",
   "legend.charging": "se carga",
   "legend.chosen": "vehículo elegido",
-  "legend.standby": "de reserva para el elegido",
+  "legend.standby": "secundario del vehículo elegido",
   "legend.trouble": "parado o con avería",
   "legend.silent": "callado: donde se oyó por última vez",
   "legend.radio": "solo habla por radio",

@@ -199,7 +199,7 @@ export const order: Catalogue<typeof en> = {
   "change.unsaved": "noch nicht gespeichert",
   "change.underWay": "wird geändert",
   "change.atLeast": "{product}, mindestens {n}",
-  "change.hint": "Was eine Maschine begonnen hat, behält sie: eine Menge kann größer ausfallen als gewünscht.",
+  "change.hint": "Eine Maschine behält die Arbeit, die sie begonnen hat: Es können mehr Stück werden als gewünscht.",
   "change.wrong": "Das geht nicht: weniger Stück als gefertigt, oder keine Zahl.",
   "change.passes": "Er würde {n} für dieselben Produkte überholen, zuerst {orders}.",
   "change.newTab": "{order} (öffnet sich in einem neuen Tab)",

@@ -196,7 +196,7 @@ export const order = {
   "change.unsaved": "not saved yet",
   "change.underWay": "being changed",
   "change.atLeast": "{product}, at least {n}",
-  "change.hint": "What a machine has begun it keeps: a quantity may become more than asked for.",
+  "change.hint": "A machine keeps the work it has begun: more pieces may be made than you ask for.",
   "change.wrong": "That is not possible: fewer pieces than are made, or no number.",
   "change.passes": "It would pass {n} for the same products, first {orders}.",
   "change.newTab": "{order} (opens in a new tab)",

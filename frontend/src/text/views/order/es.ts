@@ -199,7 +199,7 @@ export const order: Catalogue<typeof en> = {
   "change.unsaved": "sin guardar",
   "change.underWay": "se está modificando",
   "change.atLeast": "{product}, al menos {n}",
-  "change.hint": "Lo que una máquina ha empezado lo conserva: una cantidad puede quedar mayor de lo pedido.",
+  "change.hint": "Una máquina conserva el trabajo que ha empezado: pueden salir más piezas de las pedidas.",
   "change.wrong": "No es posible: menos piezas de las fabricadas, o no es un número.",
   "change.passes": "Adelantaría a {n} de los mismos productos, primero {orders}.",
   "change.newTab": "{order} (se abre en una pestaña nueva)",

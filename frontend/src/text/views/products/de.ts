@@ -53,7 +53,6 @@ export const products: Catalogue<typeof en> = {
   "products.taken.one": "{n} Produkt ist festgelegt.",
   "products.taken.other": "{n} Produkte sind festgelegt.",
   "products.takeFile": "Alle festlegen",
-  "products.tick": "Auswahl",
   "products.definedBy": "Festgelegt von",
   "products.anybody": "allen",
   "products.author": "{by} ({count})",

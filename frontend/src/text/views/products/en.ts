@@ -50,7 +50,6 @@ export const products = {
   "products.taken.one": "{n} product is defined.",
   "products.taken.other": "{n} products are defined.",
   "products.takeFile": "Define all of them",
-  "products.tick": "Tick",
   "products.definedBy": "Defined by",
   "products.anybody": "anybody",
   "products.author": "{by} ({count})",

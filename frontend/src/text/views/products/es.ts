@@ -53,7 +53,6 @@ export const products: Catalogue<typeof en> = {
   "products.taken.one": "{n} producto queda definido.",
   "products.taken.other": "{n} productos quedan definidos.",
   "products.takeFile": "Definirlos todos",
-  "products.tick": "Marcar",
   "products.definedBy": "Definido por",
   "products.anybody": "cualquiera",
   "products.author": "{by} ({count})",

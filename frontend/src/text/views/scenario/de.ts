@@ -17,7 +17,7 @@ export const scenario: Catalogue<typeof en> = {
   "scenario.checks": "Was geprüft wurde",
 
   "scenario.step.ordered": "Ein Auftrag ist erteilt",
-  "scenario.step.contracted": "Primär- und Ersatzfahrzeug sind verpflichtet",
+  "scenario.step.contracted": "Primäres und sekundäres Fahrzeug stehen fest",
   "scenario.step.under_way": "Unterwegs",
   "scenario.step.loading": "Nimmt die Last auf",
   "scenario.step.wlan_cut": "WLAN getrennt",

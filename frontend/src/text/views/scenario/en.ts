@@ -14,7 +14,7 @@ export const scenario = {
   "scenario.checks": "What had to be so",
 
   "scenario.step.ordered": "An order is placed",
-  "scenario.step.contracted": "Primary and secondary are contracted",
+  "scenario.step.contracted": "Primary and secondary are assigned",
   "scenario.step.under_way": "On its way",
   "scenario.step.loading": "Takes its load up",
   "scenario.step.wlan_cut": "WLAN cut",

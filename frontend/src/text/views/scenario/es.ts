@@ -17,7 +17,7 @@ export const scenario: Catalogue<typeof en> = {
   "scenario.checks": "Lo que tenía que cumplirse",
 
   "scenario.step.ordered": "Se hace un pedido",
-  "scenario.step.contracted": "Contratados el primario y el secundario",
+  "scenario.step.contracted": "Asignados el primario y el secundario",
   "scenario.step.under_way": "En camino",
   "scenario.step.loading": "Recoge su carga",
   "scenario.step.wlan_cut": "Wifi cortada",

@@ -59,6 +59,7 @@ export function optionsOf(
         values: (_drawn, splits) => splits.map((value) => axisValue(chart, value)),
       },
     ],
+    bands: bandsOf(chart),
     series: [
       {},
       ...lines.map((line) => ({
@@ -75,6 +76,14 @@ export function optionsOf(
       ],
     },
   };
+}
+
+/**
+ * Each part of a stack is filled down to the part below it, and not down to the axis: else a part of 0 % is drawn under all others, and shows at
+ * both sides of each gap.
+ */
+export function bandsOf({ kind, lines }: Chart): uPlot.Band[] {
+  return kind === "stack" ? lines.slice(1).map((_line, index) => ({ series: [index + 1, index + 2] })) : [];
 }
 
 /** @param rim between the parts of a stack, whose greys are not far apart */

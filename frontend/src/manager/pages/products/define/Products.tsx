@@ -21,7 +21,7 @@ import { RemoveBar } from "./RemoveBar";
 
 const EVERY_MS = 10_000;
 
-const HEADS = ["tick", "name", "revision", "bill", "lot", "machines", "documents", "definedBy"] as const;
+const HEADS = ["name", "revision", "bill", "lot", "machines", "documents", "definedBy"] as const;
 
 /** The view, once it has its words. */
 export async function load(): Promise<typeof Products> {
@@ -96,10 +96,12 @@ export function Products() {
   );
 }
 
-function Tick({ definition }: { definition: Definition | undefined }) {
+/** Who has defined it, with a box to tick: what stands in the plant file cannot be removed here. */
+function Author({ definition }: { definition: Definition | undefined }) {
+  if (!definition) return <td class="muted">{t("products.plantFile")}</td>;
   return (
     <td>
-      {definition && (
+      <span class="author">
         <label class="tick">
           <input
             type="checkbox"
@@ -108,17 +110,11 @@ function Tick({ definition }: { definition: Definition | undefined }) {
             onChange={(event) => { tick([definition.id], event.currentTarget.checked); }}
           />
         </label>
-      )}
-    </td>
-  );
-}
-
-function Author({ definition }: { definition: Definition | undefined }) {
-  if (!definition) return <td class="muted">{t("products.plantFile")}</td>;
-  return (
-    <td>
-      {definition.by}
-      <small class="line muted">{format.when(definition.at_s, nowS.value)}</small>
+        <span>
+          {definition.by}
+          <small class="line muted">{format.when(definition.at_s, nowS.value)}</small>
+        </span>
+      </span>
     </td>
   );
 }
@@ -127,7 +123,6 @@ function Author({ definition }: { definition: Definition | undefined }) {
 function UnfitRow({ definition }: { definition: Definition }) {
   return (
     <tr>
-      <Tick definition={definition} />
       <th scope="row">
         {definition.name}
         <small class="line muted">{definition.id}</small>
@@ -149,7 +144,6 @@ function Row({ definition, product }: { definition: Definition | undefined; prod
   const machines = Object.entries(product.machines).map(([machine, cycleS]) => t("products.cycle", { machine, cycle: format.duration(cycleS) }));
   return (
     <tr>
-      <Tick definition={definition} />
       <th scope="row">
         <button type="button" class="link" popovertarget={FORM} title={t("products.change", { name: product.name })} onClick={() => { begin(product); }}>
           {product.name}

@@ -18,7 +18,7 @@ export function Head({ report, shift }: { report: Report; shift: Shift }) {
       <p class="muted">{t("shift.made", { plant: report.plant, at: format.moment(report.made_at_s) })}</p>
       {period.until_at_s < shift.untilS && <p class="shift-note">{t("shift.goesOn", { at: format.hour(period.until_at_s) })}</p>}
       {period.seen_frac < ALL_SEEN_FRAC && <p class="shift-note tone-warn">{t("shift.seen", { part: partText(period.seen_frac) })}</p>}
-      {report.before.seen_frac < ALL_SEEN_FRAC && <p class="shift-note">{t("shift.seenBefore", { part: partText(report.before.seen_frac) })}</p>}
+      {report.before.seen_frac < ALL_SEEN_FRAC && <p class="shift-note">{beforeText(report.before.seen_frac)}</p>}
       <ul class="shift-said">
         <li>
           <b>
@@ -56,6 +56,11 @@ function LookAt({ missed, report }: { missed: Figure | undefined; report: Report
       {longest}
     </li>
   );
+}
+
+/** How much is known of what it is compared with. */
+function beforeText(seenFrac: number): string {
+  return seenFrac > 0 ? t("shift.seenBefore", { part: partText(seenFrac) }) : t("shift.noneBefore");
 }
 
 /** A small part is told in tenths: it is not nothing. */

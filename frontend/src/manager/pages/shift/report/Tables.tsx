@@ -134,7 +134,7 @@ export function Happened({ report }: { report: Report }) {
         {report.late_orders.map((each) => (
           <tr key={each.id}>
             <td>
-              <a href={addressOf(each.id)}>{each.reference ?? each.id}</a>
+              <a class="link" href={addressOf(each.id)}>{each.reference ?? each.id}</a>
             </td>
             <td class="num">{format.moment(each.due_at_s)}</td>
             <td class="num">

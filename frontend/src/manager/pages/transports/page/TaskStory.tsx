@@ -14,6 +14,7 @@ import { LoadSeen } from "../../../cards/auction/LoadSeen";
 import { whyText } from "../../../cards/auction/why-text";
 import { WaitNote } from "../../../cards/atv/WaitNote";
 import { Figure } from "../../../orders/page/Head";
+import { spanBetween } from "../../../orders/page/lanes";
 import { TransportLanes } from "../../../orders/page/Lanes";
 import { Moments } from "../../../orders/page/Moments";
 import { Legend, Told } from "../../../orders/page/OrderStory";
@@ -24,7 +25,7 @@ import { useRefreshed } from "../../../refreshed";
 import { placesOf } from "../../../state";
 import { addressOf, go, shownTransport } from "../../../views";
 import { Result } from "../../tasks/Result";
-import { attemptsOf, carriersOf, sourceOf, spanBetween, stateOf } from "./story";
+import { attemptsOf, carriersOf, sourceOf, stateOf } from "./story";
 
 /** As of a plain transport. */
 const AGAIN_MS = 3000;
@@ -127,13 +128,13 @@ function LanesCard({ story }: { story: Story }) {
   const untilS = closedS ?? nowS.value;
   const atS = promisedS(story);
   const expectedS = closedS === null ? atS : null;
-  const ends = [untilS, atS ?? untilS, ...story.moments.map((moment) => moment.at_s)];
+  const ends = [untilS, expectedS ?? untilS, ...story.moments.map((moment) => moment.at_s)];
   return (
     <Card title={t("called.page.lanes")} class="order-lanes">
       {!story.is_whole && <p class="muted">{t("called.page.forgotten")}</p>}
       <TransportLanes
         attempts={attemptsOf(story, untilS)}
-        span={spanBetween(openedS, ends)}
+        span={spanBetween(openedS, ends, closedS !== null)}
         nowS={closedS === null ? nowS.value : Infinity}
         dueS={null}
         expected={expectedS === null ? null : { from_at_s: expectedS, to_at_s: expectedS }}

@@ -28,7 +28,7 @@ import { printPage } from "../../../parts/paper/printing";
 import { useRefreshed } from "../../../refreshed";
 import { go, shownTransport } from "../../../views";
 import { canCallOff } from "../filter";
-import { attemptsOf, carriersOf, expectedS, hasEnded, lateS, secondsOf, spanOf } from "./story";
+import { attemptsOf, carriersOf, expectedS, hasEnded, lateS, secondsOf, shownDueS, spanOf } from "./story";
 
 /** A transport is looked at while it is brought, which takes minutes. */
 const AGAIN_MS = 3000;
@@ -219,10 +219,10 @@ function LanesCard({ story, transport }: Props) {
             attempts={attempts}
             span={spanOf(transport, story, untilS)}
             nowS={isClosed ? Infinity : nowS.value}
-            dueS={secondsOf(transport.due_at)}
+            dueS={shownDueS(transport)}
             expected={atS === null ? null : { from_at_s: atS, to_at_s: atS }}
           />
-          <Legend kinds={["fetch", "carry", "lost", ...(atS === null ? [] : ["expected" as const]), ...(isClosed ? [] : ["now" as const]), "due"]} />
+          <Legend kinds={["fetch", "carry", "lost", ...(atS === null ? [] : ["expected" as const]), ...(isClosed ? [] : ["now" as const]), ...(shownDueS(transport) === null ? [] : ["due" as const])]} />
         </>
       )}
       {told && <Told transport={told} />}

@@ -37,6 +37,8 @@ describe("a plain transport's page", () => {
     expect(span.fromS).toBe(1000);
     expect(span.toS).toBeGreaterThan(2000);
     expect(expectedS(transport({ expected_at: at(2000), ended_at: at(1800) }))).toBeNull();
+    // Of one that has ended: to its end.
+    expect(spanOf(transport({ ended_at: at(1500) }), story(), 1500).toS).toBe(1520);
   });
 
   test("draws each leg until it ends, or until now", () => {

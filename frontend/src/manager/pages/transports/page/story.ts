@@ -1,12 +1,6 @@
 /** What the page of one plain transport draws and says, from what the gateway tells of it. Pure. */
 import type { TaskStory, TransportAnswer, TransportState, TransportStory } from "../../../../api/transports";
-import { barsOfLeg, type Group, type Span } from "../../../orders/page/lanes";
-
-/** What is shorter has no ticks that tell anything. */
-const LEAST_SPAN_S = 60;
-
-/** Room behind the last of it, as part of all. */
-const ROOM_FRAC = 0.04;
+import { barsOfLeg, dueOnAxis, type Group, type Span, spanBetween } from "../../../orders/page/lanes";
 
 export function secondsOf(moment: string | null): number | null {
   return moment === null ? null : Date.parse(moment) / 1000;
@@ -21,17 +15,16 @@ export function attemptsOf(story: Pick<TransportStory, "attempts">, untilS: numb
   return story.attempts.map((transport) => ({ transport, bars: transport.legs.flatMap((leg) => barsOfLeg(leg, untilS)) }));
 }
 
+/** When it is due, as far as the axis shows that. */
+export function shownDueS(transport: TransportAnswer): number | null {
+  return dueOnAxis(secondsOf(transport.due_at), secondsOf(transport.ended_at));
+}
+
 /** From the call to the last of what has happened, is expected or due. */
 export function spanOf(transport: TransportAnswer, story: TransportStory, untilS: number): Span {
   const fromS = secondsOf(transport.created_at) ?? untilS;
-  const ends = [untilS, ...story.moments.map((moment) => moment.at_s), secondsOf(transport.due_at), expectedS(transport)].filter((atS) => atS !== null);
-  return spanBetween(fromS, ends);
-}
-
-/** From a moment to the last of some others, with a little room behind it. */
-export function spanBetween(fromS: number, ends: readonly number[]): Span {
-  const lastS = Math.max(fromS + LEAST_SPAN_S, ...ends);
-  return { fromS, toS: lastS + (lastS - fromS) * ROOM_FRAC };
+  const ends = [untilS, ...story.moments.map((moment) => moment.at_s), shownDueS(transport), expectedS(transport)].filter((atS) => atS !== null);
+  return spanBetween(fromS, ends, hasEnded(transport));
 }
 
 /** How far a task is that is carried, in the words of a plain transport. */
