@@ -1,7 +1,7 @@
 """Whether a fleet carries less than a smaller one, or only seems to by chance.
 
-Both fleets are run with the same seeds. The orders of a seed are the same for both, so their *differences* are
-compared (a paired t-test), not their means.
+Both fleets are run with the same seeds. The orders of a seed are the same for both, so their *ratio* is judged run by
+run: a seed with much to carry has more transports with any fleet.
 """
 
 from __future__ import annotations
@@ -16,14 +16,12 @@ import msgspec
 MOST_FALL_FRAC = 0.05
 """Throughput should never fall by more than this part as vehicles are added."""
 
-T_99 = (
-    31.821, 6.965, 4.541, 3.747, 3.365, 3.143, 2.998, 2.896, 2.821, 2.764, 2.718, 2.681, 2.650, 2.624, 2.602,
-    2.583, 2.567, 2.552, 2.539, 2.528, 2.518, 2.508, 2.500, 2.492, 2.485, 2.479, 2.473, 2.467, 2.462, 2.457,
-)  # fmt: skip
-"""Student's t that chance exceeds once in a hundred times, for 1 to 30 degrees of freedom; the last is used for more.
+CHANCE = 0.05
+"""Most cases in which chance alone is called a fall. They are shared among all smaller fleets, because the best of several
+is the best partly by chance."""
 
-Once in a hundred, because the best of several smaller fleets is the best partly by chance: with five of them, chance
-alone exceeds it at most five times in a hundred."""
+ANGLE_ERROR = 1e-12
+"""Error of the angle in `student_t` (rad): far below what a table prints."""
 
 Verdict = Literal["holds", "falls", "open"]
 
@@ -33,7 +31,7 @@ class Fall(msgspec.Struct, frozen=True):
 
     Attributes:
         vehicles: size of the smaller fleet.
-        frac: the mean difference; below 0 if the larger fleet carries more.
+        frac: the difference of the means; below 0 if the larger fleet carries more.
         error_frac: its standard error; infinite for a single run.
         chance_frac: difference that chance can explain.
     """
@@ -79,9 +77,39 @@ def fall_from_best(smaller: Mapping[int, Mapping[int, float]], carried: Mapping[
             best, most, seeds = size, mean, shared
     if not seeds:
         return None
-    differences = [smaller[best][seed] - carried[seed] for seed in seeds]
-    error_frac = standard_error(differences) / most
+    mean = fmean(carried[seed] for seed in seeds)
+    # The error of a ratio: how far each run is from what the ratio of the means says.
+    error_frac = standard_error([carried[seed] - mean / most * smaller[best][seed] for seed in seeds]) / most
     chance_frac = math.inf
     if len(seeds) > 1:
-        chance_frac = T_99[min(len(seeds) - 1, len(T_99)) - 1] * error_frac
-    return Fall(best, fmean(differences) / most, error_frac, chance_frac)
+        chance_frac = student_t(CHANCE / len(smaller), len(seeds) - 1) * error_frac
+    return Fall(best, 1.0 - mean / most, error_frac, chance_frac)
+
+
+def student_t(chance: float, freedom: int) -> float:
+    """Student's t that chance exceeds in this part of all cases.
+
+    Args:
+        chance: above 0, and below 0.5.
+        freedom: degrees of freedom, at least 1.
+
+    Source: Abramowitz and Stegun, 26.7.3 and 26.7.4, solved by bisection.
+    """
+    low, high = 0.0, math.pi / 2.0
+    while high - low > ANGLE_ERROR:
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if _exceeds(middle, freedom) > chance else (low, middle)
+    return math.sqrt(freedom) * math.tan(low)
+
+
+def _exceeds(angle: float, freedom: int) -> float:
+    """Part of all cases in which t exceeds the root of the degrees of freedom times the tangent of an angle."""
+    odd = freedom % 2
+    term, total = (math.cos(angle) if odd else 1.0), 0.0
+    for power in range(odd, freedom - 1, 2):
+        total += term
+        term *= math.cos(angle) ** 2 * (power + 1) / (power + 2)
+    within = math.sin(angle) * total
+    if odd:
+        within = (angle + within) * 2.0 / math.pi
+    return (1.0 - within) / 2.0

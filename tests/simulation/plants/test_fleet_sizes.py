@@ -8,7 +8,7 @@ import pytest
 
 from dray.plant import load_plant
 from dray_sim.plants import fleet_sizes
-from dray_sim.plants.fall import Fall, fall_from_best, standard_error
+from dray_sim.plants.fall import Fall, fall_from_best, standard_error, student_t
 from dray_sim.plants.fleet_sizes import Asked, FleetRun, FleetSize, Floor, play_sizes
 from dray_sim.run.evidence import HELD
 
@@ -31,17 +31,47 @@ def test_a_fall_is_one_only_where_it_is_larger_than_5_percent_and_than_chance() 
     assert by_chance.verdict == "open"
 
 
-def test_the_same_orders_are_compared_and_not_the_means() -> None:
-    """The seeds differ by 80 to 120, and the fleets by 10 in each seed."""
-    found = fall_of(90.0, 110.0, 100.0, 80.0, 70.0)
-    assert found.frac == pytest.approx(0.1)
-    assert found.error_frac == 0.0
+def test_the_runs_of_one_seed_are_compared_and_not_the_means() -> None:
+    """The seeds differ by 80 to 120, and the larger fleet carries 0.8 of each."""
+    found = fall_of(*(0.8 * carried for carried in SIXTEEN.values()))
+    assert found.frac == pytest.approx(0.2)
+    assert found.error_frac == pytest.approx(0.0)
     assert found.verdict == "falls"
+    other = fall_of(*(0.8 * carried for carried in reversed(SIXTEEN.values())))
+    assert other.frac == pytest.approx(0.2)
+    assert other.error_frac == pytest.approx(0.091, abs=0.001)
 
 
 def test_a_fleet_that_carries_more_holds_and_one_that_may_carry_less_is_open() -> None:
     assert fall_of(130.0, 150.0, 140.0, 125.0, 110.0).verdict == "holds"
     assert fall_of(60.0, 160.0, 120.0, 70.0, 95.0).verdict == "open"
+
+
+def test_the_best_of_several_fleets_is_best_partly_by_chance() -> None:
+    less = {1: 87.0, 2: 104.0, 3: 99.0, 4: 85.0, 5: 70.0}
+    alone = fall_from_best({16: SIXTEEN}, less)
+    among = fall_from_best(
+        {2: dict.fromkeys(SIXTEEN, 1.0), 4: dict.fromkeys(SIXTEEN, 2.0), 16: SIXTEEN}, less
+    )
+    assert alone is not None
+    assert among is not None
+    assert alone.frac == among.frac
+    assert among.chance_frac / alone.chance_frac == pytest.approx(student_t(0.05 / 3, 4) / student_t(0.05, 4))
+
+
+@pytest.mark.parametrize(
+    ("chance", "freedom", "t"),
+    [
+        (0.05, 1, 6.314),
+        (0.05, 2, 2.920),
+        (0.01, 2, 6.965),
+        (0.01, 3, 4.541),
+        (0.05, 4, 2.132),
+        (0.025, 9, 2.262),
+    ],
+)
+def test_what_chance_explains_is_as_printed_tables_say(chance: float, freedom: int, t: float) -> None:
+    assert student_t(chance, freedom) == pytest.approx(t, abs=0.0006)
 
 
 def test_one_run_proves_nothing() -> None:
