@@ -1,16 +1,20 @@
-"""Many plants, one after the other or in several processes."""
+"""Many plants or fleets, one after the other or in several processes."""
 
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Container, Iterator
+from collections.abc import Callable, Container, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
+from typing import TypeVar
 
 from dray.errors import UnavailableError
 from dray_sim.plants.play import HOURS, Judgement, Kind, play_seed
 from dray_sim.run.workers import end_with_parent
+
+A = TypeVar("A")
+R = TypeVar("R")
 
 
 def play_seeds(
@@ -43,13 +47,30 @@ def play_seeds(
     """
     play = partial(play_seed, kind=kind, small=small, hours=hours, traffic=traffic)
     seeds = [seed for seed in range(first, first + count) if seed not in left_out]
-    if jobs == 1:
-        yield from map(play, seeds)
+    return play_each(play, seeds, jobs=jobs, at_once=at_once)
+
+
+def play_each(
+    play: Callable[[A], R], asked: Sequence[A], *, jobs: int = 1, at_once: bool = False
+) -> Iterator[R]:
+    """Call a function with each of several arguments, in so many processes.
+
+    Args:
+        play: makes one run.
+        asked: its arguments.
+        jobs: processes; 1 plays in this one, as does a single run.
+        at_once: yield each result as soon as it is there; else in the order of the arguments.
+
+    Raises:
+        UnavailableError: a process was killed from outside.
+    """
+    if jobs == 1 or len(asked) == 1:
+        yield from map(play, asked)
         return
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=end_with_parent)
     try:
-        futures = [pool.submit(play, seed) for seed in seeds]
+        futures = [pool.submit(play, each) for each in asked]
         for future in as_completed(futures) if at_once else futures:
             yield future.result()
     except BrokenProcessPool:

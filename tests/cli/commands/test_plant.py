@@ -15,8 +15,10 @@ from dray.cli import app
 from dray.cli.runtime.plant_errors import tell_errors
 from dray.errors import PlantError, PlantErrors, SettingsError, UnavailableError
 from dray.plant import Door, Lane, LaneEnds, Node, Plant, load_plant, plant_yaml
-from dray_sim.plants import many
+from dray_sim.plants import fleet_sizes, many
+from dray_sim.plants.fleet_sizes import Asked, FleetRun
 from dray_sim.plants.play import play_seed
+from dray_sim.run.evidence import HELD
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
 SHORTEST_SHIFT = ("--hours", "0.1", "--load", "0.5")
@@ -275,19 +277,78 @@ def test_a_file_that_holds_something_else_is_left_as_it_is(tmp_path: Path) -> No
     assert file.read_text() == "mine without an end"
     with pytest.raises(UnavailableError, match="choose another file for --keep"):
         dray("sim", "plants", *SHORT_PLANTS, "--keep", str(tmp_path))
-    with pytest.raises(SettingsError, match="for many plants"):
+    with pytest.raises(SettingsError, match="for many runs"):
         dray("sim", "plants", "--seed", "3", "--keep", str(file))
+    file.write_text('{"seed":3}\n')
+    with pytest.raises(SettingsError, match=r"line 1 of .* is no run of a fleet"):
+        dray("sim", "plants", "--seed", "3", "--vehicles", "2", "--keep", str(file))
 
 
-def test_fleets_of_several_sizes_are_compared_on_one_floor(tmp_path: Path) -> None:
+def test_fleets_of_several_sizes_are_compared_on_one_floor_with_the_same_seeds(tmp_path: Path) -> None:
     rows = tmp_path / "sizes.json"
-    asked = ("--small", "--hours", "0.25", "--vehicles", "1,4", "--json", str(rows))
-    code, told = dray("sim", "plants", "--seed", "3", *asked)
+    asked = ("--small", "--hours", "0.25", "--vehicles", "4,1", "--runs", "2", "--jobs", "1")
+    code, told = dray("sim", "plants", "--seed", "3", *asked, "--json", str(rows))
     assert code == 0, told
     one, four = json.loads(rows.read_text())
     assert (one["vehicles"], four["vehicles"]) == (1, 4)
+    assert [run["seed"] for run in one["runs"]] == [run["seed"] for run in four["runs"]] == [1, 2]
     assert one["transports"] < four["transports"]
-    assert len(told.splitlines()) == 3
+    assert one["fall"] is None
+    assert four["fall"]["vehicles"] == 1
+    assert len(told.splitlines()) == 4
+    assert told.splitlines()[-1].startswith("raster 3 small: 0 fleets fall by more than 5 %, ")
+
+
+def fleet_run(asked: Asked) -> FleetRun:
+    """A run that takes no time: 10 transports for each vehicle."""
+    return FleetRun(
+        seed=asked.seed,
+        floor=asked.floor.name,
+        vehicles=asked.vehicles,
+        hours=asked.hours,
+        traffic=asked.traffic,
+        places=9,
+        transports=10 * asked.vehicles,
+        pieces=8,
+        p50_s=100.0,
+        p95_s=200.0,
+        starvation_frac=0.0,
+        invariants=HELD,
+        most=9,
+    )
+
+
+def test_a_comparison_of_fleets_that_was_ended_goes_on_where_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = tmp_path / "fleets.jsonl"
+    made: list[tuple[int, int]] = []
+
+    def play(asked: Asked) -> FleetRun:
+        made.append((asked.vehicles, asked.seed))
+        return fleet_run(asked)
+
+    monkeypatch.setattr(fleet_sizes, "play_run", play)
+    asked = ("sim", "plants", "--plant", "workshop", "--jobs", "1", "--keep", str(kept), "--vehicles")
+    dray(*asked, "1", "--runs", "2")
+    first = kept.read_text()
+    kept.write_text(first + first[: len(first) // 4])
+    _, told = dray(*asked, "1,2", "--runs", "3")
+    assert made == [(1, 1), (1, 2), (1, 3), (2, 1), (2, 2), (2, 3)]
+    assert kept.read_text().startswith(first)
+    assert kept.read_text().count("\n") == 6
+    assert "plant workshop: 0 fleets fall by more than 5 %, 1 hold, 0 open" in told
+    dray(*asked, "1,2", "--runs", "3")
+    assert len(made) == 6
+    dray(*asked, "1", "--runs", "1", "--hours", "0.5")
+    assert len(made) == 7
+
+
+def test_the_floor_of_a_fleet_is_a_plant_or_a_seed() -> None:
+    with pytest.raises(SettingsError, match="the floor of --vehicles"):
+        dray("sim", "plants", "--plant", "workshop")
+    with pytest.raises(SettingsError, match="without --seed"):
+        dray("sim", "plants", "--plant", "workshop", "--seed", "3", "--vehicles", "2")
 
 
 @pytest.mark.parametrize("sizes", ["0,4", "2,,4", "many"])

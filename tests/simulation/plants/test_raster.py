@@ -7,7 +7,7 @@ from typing import cast
 from dray.plant import parse_plant, plant_yaml
 from dray.plant.planning.room import room_faults
 from dray.protocol.vehicle.atv import Atv
-from dray_sim.plants.fleet_sizes import FleetSize, with_fleet
+from dray_sim.plants.fleet_sizes import with_fleet
 from dray_sim.plants.play import draw
 from dray_sim.plants.raster import draw_raster
 from dray_sim.run.evidence import HELD
@@ -52,13 +52,6 @@ def test_a_floor_is_given_as_many_vehicles_as_are_asked_for() -> None:
         kept = min(count, len(plant.fleet))
         assert tuple(more.file.fleet[:kept]) == tuple(plant.file.fleet[:kept])
         assert more.nodes == plant.nodes
-
-
-def test_a_row_of_the_table_says_that_a_fleet_is_too_large_for_its_floor() -> None:
-    plenty = FleetSize(31, 24, 90, 80, 160.0, 400.0, 0.3, HELD, 31)
-    too_many = FleetSize(32, 24, 90, 80, 160.0, 400.0, 0.3, HELD, 31)
-    assert "too many" not in plenty.tell()
-    assert "too many: the floor bears 31 at most" in too_many.tell()
 
 
 def test_who_waits_in_the_reserve_takes_no_work_that_others_can_do() -> None:

@@ -11,6 +11,7 @@ import typer
 from dray.cli.runtime.options import Traffic
 
 if TYPE_CHECKING:
+    from dray_sim.plants.fleet_sizes import Floor
     from dray_sim.plants.play import Judgement, Kind
 
 
@@ -31,60 +32,91 @@ def plants(
     keep: Annotated[
         Path | None,
         typer.Option(
-            help="Append each judgement to this file at once, and leave out plants that are in it: a run that was ended goes on."
+            help="Append each result to this file at once, and leave out what is in it: a run that was ended goes on."
         ),
     ] = None,
     write: Annotated[Path | None, typer.Option(help="Write the plant of --seed to this file.")] = None,
     vehicles: Annotated[
         str,
         typer.Option(
-            help="Instead: the floor of --seed with fleets of these sizes (2,4,8), each for --hours, at orders that take all of the "
-            "machines' time."
+            help="Instead: the floor of --seed or --plant with fleets of these sizes (2,4,8), each for --hours, at orders that take "
+            "all of the machines' time. Says whether a fleet carries less than a smaller one."
         ),
     ] = "",
+    runs: Annotated[
+        int,
+        typer.Option(
+            help="With --vehicles: runs of each fleet; all fleets have the same orders.", min=1, max=1000
+        ),
+    ] = 5,
+    plant: Annotated[
+        str | None,
+        typer.Option(
+            help="With --vehicles: a plant file, or the name of a shipped plant, instead of --seed."
+        ),
+    ] = None,
 ) -> None:
     """Generate plants of any shape, run each at a load that it can serve, and judge it.
 
     Criteria: every order is delivered, no battery gets empty, no carrier waits longer than its promise and two
     minutes, every invariant holds. Exit 1 when a plant fails and neither `dray plant check` nor the verdict says why.
+    With --vehicles exit 1 when an invariant is broken.
     """
     from dray.cli.runtime.options import right_of_way
-    from dray.cli.runtime.output import write_json
     from dray.errors import SettingsError
     from dray_sim.explore.search import cores
-    from dray_sim.plants.judgement_file import JudgementFile
-    from dray_sim.plants.many import play_seeds
-    from dray_sim.plants.play import replay_of
 
     drawn: Kind = "halls" if kind == "halls" else "raster"
     if kind != drawn:
         raise SettingsError("--kind", f"{kind} is none: choose raster or halls")
-    if keep is not None and (seed is not None or vehicles):
-        raise SettingsError("--keep", "is for many plants: leave it out with --seed and --vehicles")
+    if plant is not None and (not vehicles or seed is not None):
+        raise SettingsError("--plant", "is the floor of --vehicles: give it without --seed")
+    if keep is not None and seed is not None and not vehicles:
+        raise SettingsError("--keep", "is for many runs: leave it out with --seed, or give --vehicles")
     if seed is not None:
-        first, count, jobs = seed, 1, 1
+        first, count = seed, 1
         if write is not None:
             _write(seed, drawn, small, write)
-    on = right_of_way(traffic)
+    on, processes = right_of_way(traffic), jobs or cores()
     if vehicles:
-        _compare_fleets(first, drawn, _sizes(vehicles), small=small, hours=hours, traffic=on, json=json)
-        return
-    kept = None if keep is None else JudgementFile(keep)
-    judged: list[Judgement] = [] if kept is None else list(kept.judged)
-    done = frozenset() if kept is None else kept.replays
+        floor, sizes = _floor(first, drawn, small, plant), _sizes(vehicles)
+        _compare_fleets(floor, sizes, keep, json, hours=hours, traffic=on, runs=runs, jobs=processes)
+    else:
+        seeds, whole = range(first, first + count), seed is not None
+        _judge(seeds, drawn, keep, json, small=small, hours=hours, traffic=on, jobs=processes, whole=whole)
+
+
+def _judge(
+    seeds: range,
+    kind: Kind,
+    keep: Path | None,
+    json: Path | None,
+    *,
+    small: bool,
+    hours: float,
+    traffic: bool,
+    jobs: int,
+    whole: bool,
+) -> None:
+    from dray.cli.runtime.output import write_json
+    from dray_sim.plants.many import play_seeds
+    from dray_sim.plants.play import Judgement, replay_of
+    from dray_sim.plants.run_file import RunFile
+
+    kept = None if keep is None else RunFile(keep, Judgement, "judgement of a plant")
+    judged = [] if kept is None else list(kept.kept)
+    done = frozenset(each.replay for each in judged)
     left_out = frozenset(
-        each
-        for each in range(first, first + count)
-        if replay_of(each, drawn, small=small, hours=hours, traffic=on) in done
+        seed for seed in seeds if replay_of(seed, kind, small=small, hours=hours, traffic=traffic) in done
     )
     played = play_seeds(
-        first,
-        count,
-        drawn,
+        seeds.start,
+        len(seeds),
+        kind,
         small=small,
         hours=hours,
-        traffic=on,
-        jobs=jobs or cores(),
+        traffic=traffic,
+        jobs=jobs,
         left_out=left_out,
         at_once=kept is not None,
     )
@@ -92,7 +124,7 @@ def plants(
         if kept is not None:
             kept.add(each)
         judged.append(each)
-        for line in each.tell(whole=seed is not None):
+        for line in each.tell(whole=whole):
             typer.echo(line)
     if json is not None:
         write_json(json, judged)
@@ -125,24 +157,41 @@ def _sizes(text: str) -> tuple[int, ...]:
     return sizes
 
 
+def _floor(seed: int, kind: Kind, small: bool, plant: str | None) -> Floor:
+    from dray.plant import load_plant
+    from dray_sim.plants.fleet_sizes import Floor, drawn_floor
+
+    if plant is None:
+        return drawn_floor(seed, kind, small=small)
+    return Floor(f"plant {plant}", load_plant(plant).file)
+
+
 def _compare_fleets(
-    seed: int,
-    kind: Kind,
+    floor: Floor,
     sizes: tuple[int, ...],
+    keep: Path | None,
+    json: Path | None,
     *,
-    small: bool,
     hours: float,
     traffic: bool,
-    json: Path | None,
+    runs: int,
+    jobs: int,
 ) -> None:
     from dray.cli.runtime.output import write_json
-    from dray_sim.plants.fleet_sizes import HEADING, FleetSize, play_sizes
+    from dray_sim.plants.fleet_sizes import HEADING, FleetRun, FleetSize, play_sizes
+    from dray_sim.plants.run_file import RunFile
 
+    kept = None if keep is None else RunFile(keep, FleetRun, "run of a fleet")
     typer.echo(HEADING)
     rows: list[FleetSize] = []
-    for row in play_sizes(seed, sizes, kind, small=small, hours=hours, traffic=traffic):
+    for row in play_sizes(floor, sizes, runs=runs, hours=hours, traffic=traffic, jobs=jobs, keep=kept):
         rows.append(row)
         typer.echo(row.tell())
+    verdicts = [row.fall.verdict for row in rows if row.fall]
+    typer.echo(
+        f"{floor.name}: {verdicts.count('falls')} fleets fall by more than 5 %, {verdicts.count('holds')} hold, "
+        f"{verdicts.count('open')} open (more --runs would tell)"
+    )
     if json is not None:
         write_json(json, rows)
     if not all(row.holds for row in rows):
