@@ -46,7 +46,7 @@ TAPERED = 0.5
 """Mean fraction of the full charging power above `charge_taper_frac`."""
 
 TOLD_MAX = 30
-"""Maximum different doubts told to people; there are fifteen."""
+"""Maximum different doubts told to people; there are some twenty."""
 
 
 class Doubts:

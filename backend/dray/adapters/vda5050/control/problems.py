@@ -21,6 +21,9 @@ AWAY_S = 5.0
 SILENT_PERIODS = 2.2
 """Silence as a multiple of the longest gap between states: two were lost."""
 
+REMARKS_MAX, REMARK_MAX = 3, 120
+"""Remarks that are told with a problem, and the characters of each."""
+
 OBEYS = frozenset({"AUTOMATIC", "SEMIAUTOMATIC"})
 """Modes in which its master decides where it drives."""
 
@@ -94,6 +97,14 @@ def complaint(state: State, profile: Profile, *, critical: bool) -> ProblemRaise
         where = f"x {position.x or 0.0:g} m, y {position.y or 0.0:g} m"
         return problem(f"its position cannot be: {where}", ProblemKind.LOST_POSITION)
     return None
+
+
+def remarks(state: State) -> str:
+    """What a vehicle reports that is no problem by itself, and may be why it does not go on; empty for nothing."""
+    mode = state.operating_mode or ""
+    said = [f"operatingMode {mode}"] if mode and mode not in MODES else []
+    said += [error.text for error in state.errors or ()]
+    return "; ".join(text[:REMARK_MAX] for text in said[:REMARKS_MAX])
 
 
 def problem(

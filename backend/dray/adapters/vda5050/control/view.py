@@ -14,6 +14,7 @@ import msgspec
 
 from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts, Jumps, TimeStamps
 from dray.adapters.vda5050.control.names import Names
+from dray.adapters.vda5050.control.spelling import spelled
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.lenient import read
 from dray.adapters.vda5050.wire.messages import (
@@ -142,6 +143,11 @@ class VehicleView:
         return self.battery.frac
 
     @property
+    def is_posed(self) -> bool:
+        """Whether its pose is that of its newest state, and not of another message or an earlier time."""
+        return self._posed_s == self.heard_s
+
+    @property
     def is_charging(self) -> bool:
         battery = self.state.battery
         return battery is not None and battery.charging is True
@@ -216,7 +222,7 @@ class VehicleView:
 
     def _take_state(self, state: State, now_s: float) -> bool:
         is_first = self.heard_s == NEVER_S
-        said, state = state.last_node_id or "", self._with_our_names(state)
+        said, state = state.last_node_id or "", self._with_our_names(spelled(state, self.doubts))
         if not is_first and (why := self._stale(state, now_s)):
             self.odd[why] += 1
             if why == DOUBLED:
