@@ -1,8 +1,8 @@
 """A file of judgements, one JSON line per plant: a run over many plants can be ended at any moment, and goes on later.
 
-A line is in the file as soon as its plant is judged. A last line without an end was being written when the process was
-killed: it is cut off, and its plant is played again. The file says nothing about the version of the code: use another
-file for another version.
+A line is in the file as soon as its plant is judged. A line without an end was being written when the process was
+killed: it is left out, and its plant is played again. Nothing is cut off, so several runs may share a file. The file
+says nothing about the version of the code: use another file for another version.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from dray_sim.plants.play import Judgement
 OPTION = "--keep"
 
 BEGIN = b'{"seed":'
-"""How a line begins. A rest that begins otherwise is something else, and is not cut off."""
+"""How a line begins. A line without an end that begins otherwise is something else."""
 
 
 class JudgementFile:
-    """The judgements of a file, in its order; none if there is no such file yet.
+    """The judgements of a file, in its order, each plant once; a file that is not there is made.
 
     Args:
         path: of the file.
@@ -33,18 +33,20 @@ class JudgementFile:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self.judged: list[Judgement] = []
+        judged: dict[str, Judgement] = {}
         try:
-            text = path.read_bytes() if path.exists() else b""
-            whole = text[: text.rfind(b"\n") + 1]
-            for number, line in enumerate(whole.splitlines(), 1):
-                self.judged.append(self._read(line, number))
-            if rest := text[len(whole) :]:
-                if not BEGIN.startswith(rest[: len(BEGIN)]):
-                    self._read(rest, len(self.judged) + 1)
-                path.write_bytes(whole)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("a+b") as file:
+                file.seek(0)
+                *lines, rest = file.read().split(b"\n")
+                for number, line in enumerate((*lines, rest), 1):
+                    if (judgement := self._read(line, number)) is not None:
+                        judged.setdefault(judgement.replay, judgement)
+                if rest:
+                    file.write(b"\n")
         except OSError as error:
             raise self._unavailable(error) from None
+        self.judged = list(judged.values())
 
     @property
     def replays(self) -> frozenset[str]:
@@ -64,10 +66,14 @@ class JudgementFile:
             raise self._unavailable(error) from None
         self.judged.append(judgement)
 
-    def _read(self, line: bytes, number: int) -> Judgement:
+    def _read(self, line: bytes, number: int) -> Judgement | None:
+        """The judgement of a line; None for one without an end."""
         try:
             return msgspec.json.decode(line, type=Judgement)
         except msgspec.DecodeError as error:
+            is_whole = isinstance(error, msgspec.ValidationError)
+            if not is_whole and BEGIN.startswith(line[: len(BEGIN)]):
+                return None
             reason = (
                 f"line {number} of {self._path} is no judgement of a plant ({error}): choose another file"
             )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Container, Iterator
+import signal
+from collections.abc import Container, Generator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
@@ -11,6 +12,12 @@ from functools import partial
 from dray.errors import UnavailableError
 from dray_sim.plants.play import HOURS, Judgement, Kind, play_seed
 from dray_sim.run.workers import end_with_parent
+
+
+def _begin() -> None:
+    """Prepare a process of the pool: Ctrl-C ends it at once and without a traceback, since its plant is played again."""
+    end_with_parent()
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def play_seeds(
@@ -24,7 +31,7 @@ def play_seeds(
     jobs: int = 1,
     left_out: Container[int] = (),
     at_once: bool = False,
-) -> Iterator[Judgement]:
+) -> Generator[Judgement, None, None]:
     """Play the plants of so many seeds.
 
     Args:
@@ -47,7 +54,7 @@ def play_seeds(
         yield from map(play, seeds)
         return
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=end_with_parent)
+    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin)
     try:
         futures = [pool.submit(play, seed) for seed in seeds]
         for future in as_completed(futures) if at_once else futures:

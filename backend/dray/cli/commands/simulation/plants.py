@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,7 @@ import typer
 from dray.cli.runtime.options import Traffic
 
 if TYPE_CHECKING:
+    from dray_sim.plants.judgement_file import JudgementFile
     from dray_sim.plants.play import Judgement, Kind
 
 
@@ -59,8 +61,7 @@ def plants(
     drawn: Kind = "halls" if kind == "halls" else "raster"
     if kind != drawn:
         raise SettingsError("--kind", f"{kind} is none: choose raster or halls")
-    if keep is not None and (seed is not None or vehicles):
-        raise SettingsError("--keep", "is for many plants: leave it out with --seed and --vehicles")
+    _check_files(json, keep, write, is_one=seed is not None, compares=bool(vehicles))
     if seed is not None:
         first, count, jobs = seed, 1, 1
         if write is not None:
@@ -88,16 +89,49 @@ def plants(
         left_out=left_out,
         at_once=kept is not None,
     )
-    for each in played:
-        if kept is not None:
-            kept.add(each)
-        judged.append(each)
-        for line in each.tell(whole=seed is not None):
-            typer.echo(line)
+    stopped = _collect(played, kept, judged, whole=seed is not None)
     if json is not None:
         write_json(json, judged)
-    if _tell(judged):
+    if _tell(judged) or stopped:
         raise typer.Exit(1)
+
+
+def _collect(
+    played: Generator[Judgement, None, None],
+    kept: JudgementFile | None,
+    judged: list[Judgement],
+    *,
+    whole: bool,
+) -> bool:
+    """Print and keep each judgement; returns whether Ctrl-C has stopped that."""
+    with closing(played):
+        try:
+            for each in played:
+                if kept is not None:
+                    kept.add(each)
+                judged.append(each)
+                for line in each.tell(whole=whole):
+                    typer.echo(line)
+        except KeyboardInterrupt:
+            goes_on = "" if kept is None else "; the same command goes on"
+            typer.echo(f"stopped by hand{goes_on}")
+            return True
+    return False
+
+
+def _check_files(
+    json: Path | None, keep: Path | None, write: Path | None, *, is_one: bool, compares: bool
+) -> None:
+    """Check the options for files before plants are played for hours."""
+    from dray.cli.runtime.output import check_writable
+    from dray.errors import SettingsError
+
+    if keep is not None and (is_one or compares):
+        raise SettingsError("--keep", "is for many plants: leave it out with --seed and --vehicles")
+    if write is not None and not is_one:
+        raise SettingsError("--write", "writes the plant of one seed: give --seed, too")
+    if json is not None:
+        check_writable(json, "--json")
 
 
 def _tell(judged: Sequence[Judgement]) -> int:
