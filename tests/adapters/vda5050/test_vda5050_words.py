@@ -231,3 +231,52 @@ def test_a_node_that_is_reported_before_it_is_reached_is_passed_when_it_is_reach
     assert where["middle"] > 7.5
     assert where["east"] > 17.5
     assert rig.problems() == []
+
+
+# --- two vehicles of one name -------------------------------------------------------------------------
+
+
+def with_a_double(rig: Rig) -> None:
+    """From now on another vehicle, which stands at corner, sends its state after each one, under the same name."""
+    give = rig.give
+    corner = {"x": 30.0, "y": 10.0, "theta": 0.0, "mapId": "hall", "positionInitialized": True}
+
+    def tell(topic: str, data: bytes) -> None:
+        give(topic, data)
+        if topic == "state":
+            said = json.loads(data)
+            said.update(headerId=said["headerId"] + 5000, orderId="", orderUpdateId=0, lastNodeId="corner")
+            said.update(nodeStates=[], edgeStates=[], actionStates=[], driving=False, agvPosition=corner)
+            give(topic, json.dumps(said).encode())
+
+    rig.give = tell  # type: ignore[method-assign]
+
+
+def test_two_vehicles_of_one_name_are_a_problem_until_there_is_one() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    with_a_double(rig)
+    rig.do(drive(*TO_CORNER), for_s=100.0)
+    told = "its states come from two senders: another vehicle or program uses its name"
+    assert rig.problems() == [told]
+    assert rig.of(WayDone) == []
+    del rig.give
+    rig.run(250.0)
+    assert isinstance(
+        next(each for each in reversed(rig.heard) if "Problem" in type(each).__name__), ProblemCleared
+    )
+
+
+def test_a_vehicle_that_is_restarted_and_carried_is_one_sender() -> None:
+    rig, now = Rig(), {"x": 0.0, "less": 0}
+    rig.run(1.0)
+
+    def other(state: dict[str, Any]) -> None:
+        state["agvPosition"]["x"] = now["x"]
+        state["headerId"] -= now["less"]
+
+    reword(rig, other)
+    for number, x in enumerate((20.0, 0.0, 20.0), 1):
+        now.update(x=x, less=1000 * number)
+        say(rig, 40.0)
+    assert rig.problems() == []

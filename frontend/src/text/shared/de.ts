@@ -283,6 +283,7 @@ export const de: Catalogue<typeof en> = {
   "until.shows": "es ihn anzeigt, höchstens {time} s lang",
   "failure.it does not know where it is: not localised": "es weiß nicht, wo es ist: nicht lokalisiert",
   "failure.it stands on no lane of the plant": "es steht auf keiner Spur des Werks",
+  "failure.its states come from two senders: another vehicle or program uses its name": "seine Zustände kommen von zwei Absendern: ein anderes Fahrzeug oder Programm benutzt seinen Namen",
   "failure.it goes on with an order that was cancelled": "es fährt mit einem abgebrochenen Fahrauftrag fort",
   "failure.it does not pause: it moves although it was told to stand": "es hält nicht an: es bewegt sich, obwohl es stehen soll",
   "failure.it does not stop: it moves although it was told to stand": "es bleibt nicht stehen: es bewegt sich, obwohl es stehen soll",

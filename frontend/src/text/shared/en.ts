@@ -280,6 +280,7 @@ export const en = {
   "until.shows": "it does, for {time} s",
   "failure.it does not know where it is: not localised": "it does not know where it is: not localised",
   "failure.it stands on no lane of the plant": "it stands on no lane of the plant",
+  "failure.its states come from two senders: another vehicle or program uses its name": "its states come from two senders: another vehicle or program uses its name",
   "failure.it goes on with an order that was cancelled": "it goes on with an order that was cancelled",
   "failure.it does not pause: it moves although it was told to stand": "it does not pause: it moves although it was told to stand",
   "failure.it does not stop: it moves although it was told to stand": "it does not stop: it moves although it was told to stand",

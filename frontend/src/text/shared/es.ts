@@ -283,6 +283,7 @@ export const es: Catalogue<typeof en> = {
   "until.shows": "la muestre, durante {time} s como máximo",
   "failure.it does not know where it is: not localised": "no sabe dónde está: sin localizar",
   "failure.it stands on no lane of the plant": "no está en ningún carril de la planta",
+  "failure.its states come from two senders: another vehicle or program uses its name": "sus estados llegan de dos remitentes: otro vehículo o programa usa su nombre",
   "failure.it goes on with an order that was cancelled": "sigue con una orden que se canceló",
   "failure.it does not pause: it moves although it was told to stand": "no se detiene: se mueve aunque se le dijo que parara",
   "failure.it does not stop: it moves although it was told to stand": "no para: se mueve aunque se le dijo que parara",

@@ -503,6 +503,7 @@ class Orders:
             at_end
             and not state.order_id
             and self._view.is_idle
+            and self._view.doubtful_s is None
             and self._has_reached(order, order.end, order.end)
         ):
             # It has reached the end, and clears its order at once.

@@ -59,6 +59,12 @@ def absence(
         return problem(f"the broker is away: {unlinked[0]}", ProblemKind.LINK)
     if view.heard_s == NEVER_S:
         return None
+    if view.has_two_senders(now_s):
+        return problem(
+            "its states come from two senders: another vehicle or program uses its name",
+            ProblemKind.LINK,
+            needs_person=True,
+        )
     silent_s = now_s - view.heard_s
     if view.away and now_s - view.away_s >= AWAY_S and silent_s >= AWAY_S:
         return problem(f"the vehicle is not there: {view.away}", ProblemKind.LINK)
