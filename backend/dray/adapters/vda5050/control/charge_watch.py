@@ -7,8 +7,8 @@ from dray.plant.model import VehicleType
 RISE_FRAC = 0.009
 """Least gain that counts: nearly a percent, since levels are reported in whole percent, and flicker by less."""
 
-PATIENCE_S, TIMES = 300.0, 5.0
-"""The allowed time of that gain: this factor times the time at full power, plus these seconds."""
+PATIENCE_S, TIMES = 300.0, 12.0
+"""The allowed time of that gain: this factor times the time at full power, plus these seconds. Some vehicles report steps of 10 %."""
 
 HOUR_S = 3600.0
 
