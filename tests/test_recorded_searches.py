@@ -110,3 +110,12 @@ def test_without_a_ledger_nothing_is_written(project: Path) -> None:
     assert done.returncode == 1
     assert "searches.jsonl" in done.stderr
     assert (project / "docs/campaigns.md").read_text(encoding="utf-8") == BEFORE
+
+
+def test_a_file_without_a_played_seed_is_told_and_writes_nothing(project: Path) -> None:
+    (project / "searches.jsonl").write_text("my notes\n", encoding="utf-8")
+    command = [sys.executable, RECORD_SEARCHES, "searches.jsonl"]
+    done = subprocess.run(command, cwd=project, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "no played seed in searches.jsonl" in done.stderr
+    assert (project / "docs/campaigns.md").read_text(encoding="utf-8") == BEFORE

@@ -32,6 +32,12 @@ def main(ledgers: list[str]) -> int:
     except DrayError as error:
         print(error, file=sys.stderr)
         return 1
+    if not entries:
+        print(
+            f"no played seed in {', '.join(ledgers)}: name files of dray sim explore --ledger",
+            file=sys.stderr,
+        )
+        return 1
     rows = rows_of(entries)
     # A search that began before its code was committed has a row of that time.
     put_rows(rows, gone={(entry.commit, _name(entry)) for entry in entries})

@@ -280,6 +280,8 @@ DRIVER = (
     ("hold.py", "tick"),
     ("unwilling.py", "problem"),
     ("orders.py", "overlong"),
+    ("charge_watch.py", "look"),
+    ("fruitless.py", "problem"),
     ("on_board.py", "lose_track"),
     ("on_board.py", "on_state"),
     ("work.py", "drive"),
@@ -368,6 +370,31 @@ def test_every_sentence_of_the_driver_of_a_vehicle_has_words(file: str, function
     found = said_by_driver(file, function)
     assert found
     assert [said for said in found if unknown(said) and not ends_a_wait(said)] == []
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "it has not come nearer to m8 for 65 s: it stands; it reports: motorFault: axis 2",
+        "it has not come nearer to m8 for 65 s: it says that it drives, at speed 0; it reports: operatingMode ECO",
+        "its action pick has not ended for 300 s: its status is COMPLETED",
+        "its action pick has not ended for 300 s: its status is COMPLETED; it reports: liftFault; lowOil: 3 l",
+        "its action pick has not ended for 300 s: it reports: liftFault",
+        "it has ended 3 orders one after the other, and has not driven: it says that its last node is m8, and is 9.5 m before it",
+        f"it has ended 3 orders one after the other, and has not driven: {STOPPED_SHORT}",
+    ],
+)
+def test_what_a_vehicle_that_does_not_get_on_reports_stands_in_words(said: str) -> None:
+    assert [part for part in unknown(said) if part not in OF_THE_VEHICLE] == []
+
+
+OF_THE_VEHICLE = (
+    "motorFault: axis 2",
+    "operatingMode ECO",
+    "COMPLETED",
+    "liftFault; lowOil: 3 l",
+    "liftFault",
+)
 
 
 def test_what_a_vehicle_says_before_its_first_state_has_words() -> None:

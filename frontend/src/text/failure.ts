@@ -40,6 +40,9 @@ const FILLED = [
   { says: /^it takes no order: (?<why>.+)$/, key: "failure.takesNoOrder" },
   { says: /^it has refused (?<count>\d+) orders one after the other: (?<why>.+)$/, key: "failure.refusedAll" },
   { says: /^its action (?<action>\S+) has not ended for (?<time>\d+) s$/, key: "failure.overlong" },
+  { says: /^its action (?<action>\S+) has not ended for (?<time>\d+) s: (?<why>.+)$/, key: "failure.overlongWhy" },
+  { says: /^it has ended (?<count>\d+) orders one after the other, and has not driven: (?<why>.+)$/, key: "failure.fruitless" },
+  { says: /^it is at its charger, and its battery level has not risen for (?<time>\d+) s$/, key: "failure.gainsNothing" },
   { says: /^tells that (?<theirs>.+) is on board, and (?<ours>.+) should be: see to it, then MANUAL and back$/, key: "failure.loadDiffers" },
   { says: /^our own fault, see the log: (?<event>.+) cannot be dealt with$/, key: "failure.ownFault" },
   { says: /^it has refused order (?<order>\S+): (?<why>.+)$/, key: "failure.refusedOrder" },
@@ -59,6 +62,10 @@ const FILLED = [
 
 /** Why a controller is not heard, has no value, or its count is in doubt: what stands within the words above. */
 const WHY = [
+  { says: /^(?<why>it stands|it says that it drives, .+?|its status is .+?); it reports: (?<what>.+)$/, key: "why.andReports" },
+  { says: /^it reports: (?<what>.+)$/, key: "why.reports" },
+  { says: /^it says that its last node is (?<node>.+), and is (?<gap>\S+) m before it$/, key: "why.ahead" },
+  { says: /^its status is (?<status>.+)$/, key: "why.status" },
   { says: /^(?<where>[\w.]+:\/\/\S+): (?<why>.+)$/, key: "why.at" },
   { says: /^(?<signal>\w+) went from (?<last>[\d,]+) to (?<now>[\d,]+): (?<most>[\d,]+) pieces at most can have been made since$/, key: "why.made" },
   { says: /^(?<signal>\w+) went from (?<last>[\d,]+) to (?<now>[\d,]+): (?<most>[\d,]+) pieces at most can have been let in since$/, key: "why.letIn" },

@@ -138,6 +138,11 @@ describe("texts", () => {
     ["fault 17", "Störung 17"],
     ["must charge: 28% left, takes work again from 40% on", "muss laden: noch 28\u00a0%, nimmt ab 40\u00a0% wieder Arbeit an"],
     ["it has not come nearer to m8 for 65 s: it stands, and does not say why", "es ist m8 seit 65\u00a0s nicht näher gekommen: es steht, und sagt nicht warum"],
+    [
+      "it has not come nearer to m8 for 65 s: it stands; it reports: motorFault: axis 2",
+      "es ist m8 seit 65\u00a0s nicht näher gekommen: es steht; es meldet: motorFault: axis 2",
+    ],
+    ["its action pick has not ended for 300 s: its status is COMPLETED", "seine Aktion pick endet seit 300\u00a0s nicht: sie steht auf COMPLETED"],
     ["its mode is MANUAL", "seine Betriebsart ist MANUAL"],
     ["it does not pause: it moves although it was told to stand", "es hält nicht an: es bewegt sich, obwohl es stehen soll"],
     ["it has refused 2 orders one after the other: it does not say why", "es hat 2 Fahraufträge nacheinander abgewiesen: es sagt nicht warum"],

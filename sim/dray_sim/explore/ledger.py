@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import msgspec
 
@@ -64,10 +65,11 @@ class Ledger:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("a+b") as file:
                 file.seek(0)
-                first = file.readline(len(HEAD))
-                if not HEAD.startswith(first.rstrip(b"\n")):
-                    raise SettingsError("--ledger", f"{self.path} is no ledger of a search")
-                if first:
+                if not _is_ledger(file):
+                    raise SettingsError(
+                        "--ledger", f"{self.path} is no ledger of a search: choose another file"
+                    )
+                if file.seek(0, os.SEEK_END):
                     file.seek(-1, os.SEEK_END)
                     if file.read(1) != b"\n":
                         file.write(b"\n")
@@ -100,6 +102,16 @@ class Ledger:
             if (entry.code, entry.outcome.profile, entry.outcome.traffic)
             == (self.code.digest, profile, traffic)
         }
+
+
+def _is_ledger(file: BinaryIO) -> bool:
+    """Whether the first lines are torn ones, and the next one is an entry or the file's end."""
+    while begin := file.readline(len(HEAD)):
+        if begin == HEAD:
+            return True
+        if not HEAD.startswith(begin.removesuffix(b"\n")):
+            return False
+    return True
 
 
 def read_ledger(path: Path) -> Iterator[Entry]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Container, Iterator, Sequence
+import signal
+from collections.abc import Callable, Container, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
@@ -17,6 +18,12 @@ A = TypeVar("A")
 R = TypeVar("R")
 
 
+def _begin() -> None:
+    """Prepare a process of the pool: Ctrl-C ends it at once and without a traceback, since its plant is played again."""
+    end_with_parent()
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def play_seeds(
     first: int,
     count: int,
@@ -28,7 +35,7 @@ def play_seeds(
     jobs: int = 1,
     left_out: Container[int] = (),
     at_once: bool = False,
-) -> Iterator[Judgement]:
+) -> Generator[Judgement, None, None]:
     """Play the plants of so many seeds.
 
     Args:
@@ -52,7 +59,7 @@ def play_seeds(
 
 def play_each(
     play: Callable[[A], R], asked: Sequence[A], *, jobs: int = 1, at_once: bool = False
-) -> Iterator[R]:
+) -> Generator[R, None, None]:
     """Call a function with each of several arguments, in so many processes.
 
     Args:
@@ -68,7 +75,7 @@ def play_each(
         yield from map(play, asked)
         return
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=end_with_parent)
+    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin)
     try:
         futures = [pool.submit(play, each) for each in asked]
         for future in as_completed(futures) if at_once else futures:

@@ -1,8 +1,8 @@
 """A file of results, one JSON line per run: many runs can be ended at any moment, and go on later.
 
-A line is in the file as soon as its run is over. A last line without an end was being written when the process was
-killed: it is cut off, and its run is made again. The file says nothing about the version of the code: use another file
-for another version.
+A line is in the file as soon as its run is over. A line without an end was being written when the process was killed:
+it is left out, and its run is made again. Nothing is cut off, so several processes may share a file. The file says
+nothing about the version of the code: use another file for another version.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from dray.errors import SettingsError, UnavailableError
 OPTION = "--keep"
 
 BEGIN = b'{"seed":'
-"""How a line begins, so `seed` is the first field of every struct that is kept. A rest that begins otherwise is something
-else, and is not cut off."""
+"""How a line begins, so `seed` is the first field of every struct that is kept. A line without an end that begins
+otherwise is something else."""
 
 T = TypeVar("T", bound=msgspec.Struct)
 
 
 class RunFile(Generic[T]):
-    """The results of a file, in its order; none if there is no such file yet.
+    """The results of a file, in its order; a file that is not there is made.
 
     Args:
         path: of the file.
@@ -43,14 +43,15 @@ class RunFile(Generic[T]):
         self._path, self._kind, self._name = path, kind, name
         self.kept: list[T] = []
         try:
-            text = path.read_bytes() if path.exists() else b""
-            whole = text[: text.rfind(b"\n") + 1]
-            for number, line in enumerate(whole.splitlines(), 1):
-                self.kept.append(self._read(line, number))
-            if rest := text[len(whole) :]:
-                if not BEGIN.startswith(rest[: len(BEGIN)]):
-                    self._read(rest, len(self.kept) + 1)
-                path.write_bytes(whole)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("a+b") as file:
+                file.seek(0)
+                lines = file.read().split(b"\n")
+                for number, line in enumerate(lines, 1):
+                    if (result := self._read(line, number)) is not None:
+                        self.kept.append(result)
+                if lines[-1]:
+                    file.write(b"\n")
         except OSError as error:
             raise self._unavailable(error) from None
 
@@ -67,10 +68,14 @@ class RunFile(Generic[T]):
             raise self._unavailable(error) from None
         self.kept.append(result)
 
-    def _read(self, line: bytes, number: int) -> T:
+    def _read(self, line: bytes, number: int) -> T | None:
+        """The result of a line; None for one without an end."""
         try:
             return msgspec.json.decode(line, type=self._kind)
         except msgspec.DecodeError as error:
+            is_whole = isinstance(error, msgspec.ValidationError)
+            if not is_whole and BEGIN.startswith(line[: len(BEGIN)]):
+                return None
             reason = f"line {number} of {self._path} is no {self._name} ({error}): choose another file"
             raise SettingsError(OPTION, reason) from None
 

@@ -131,6 +131,16 @@ def test_a_negative_distance_since_the_last_node_is_told_and_not_taken() -> None
     assert any(note.startswith("an odd distanceSinceLastNode: -3 m") for note in rig.notes)
 
 
+def test_a_distance_since_the_last_node_that_is_longer_than_any_lane_is_told_and_not_taken() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    reword(rig, lambda said: said.update(distanceSinceLastNode=400.0))
+    say(rig)
+    # It stands at west, and is not on the lane behind it.
+    assert rig.do(PICK, for_s=60.0) == [ActionDone(order=5)]
+    assert "an odd distanceSinceLastNode: 400 m is longer than any lane; mm, or since its start?" in rig.notes
+
+
 def test_a_negative_sequence_number_is_none() -> None:
     rig = Rig(msgspec.structs.replace(PROFILE, updates=True, base_m=100.0))
     reword(rig, lambda said: said.update(lastNodeSequenceId=-2))

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 
+import msgspec
 import pytest
 
 from dray.messages import Event, RemovalRefusal
-from dray.messages.fact import PlacesFreed, RemovalRefused
+from dray.messages.fact import PlaceKept, PlacesFreed, RemovalRefused
 from dray.store import open_store
 from dray.store.access.audit import AuditFilter, AuditRow
 from dray.store.factory.removals import RemovalRow
@@ -62,7 +63,7 @@ def test_what_is_not_said_in_so_many_words_is_not_said(
     assert look(database) == ([], [])
 
 
-def answer(database: str, *answers: tuple[str, PlacesFreed | RemovalRefused]) -> None:
+def answer(database: str, *answers: tuple[str, PlacesFreed | PlaceKept | RemovalRefused]) -> None:
     """What machines have told, and a gateway has stored."""
     events = [
         Event(agent=agent, incarnation=1, number=number, at_s=float(number), fact=fact)
@@ -95,11 +96,36 @@ def test_without_a_vehicle_it_lists_who_is_off_the_floor_and_what_machines_have_
     code, out, _ = dray()
     assert code == 0
     words = " ".join(out.split())
-    assert "ATV3 maria" in words
+    assert "ATV3 - maria" in words
     assert "M4: it has heard the vehicle after the report" in words
     assert "M5: b3, c3 free" in words
     assert "no answer yet" in words
     assert "M2" not in words
+
+
+def test_the_place_where_a_vehicle_is_put_back_is_listed_once_it_is_kept(dray: Run, database: str) -> None:
+    dray("ATV3", "--off-the-floor")
+    put_back(database, "c3")
+    _, out, _ = dray()
+    assert "ATV3 c3 maria" in " ".join(out.split())
+    assert "no answer yet" in out
+    (row,), _ = look(database)
+    answer(database, ("M5", PlaceKept(atv="ATV3", number=row.number, place="c3")))
+    _, out, _ = dray()
+    assert "M5: c3 is kept for it, put it down there" in " ".join(out.split())
+
+
+def put_back(database: str, node: str) -> None:
+    """What a person says on a panel about the only vehicle that is off the floor."""
+    (row,), _ = look(database)
+
+    async def put() -> None:
+        opened = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
+        async with opened.write() as work:
+            await work.removals.put(msgspec.structs.replace(row, node=node))
+        await opened.close()
+
+    asyncio.run(put())
 
 
 def test_off_the_floor_needs_the_name_of_the_vehicle(dray: Run, database: str) -> None:

@@ -61,6 +61,22 @@ def test_a_ledger_that_is_something_else_is_told_as_such(explore, tmp_path) -> N
     assert "--ledger: notes is no ledger of a search" in err
 
 
+def test_a_ledger_is_not_for_one_seed(explore, tmp_path) -> None:
+    code, out, err = explore("--seed", "1", "--ledger", "kept.jsonl")
+    assert (code, out) == (2, "")
+    assert "--ledger: is for many seeds" in err
+
+
+@pytest.mark.parametrize("file", ["nowhere/found.json", "."])
+def test_a_summary_that_cannot_be_written_is_told_before_a_seed_is_played(
+    explore, monkeypatch, file: str
+) -> None:
+    monkeypatch.setattr("dray_sim.explore.search.search", lambda *_, **__: pytest.fail("it was played"))
+    code, _, err = explore("--seeds", "1:3", "--json", file)
+    assert code == 1
+    assert "choose another file for --json" in err
+
+
 @pytest.mark.campaign
 def test_a_violation_comes_with_its_story_and_the_command_that_replays_it(explore, impatient) -> None:
     code, out, _ = explore("--seeds", "7:9", "--jobs", "1")

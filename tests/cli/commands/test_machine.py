@@ -44,6 +44,18 @@ def test_a_controller_that_is_not_there_fails_the_check_and_is_in_the_report(
     assert "NO   connection" in report.read_text(encoding="utf-8")
 
 
+def test_a_report_that_cannot_be_written_is_told_before_the_machine_is_asked(
+    call: Call, tmp_path: Path
+) -> None:
+    file = tmp_path / "mapping.yaml"
+    file.write_text(MAPPING, encoding="utf-8")
+    code, out, told = call(
+        "machine", "check", "M1", "--mapping", str(file), "--out", str(tmp_path / "no/r.md")
+    )
+    assert (code, out) == (1, "")
+    assert "choose another file for --out" in told
+
+
 @pytest.mark.parametrize(
     ("text", "option", "why"),
     [

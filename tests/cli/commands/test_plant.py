@@ -17,7 +17,8 @@ from dray.errors import PlantError, PlantErrors, SettingsError, UnavailableError
 from dray.plant import Door, Lane, LaneEnds, Node, Plant, load_plant, plant_yaml
 from dray_sim.plants import fleet_sizes, many
 from dray_sim.plants.fleet_sizes import Asked, FleetRun
-from dray_sim.plants.play import play_seed
+from dray_sim.plants.play import Judgement, play_seed
+from dray_sim.plants.run_file import RunFile
 from dray_sim.run.evidence import HELD
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
@@ -255,7 +256,9 @@ def test_a_run_over_many_plants_that_was_ended_goes_on_where_it_was(
     _, told = dray(*asked, "--count", "2", "--json", str(judged))
     assert seeds == [3, 4]
     assert kept.read_text().startswith(first)
-    lines = [json.loads(line) for line in kept.read_text().splitlines()]
+    torn = kept.read_text().splitlines()
+    assert torn.pop(1) == first[: len(first) // 2]
+    lines = [json.loads(line) for line in torn]
     assert [each["seed"] for each in lines] == [3, 4]
     assert json.loads(judged.read_text()) == lines
     orders = sum(each["orders"] for each in lines)
@@ -263,6 +266,58 @@ def test_a_run_over_many_plants_that_was_ended_goes_on_where_it_was(
     assert f"of {orders} orders delivered, 0 plants with a broken invariant" in told
     dray(*asked, "--count", "2")
     assert seeds == [3, 4]
+
+
+def test_a_kept_file_is_only_ever_appended_to(tmp_path: Path) -> None:
+    kept = RunFile(tmp_path / "new/kept.jsonl", Judgement, "judgement of a plant")
+    judgement = play_seed(3, "raster", small=True, hours=0.1, traffic=False)
+    kept.add(judgement)
+    # Another process has appended the same plant, and a third one was killed.
+    path = tmp_path / "new/kept.jsonl"
+    line = path.read_bytes()
+    path.write_bytes(line + line + line[:40])
+    assert RunFile(path, Judgement, "judgement of a plant").kept == [judgement, judgement]
+    assert path.read_bytes() == line + line + line[:40] + b"\n"
+    assert RunFile(path, Judgement, "judgement of a plant").kept == [judgement, judgement]
+
+
+def test_a_run_that_is_stopped_by_hand_sums_up_and_says_that_it_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def play(seed: int, *args: object, **options: object) -> object:
+        if seed == 4:
+            raise KeyboardInterrupt
+        return play_seed(seed, *args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(many, "play_seed", play)
+    kept = tmp_path / "kept.jsonl"
+    code, told = dray("sim", "plants", "--first", "3", "--count", "3", *SHORT_PLANTS, "--keep", str(kept))
+    assert code == 1
+    assert "stopped by hand; the same command goes on" in told
+    assert "1 plants: " in told
+    assert kept.read_text().count("\n") == 1
+
+
+@pytest.mark.parametrize("text", ['{"seed":1,"mine":"x"}', '{"seed":1,"mine":"x"}\n'])
+def test_another_file_with_seeds_is_left_as_it_is(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "mine.jsonl"
+    file.write_text(text)
+    with pytest.raises(SettingsError, match=r"line 1 of .* is no judgement"):
+        RunFile(file, Judgement, "judgement of a plant")
+    assert file.read_text() == text
+
+
+def test_files_of_options_are_checked_before_plants_are_played(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(many, "play_seed", lambda *_, **__: pytest.fail("it was played"))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UnavailableError, match="choose another file for --json"):
+        dray("sim", "plants", *SHORT_PLANTS, "--json", str(tmp_path / "no/judged.json"))
+    with pytest.raises(UnavailableError, match="choose another file for --keep"):
+        dray("sim", "plants", *SHORT_PLANTS, "--keep", str(tmp_path / "file/kept.jsonl"))
+    with pytest.raises(SettingsError, match="--write: writes the plant of one seed"):
+        dray("sim", "plants", *SHORT_PLANTS, "--write", str(tmp_path / "r.yaml"))
 
 
 def test_a_file_that_holds_something_else_is_left_as_it_is(tmp_path: Path) -> None:

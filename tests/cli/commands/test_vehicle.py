@@ -15,7 +15,7 @@ from yard import LIGHT, PLANT, drive
 
 from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.cli import app
-from dray.errors import SettingsError
+from dray.errors import SettingsError, UnavailableError
 
 
 @pytest.fixture
@@ -50,6 +50,13 @@ def test_another_profile_says_otherwise(dialogue: Path, tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["vehicle", "replay", str(dialogue), *options])
     assert done.exit_code == 1
     assert done.stdout.startswith("recorded: ")
+
+
+def test_a_report_that_cannot_be_written_is_told_before_the_vehicle_is_asked(tmp_path: Path) -> None:
+    options = ["--broker", "mqtt://127.0.0.1:1", "--manufacturer", "ACME", "--serial", "1", "--drive", "-"]
+    out = ["--out", str(tmp_path / "no/report.md")]
+    with pytest.raises(UnavailableError, match=r"there is no folder .*choose another file for --out"):
+        CliRunner().invoke(app, ["vehicle", "check", *options, *out], catch_exceptions=False)
 
 
 @pytest.mark.parametrize("command", [["check"], ["record", "x.jsonl"]])

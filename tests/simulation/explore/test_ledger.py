@@ -123,6 +123,20 @@ def test_a_file_that_is_no_ledger_is_refused_and_left_as_it_was(ledger: Ledger, 
     assert played == []
 
 
+@pytest.mark.parametrize("text", ['{\n  "first": 0\n}\n', "\nmy notes\n", "{\n", '{"co\n\nmy notes'])
+def test_a_file_that_begins_like_a_ledger_and_is_none_is_left_as_it_was(
+    ledger: Ledger, played: list[int], text: str
+) -> None:
+    ledger.path.parent.mkdir()
+    ledger.path.write_text(text, encoding="utf-8")
+    if text == "{\n":  # It may be a torn line.
+        assert search(1, 2, ledger=ledger).runs == 1
+        return
+    with pytest.raises(SettingsError, match="is no ledger of a search: choose another file"):
+        search(1, 2, ledger=ledger)
+    assert ledger.path.read_text(encoding="utf-8") == text
+
+
 def test_a_line_is_small_and_tells_its_code(ledger: Ledger) -> None:
     ledger.begin()
     ledger.add(outcome(7), 4.5)

@@ -56,14 +56,17 @@ def check(
 
     from dray.cli.runtime.commission import commission_machine
     from dray.cli.runtime.options import load_settings
+    from dray.cli.runtime.output import check_writable, write_text
     from dray.cli.runtime.surroundings import Surroundings
 
+    if out is not None:
+        check_writable(out, "--out")
     said = load_settings(settings_file=settings, mapping=mapping, broker=broker, plant_file=plant)
     done = asyncio.run(
         commission_machine(Surroundings.of(said), name, cycle=cycle, dock=dock, say=typer.echo)
     )
     typer.echo("\n" + done.report())
     if out is not None:
-        out.write_text(done.report(), encoding="utf-8")
+        write_text(out, done.report(), "--out")
     if not done.steps.passed:
         raise typer.Exit(1)

@@ -60,8 +60,10 @@ def check(
 
     from dray.adapters.vda5050.commissioning import Wanted
     from dray.cli.runtime.commission import commission
-    from dray.cli.runtime.output import one_of
+    from dray.cli.runtime.output import check_writable, one_of, write_text
 
+    if out is not None:
+        check_writable(out, "--out")
     where = _surroundings(settings, broker, manufacturer, serial, profile, plant)
     types = where.plant.vehicle_types
     kind = one_of(types, type_, "--type") if type_ is not None else next(iter(types.values()))
@@ -69,7 +71,7 @@ def check(
     done = asyncio.run(commission(where, kind, wanted, record, typer.echo))
     typer.echo("\n" + done.report())
     if out is not None:
-        out.write_text(done.report(), encoding="utf-8")
+        write_text(out, done.report(), "--out")
     if not done.passed:
         raise typer.Exit(1)
 

@@ -14,7 +14,7 @@ from dray.adapters.mqtt.commissioning import MqttCommissioning
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.signals.signal import SignalMapping
 from dray.adapters.vda5050.body import HEARD, VehicleBody
-from dray.adapters.vda5050.commissioning import Commissioning, Wanted
+from dray.adapters.vda5050.commissioning import FIRST_STATE_S, Commissioning, Wanted
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.adapters.vda5050.events import Heard, Linked, Memory, Say, Unlinked
@@ -79,6 +79,10 @@ async def commission(
         recorder = Recorder(record, Head(NAME, where.plant.id, kind.id, real.profile, life))
         body.record = recorder.write
     done = Commissioning(body, where.plant, kind, real.profile, clock, wanted)
+    say(
+        f"{real.broker}: waits for the broker and for the first state of {real.address.serial}, "
+        f"{FIRST_STATE_S:.0f} s each at most"
+    )
     async with linked(link, body):
         async for step in done.run():
             say(step.line)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -49,6 +50,24 @@ def line_text(line: Line) -> str:
     arrow = "->" if line.effect else "<-"
     fields = msgspec.json.encode(line.fields).decode() if line.fields else line.text
     return f"{line.at_s:12.2f} {arrow} {line.effect or line.event:10} {line.about:14} {fields[:200]}".rstrip()
+
+
+def check_writable(file: Path, option: str) -> None:
+    """Check the file of an option before a long computation, and leave it as it is.
+
+    Raises:
+        UnavailableError: it cannot be written.
+    """
+    folder = file.parent
+    if not folder.is_dir():
+        reason = f"there is no folder {folder}"
+    elif file.is_dir():
+        reason = "it is a folder"
+    elif not os.access(file if file.exists() else folder, os.W_OK):
+        reason = "it may not be written"
+    else:
+        return
+    raise UnavailableError(str(file), reason, f"choose another file for {option}")
 
 
 def write_json(file: Path, content: object) -> None:

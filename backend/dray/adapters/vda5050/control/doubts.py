@@ -18,6 +18,9 @@ from dray.plant.model import VehicleType
 FASTEST_TIMES, FASTEST_MPS = 3.0, 3.0
 """A speed above this multiple of the plant file's, and above these m/s, is impossible."""
 
+LANE_TIMES, LANE_M = 2.0, 5.0
+"""A distance since the last node above this multiple of the longest lane, and these metres, is impossible: it may drive a detour."""
+
 THETA_MAX_RAD = tau + 0.1
 """A full turn, with rounding: the standard has -pi to pi, and many vehicles count from 0 to 2 pi."""
 
@@ -46,7 +49,7 @@ TAPERED = 0.5
 """Mean fraction of the full charging power above `charge_taper_frac`."""
 
 TOLD_MAX = 30
-"""Maximum different doubts told to people; there are fifteen."""
+"""Maximum different doubts told to people; there are some twenty."""
 
 
 class Doubts:
@@ -55,10 +58,11 @@ class Doubts:
     Args:
         kind: its type in the plant.
         odd: the counter of doubted values.
+        longest_m: the length of the plant's longest lane.
     """
 
-    def __init__(self, kind: VehicleType, odd: Counter[str]) -> None:
-        self._kind, self._odd = kind, odd
+    def __init__(self, kind: VehicleType, odd: Counter[str], longest_m: float) -> None:
+        self._kind, self._odd, self._longest_m = kind, odd, longest_m
         self._told: set[str] = set()
         self._untold: list[str] = []
 
@@ -97,9 +101,11 @@ class Doubts:
 
     def driven(self, distance_m: float | None) -> float | None:
         """`distanceSinceLastNode`; None where it is impossible."""
-        if distance_m is None or distance_m >= 0.0:
+        most_m = LANE_TIMES * self._longest_m + LANE_M
+        if distance_m is None or 0.0 <= distance_m <= most_m:
             return distance_m
-        self.note("an odd distanceSinceLastNode", f"{distance_m:g} m is less than nothing")
+        why = "less than nothing" if distance_m < 0.0 else "longer than any lane; mm, or since its start?"
+        self.note("an odd distanceSinceLastNode", f"{distance_m:g} m is {why}")
         return None
 
 

@@ -260,7 +260,7 @@ class MasterControl:
         self._tell_problem(now_s)
         if self.is_linked and self.is_known and not self._problem and not self._holding.held:
             self._work.go_on(now_s)
-        self._work.watch_charge()
+        self._work.watch_charge(now_s)
         self._remember()
         self._note_waits(now_s)
         if self._failed is not None and self._failed[0] == kind_of(event):
@@ -401,16 +401,16 @@ class MasterControl:
             return problem(f"it stands on no lane of the plant{where}", ProblemKind.LOST_POSITION)
         if self._orders.does_not_cancel:
             return problem("it goes on with an order that was cancelled")
-        if self._holding.problem:
-            return problem(self._holding.problem)
+        if words := self._holding.problem or self._orders.overlong:
+            return problem(words)
         if self._hindrance and now_s - self._hindered_s >= HINDERED_S:
             return problem(f"it takes no order: {self._hindrance}")
-        if refuses := self._orders.unwilling.problem(now_s):
+        if refuses := self._orders.unwilling.problem(now_s) or self._orders.fruitless.problem(now_s):
             return problem(refuses, needs_person=True)
-        if self._orders.overlong:
-            return problem(self._orders.overlong)
         if self._watch.problem is not None:
             return self._watch.problem
+        if self._work.gains_nothing:
+            return problem(self._work.gains_nothing, ProblemKind.BATTERY, needs_person=True)
         if load.doubt or load.difference:
             return problem(load.doubt or load.difference, ProblemKind.LOAD, needs_person=True)
         return None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import chain
+from itertools import chain, pairwise
 
 from msgspec.structs import replace
 
@@ -25,6 +25,7 @@ class Names:
         profile: the vehicle's profile, with the names that differ.
 
     Attributes:
+        longest_m: the length of the plant's longest lane.
         frames: its maps' frames by the vehicle's `mapId`; under "" the only one, for any id. None where its map has the plant's frame.
     """
 
@@ -40,6 +41,7 @@ class Names:
         self._nodes = {node.id: node.originals for node in file.nodes if node.originals}
         self._nodes |= {node: (name,) for node, name in own.nodes.items()}
         self._edges = {**dict(_edges(file)), **own.edges}
+        self.longest_m = _longest_m(plant)
         places: Iterable[Dock | Unassigned] = chain(
             file.warehouses, file.storages, file.chargers, file.parkings, file.machines, file.unassigned
         )
@@ -139,3 +141,13 @@ def _edges(file: PlantFile) -> Iterator[tuple[str, str]]:
             yield f"{lane.start}--{lane.end}", lane.original
         if lane.original_back:
             yield f"{lane.end}--{lane.start}", lane.original_back
+
+
+def _longest_m(plant: Plant) -> float:
+    """The length of the longest lane, over its corners."""
+    lengths_m = {(lane.start, lane.end): lane.length_m for lane in plant.roads.lanes}
+    shaped = (
+        sum(lengths_m.get(piece, 0.0) for piece in pairwise((start, *corners, end)))
+        for (start, end), corners in plant.corners.items()
+    )
+    return max(chain(lengths_m.values(), shaped), default=0.0)

@@ -9,8 +9,11 @@ from collections.abc import Callable
 from math import hypot
 from typing import Protocol
 
+from dray.adapters.vda5050.control.fruitless import Fruitless
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.order_state import ACTIVE, OrderState
+from dray.adapters.vda5050.control.problems import remarks
+from dray.adapters.vda5050.control.reached import Reached
 from dray.adapters.vda5050.control.refusals import (
     CRITICAL,
     FATAL,
@@ -19,6 +22,7 @@ from dray.adapters.vda5050.control.refusals import (
     refusal,
     unsupported,
 )
+from dray.adapters.vda5050.control.spelling import STATUS
 from dray.adapters.vda5050.control.unwilling import Unwilling
 from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, VehicleOrder
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
@@ -89,6 +93,7 @@ class Orders:
         present: the order that is not over; None for none.
         cancelled: number of orders ended by our cancellation.
         unwilling: whether the vehicle takes no orders at all.
+        fruitless: whether it takes orders, and does not drive.
     """
 
     def __init__(
@@ -109,6 +114,8 @@ class Orders:
         self.present: VehicleOrder | None = None
         self.cancelled = 0
         self.unwilling = Unwilling()
+        self.fruitless = Fruitless()
+        self._reached = Reached(view, profile)
         self._over_s = NEVER_S
         self._without: frozenset[str] = frozenset()
         """Optional fields that the vehicle does not support, and that its profile allows to leave out."""
@@ -156,7 +163,23 @@ class Orders:
         bound_s = self._profile.acting_s
         if self._view.heard_s - order.acts_since_s < bound_s:
             return ""
-        return f"its action {order.action.type} has not ended for {bound_s:.0f} s"
+        why = self._why_it_acts(order.action)
+        name = order.action.type
+        return (
+            f"its action {name} has not ended for {bound_s:.0f} s: {why}"
+            if why
+            else f"its action {name} has not ended for {bound_s:.0f} s"
+        )
+
+    def _why_it_acts(self, action: Action) -> str:
+        """What the vehicle reports about an action that does not end; empty for nothing."""
+        shown = self._view.state.action(action.id)
+        status = shown.action_status if shown is not None else None
+        odd = f"its status is {status}" if status and status not in STATUS.words else ""
+        said = remarks(self._view.state)
+        if odd and said:
+            return f"{odd}; it reports: {said}"
+        return odd or (f"it reports: {said}" if said else "")
 
     def offer(self, order: VehicleOrder, now_s: float) -> None:
         """Send a new order; `present` is None or over."""
@@ -381,9 +404,22 @@ class Orders:
         if state.order_id not in order.ids:
             return
         reached = order.place_in(state)
-        while order.passed < reached:
+        while order.passed < reached and self._has_reached(order, order.passed + 1, reached):
             order.passed += 1
+            self.fruitless.driven()
             self._owner.on_passed(order, order.passed, now_s)
+
+    def _has_reached(self, order: VehicleOrder, index: int, reported: int) -> bool:
+        """Whether its position allows that it has passed a node, if it reports this one, or a later one, as its last node."""
+        spots = [spot for _, spot in order.stops]
+        gap_m = self._reached.gap_m(spots, order.passed, index)
+        order.contradiction = ""
+        if gap_m > 0.0:
+            node = order.nodes[reported]
+            gap_m = self._reached.gap_m(spots, order.passed, reported) or gap_m
+            order.contradiction = f"it says that its last node is {node}, and is {gap_m:.1f} m before it"
+            self._view.doubts.note("a last node ahead of its position", order.contradiction)
+        return not order.contradiction
 
     def _judge(self, order: VehicleOrder, state: State, now_s: float) -> None:
         """Detect the end of the order."""
@@ -463,7 +499,13 @@ class Orders:
     def _wonder(self, order: VehicleOrder, state: State, now_s: float) -> None:
         """The vehicle shows another order than ours, or none."""
         at_end = order.kind is Kind.STEP and state.last_node_id == order.nodes[-1]
-        if at_end and not state.order_id and self._view.is_idle:
+        if (
+            at_end
+            and not state.order_id
+            and self._view.is_idle
+            and self._view.doubtful_s is None
+            and self._has_reached(order, order.end, order.end)
+        ):
             # It has reached the end, and clears its order at once.
             self._pass_all(order, now_s)
             self._end(order, OrderState.DONE, "", now_s)
@@ -507,9 +549,17 @@ class Orders:
         return order is not None and order.now is OrderState.CANCELLING and self._instant.is_given_up(CANCEL)
 
     def _end(self, order: VehicleOrder, state: OrderState, reason: str, now_s: float) -> None:
+        if state is OrderState.ENDED and self._is_fruitless(order, reason):
+            self.fruitless.ended(order.contradiction or reason, now_s)
         order.states.enter(state)
         order.reason = "" if state is OrderState.DONE else reason
         if self.present is order:
             self.present = None
         self._over_s = now_s
         self._owner.on_over(order, now_s)
+
+    def _is_fruitless(self, order: VehicleOrder, reason: str) -> bool:
+        """Whether it has taken an order to drive that ends where it began, and not by our wish."""
+        was_taken = order.now not in (OrderState.OFFERED, OrderState.REFUSED)
+        has_moved = order.passed > 0 or self._view.stirred_s > order.offered_s
+        return order.kind is Kind.STEP and was_taken and not has_moved and reason != CANCELLED

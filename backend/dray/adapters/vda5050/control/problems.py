@@ -21,6 +21,9 @@ AWAY_S = 5.0
 SILENT_PERIODS = 2.2
 """Silence as a multiple of the longest gap between states: two were lost."""
 
+REMARKS_MAX, REMARK_MAX = 3, 120
+"""Remarks that are told with a problem, and the characters of each."""
+
 OBEYS = frozenset({"AUTOMATIC", "SEMIAUTOMATIC"})
 """Modes in which its master decides where it drives."""
 
@@ -56,6 +59,12 @@ def absence(
         return problem(f"the broker is away: {unlinked[0]}", ProblemKind.LINK)
     if view.heard_s == NEVER_S:
         return None
+    if view.has_two_senders(now_s):
+        return problem(
+            "its states come from two senders: another vehicle or program uses its name",
+            ProblemKind.LINK,
+            needs_person=True,
+        )
     silent_s = now_s - view.heard_s
     if view.away and now_s - view.away_s >= AWAY_S and silent_s >= AWAY_S:
         return problem(f"the vehicle is not there: {view.away}", ProblemKind.LINK)
@@ -94,6 +103,14 @@ def complaint(state: State, profile: Profile, *, critical: bool) -> ProblemRaise
         where = f"x {position.x or 0.0:g} m, y {position.y or 0.0:g} m"
         return problem(f"its position cannot be: {where}", ProblemKind.LOST_POSITION)
     return None
+
+
+def remarks(state: State) -> str:
+    """What a vehicle reports that is no problem by itself, and may be why it does not go on; empty for nothing."""
+    mode = state.operating_mode or ""
+    said = [f"operatingMode {mode}"] if mode and mode not in MODES else []
+    said += [error.text for error in state.errors or ()]
+    return "; ".join(text[:REMARK_MAX] for text in said[:REMARKS_MAX])
 
 
 def problem(

@@ -116,6 +116,8 @@ class VehicleOrder:
         """Since when the vehicle has no remaining work, though the order is not done."""
         self.strangers = 0
         """Consecutive states that show another order."""
+        self.contradiction = ""
+        """How its position contradicts the last node that it reports; empty while it does not."""
 
     @property
     def nodes(self) -> tuple[str, ...]:

@@ -14,6 +14,8 @@ import msgspec
 
 from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts, Jumps, TimeStamps
 from dray.adapters.vda5050.control.names import Names
+from dray.adapters.vda5050.control.senders import Senders
+from dray.adapters.vda5050.control.spelling import spelled
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.lenient import read
 from dray.adapters.vda5050.wire.messages import (
@@ -90,7 +92,7 @@ class VehicleView:
         self._prefix, self.names = f"{agent}-", names
         self.said_node = ""
         self.odd: Counter[str] = Counter()
-        self.doubts = Doubts(kind, self.odd)
+        self.doubts = Doubts(kind, self.odd, names.longest_m)
         self.battery = BatteryLevel(kind, profile, self.doubts)
         self._jumps, self._stamps = Jumps(kind, self.doubts), TimeStamps(self.doubts)
         self.state = State()
@@ -106,6 +108,7 @@ class VehicleView:
         self._posed_s = NEVER_S
         self.stirred_s = NEVER_S
         self._stirred_at: Pose | None = None
+        self._senders = Senders()
         self._counts_anew = False
         """It has reconnected: its messages may be numbered from 0 again."""
         self.doubtful_s: float | None = None
@@ -140,6 +143,11 @@ class VehicleView:
     def battery_frac(self) -> float:
         """The battery level; estimated without a plausible report."""
         return self.battery.frac
+
+    @property
+    def is_posed(self) -> bool:
+        """Whether its pose is that of its newest state, and not of another message or an earlier time."""
+        return self._posed_s == self.heard_s
 
     @property
     def is_charging(self) -> bool:
@@ -216,7 +224,7 @@ class VehicleView:
 
     def _take_state(self, state: State, now_s: float) -> bool:
         is_first = self.heard_s == NEVER_S
-        said, state = state.last_node_id or "", self._with_our_names(state)
+        said, state = state.last_node_id or "", self._with_our_names(spelled(state, self.doubts))
         if not is_first and (why := self._stale(state, now_s)):
             self.odd[why] += 1
             if why == DOUBLED:
@@ -224,6 +232,8 @@ class VehicleView:
             elif self.doubtful_s is None:
                 self.doubtful_s = now_s
             return False
+        if self.doubtful_s is not None and self._counts_back(state):
+            self._senders.note(now_s)
         self.doubtful_s, self._counts_anew = None, False
         self.state, self.heard_s, self.said_node = state, now_s, said
         self._stamps.look(state.timestamp, now_s)
@@ -251,6 +261,15 @@ class VehicleView:
         if ours is None:
             self.odd[WHICH_MAP] += 1
         return state if ours == theirs else msgspec.structs.replace(state, last_node_id=ours)
+
+    def _counts_back(self, state: State) -> bool:
+        """Whether its header id is far below the last one."""
+        before, now = self.state.header_id, state.header_id
+        return before is not None and now is not None and before - now > REORDERED_MAX
+
+    def has_two_senders(self, now_s: float) -> bool:
+        """Whether two vehicles or programs use its name."""
+        return self._senders.are_two(now_s)
 
     def _stale(self, state: State, now_s: float) -> str:
         before, now = self.state.header_id, state.header_id

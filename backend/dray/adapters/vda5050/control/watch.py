@@ -6,6 +6,7 @@ and speed prevail over `driving` and `paused`.
 
 from __future__ import annotations
 
+from dray.adapters.vda5050.control.problems import remarks
 from dray.adapters.vda5050.control.vehicle_order import Kind, VehicleOrder
 from dray.adapters.vda5050.control.view import VehicleView
 from dray.adapters.vda5050.control.way import length_m
@@ -166,12 +167,15 @@ class Watch:
 
     def _stuck(self, order: VehicleOrder, now_s: float) -> ProblemRaised:
         node, for_s = order.nodes[order.passed + 1], self._patience_s(order)
+        said = remarks(self._view.state)
         if self._view.state.driving and self._view.is_moving:
             why = "it says that it drives, and its position does not change"
         elif self._view.state.driving:
             why = "it says that it drives, at speed 0"
         else:
-            why = "it stands, and does not say why"
+            why = "it stands" if said else "it stands, and does not say why"
+        if said:
+            why = f"{why}; it reports: {said}"
         return ProblemRaised(reason=f"it has not come nearer to {node} for {for_s:.0f} s: {why}")
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from itertools import takewhile
 
+from dray.adapters.vda5050.control.charge_watch import ChargeWatch
 from dray.adapters.vda5050.control.hold import Holding
 from dray.adapters.vda5050.control.instant import InstantActions
 from dray.adapters.vda5050.control.on_board import OnBoard
@@ -70,6 +71,7 @@ class Work:
         lacks_place: whether it is at no place of the plant.
         way, task: its agent's wish; at most one of them.
         speed_frac: the limit that people have set.
+        gains_nothing: the problem of a vehicle at a charger whose level does not rise; empty for none.
     """
 
     orders: Orders
@@ -99,6 +101,8 @@ class Work:
         """A node that it failed to set off from: it counts as left, however near it is."""
         self._charged_s: float | None = None
         """Since when it charges for our task."""
+        self._charge_watch = ChargeWatch(vehicle_type)
+        self.gains_nothing = ""
 
     @property
     def is_busy(self) -> bool:
@@ -369,9 +373,13 @@ class Work:
             self._instant.say(stop, now_s)
         return self._instant.status(stop) not in OVER and not self._instant.is_given_up(stop)
 
-    def watch_charge(self) -> None:
-        """End a charge when the battery is full."""
-        task = self.task
+    def watch_charge(self, now_s: float) -> None:
+        """End a charge when the battery is full, and check that its level rises."""
+        task, battery = self.task, self._view.battery
+        order = self.orders.running
+        begun = self._charged_s is not None or (order is not None and order.kind is Kind.CHARGE)
+        is_watched = isinstance(task, Charge) and begun and not battery.unknown
+        self.gains_nothing = self._charge_watch.look(battery.frac if is_watched else None, now_s)
         self._view.battery.is_plugged = isinstance(task, Charge) and self._charged_s is not None
         if isinstance(task, Charge) and (self._charged_s is not None or self._view.is_charging):
             if self._view.battery_frac * 100.0 >= self._profile.full_percent:

@@ -87,24 +87,25 @@ def carried_away(
 def _list(db: str | None) -> None:
     from dray.cli.commands.administration.console import transact
     from dray.cli.runtime.output import table
-    from dray.messages.fact import PlacesFreed, RemovalRefused
+    from dray.messages.fact import PlaceKept, PlacesFreed, RemovalRefused
     from dray.store.history.events import EventFilter
 
     async def read(work: Work) -> tuple[list[RemovalRow], list[EventRow]]:
-        wanted = EventFilter(kinds=(PlacesFreed.__name__, RemovalRefused.__name__))
+        wanted = EventFilter(kinds=(PlacesFreed.__name__, PlaceKept.__name__, RemovalRefused.__name__))
         return await work.removals.all(), await work.events.page(wanted, None, FACTS, newest_first=True)
 
     reports, answers = transact(db, read)
     rows = [
         (
             each.atv,
+            each.node or "-",
             each.by,
             f"{datetime.fromtimestamp(each.at_s, UTC):%Y-%m-%d %H:%M}",
             "\n".join(_answers(each, reversed(answers))) or "no answer yet",
         )
         for each in reports
     ]
-    table(("vehicle", "said by", "UTC", "answers"), rows)
+    table(("vehicle", "put back at", "said by", "UTC", "answers"), rows)
 
 
 def _answers(report: RemovalRow, answers: Iterable[EventRow]) -> list[str]:
@@ -112,18 +113,20 @@ def _answers(report: RemovalRow, answers: Iterable[EventRow]) -> list[str]:
     import msgspec
 
     from dray.gateway.live.reasons import REMOVAL_REFUSALS
-    from dray.messages.fact import PlacesFreed, RemovalRefused
+    from dray.messages.fact import PlaceKept, PlacesFreed, RemovalRefused
 
     words: list[str] = []
     for each in answers:
         try:
-            fact = msgspec.json.decode(each.fact, type=PlacesFreed | RemovalRefused)
+            fact = msgspec.json.decode(each.fact, type=PlacesFreed | PlaceKept | RemovalRefused)
         except msgspec.MsgspecError:
             continue  # It was written by another version of Dray.
         if (fact.atv, fact.number) != (report.atv, report.number):
             continue
         if isinstance(fact, PlacesFreed):
             words.append(f"{each.agent}: {', '.join(fact.places)} free")
+        elif isinstance(fact, PlaceKept):
+            words.append(f"{each.agent}: {fact.place} is kept for it, put it down there")
         else:
             words.append(f"{each.agent}: {REMOVAL_REFUSALS[fact.reason]}")
     return words

@@ -40,12 +40,18 @@ def explore(
 ) -> None:
     """Try many seeds: a random plant, load and schedule of faults each. Exit 1 on a broken invariant."""
     from dray.cli.runtime.options import right_of_way
-    from dray.cli.runtime.output import one_of, write_json
+    from dray.cli.runtime.output import check_writable, one_of, write_json
     from dray_sim.explore.profile import PROFILES
     from dray_sim.explore.search import cores
 
     one_of(PROFILES, profile, "--profile")
     on = right_of_way(traffic)
+    if json is not None:
+        check_writable(json, "--json")
+    if seed is not None and ledger is not None:
+        raise SettingsError(
+            "--ledger", "is for many seeds: leave it out with --seed, which plays its seed anew"
+        )
     if seed is not None:
         outcome = _replay(seed, profile, traffic=on)
         if json is not None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +14,7 @@ from dray.cli.runtime.options import Traffic
 if TYPE_CHECKING:
     from dray_sim.plants.fleet_sizes import Floor
     from dray_sim.plants.play import Judgement, Kind
+    from dray_sim.plants.run_file import RunFile
 
 
 def plants(
@@ -71,6 +73,7 @@ def plants(
         raise SettingsError("--kind", f"{kind} is none: choose raster or halls")
     if plant is not None and (not vehicles or seed is not None):
         raise SettingsError("--plant", "is the floor of --vehicles: give it without --seed")
+    _check_files(json, write, is_one=seed is not None)
     if keep is not None and seed is not None and not vehicles:
         raise SettingsError("--keep", "is for many runs: leave it out with --seed, or give --vehicles")
     if seed is not None:
@@ -104,8 +107,9 @@ def _judge(
     from dray_sim.plants.run_file import RunFile
 
     kept = None if keep is None else RunFile(keep, Judgement, "judgement of a plant")
-    judged = [] if kept is None else list(kept.kept)
-    done = frozenset(each.replay for each in judged)
+    # Two processes that shared the file may have judged the same plant.
+    done = {} if kept is None else {each.replay: each for each in kept.kept}
+    judged = list(done.values())
     left_out = frozenset(
         seed for seed in seeds if replay_of(seed, kind, small=small, hours=hours, traffic=traffic) in done
     )
@@ -120,16 +124,45 @@ def _judge(
         left_out=left_out,
         at_once=kept is not None,
     )
-    for each in played:
-        if kept is not None:
-            kept.add(each)
-        judged.append(each)
-        for line in each.tell(whole=whole):
-            typer.echo(line)
+    stopped = _collect(played, kept, judged, whole=whole)
     if json is not None:
         write_json(json, judged)
-    if _tell(judged):
+    if _tell(judged) or stopped:
         raise typer.Exit(1)
+
+
+def _collect(
+    played: Generator[Judgement, None, None],
+    kept: RunFile[Judgement] | None,
+    judged: list[Judgement],
+    *,
+    whole: bool,
+) -> bool:
+    """Print and keep each judgement; returns whether Ctrl-C has stopped that."""
+    with closing(played):
+        try:
+            for each in played:
+                if kept is not None:
+                    kept.add(each)
+                judged.append(each)
+                for line in each.tell(whole=whole):
+                    typer.echo(line)
+        except KeyboardInterrupt:
+            goes_on = "" if kept is None else "; the same command goes on"
+            typer.echo(f"stopped by hand{goes_on}")
+            return True
+    return False
+
+
+def _check_files(json: Path | None, write: Path | None, *, is_one: bool) -> None:
+    """Check the options for files before plants are played for hours."""
+    from dray.cli.runtime.output import check_writable
+    from dray.errors import SettingsError
+
+    if write is not None and not is_one:
+        raise SettingsError("--write", "writes the plant of one seed: give --seed, too")
+    if json is not None:
+        check_writable(json, "--json")
 
 
 def _tell(judged: Sequence[Judgement]) -> int:

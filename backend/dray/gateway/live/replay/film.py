@@ -71,6 +71,13 @@ class _Commands(_Shelf):
         return self._areas.get(command, frozenset())
 
 
+class _Orders(_Shelf):
+    """Orders. Earlier versions have not recorded whether a machine works at one, and showed each as in production."""
+
+    def put(self, patches: Iterable[Line]) -> None:
+        super().put(patch if patch["id"] in self else {"begun": True, **patch} for patch in patches)
+
+
 class Picture:
     """The plant as panels showed it at a moment; a `PlantPicture` like the live projection.
 
@@ -87,6 +94,7 @@ class Picture:
         self._factory: Any = first["factory"]
         self.kinds: dict[str, _Shelf] = {name: _Shelf(view) for name, view in VIEWS.items()}
         self.kinds["commands"] = self.commands = _Commands()
+        self.kinds["orders"] = _Orders(VIEWS["orders"])
         self.atvs, self.machines, self.stations = (
             self.kinds[name] for name in ("atvs", "machines", "stations")
         )
