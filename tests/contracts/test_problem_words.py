@@ -33,6 +33,7 @@ from dray.adapters.vda5050.control.orders import (
 )
 from dray.adapters.vda5050.control.vehicle_order import NOBODY_LOADS, ONLY_WAITS
 from dray.body import Admit
+from dray.cli.runtime.bodies.embodied import BY_CONTROLLER, BY_PEOPLE, BY_SIGNALS, with_doubt
 from dray.protocol.contract_net.trust.probation import ON_PROBATION
 
 TEXT = Path(__file__).parents[2] / "frontend/src/text"
@@ -144,6 +145,34 @@ def machine_begins_with_a_damaged_memory(rig: Rig) -> None:
     rig.body.on_link()
 
 
+def machine_begins_with_another_counter(rig: Rig) -> None:
+    rig.tell(Signal.PIECES, 1)
+    rig.mapping = SignalMapping({Signal.PIECES: Tag("good", rolls_over_at=10_000)})
+    rig.begin()
+    rig.tell(Signal.PIECES, 1)
+    rig.body.on_link()
+
+
+def machine_begins_after(kind: str) -> Callable[[Rig], None]:
+    """Where another kind of body has counted."""
+
+    def begin(rig: Rig) -> None:
+        rig.kept = with_doubt(DAMAGED, kind)
+        rig.begin()
+        rig.tell(Signal.PIECES, 0)
+        rig.body.on_link()
+
+    return begin
+
+
+def gate_has_another_counter_in_mid_permit(one: Gate) -> None:
+    one.open()
+    one.body.on_range(Signal.PIECES, (2**32,))
+    one.tell(Signal.PIECES, 501)
+    one.body.on_range(Signal.PIECES, (2**16,))
+    one.tell(Signal.PIECES, 502)
+
+
 def machine_is_asked_for_another_product_as_it_breaks(rig: Rig) -> None:
     rig.body.on_written(Signal.PRODUCT, PRODUCT)
     rig.start(OTHER)
@@ -187,12 +216,15 @@ MACHINES = {
     "was reset unheard": machine_is_reset,
     "has a damaged memory": machine_begins_with_a_damaged_memory,
     "makes nothing": machine_makes_nothing,
+    "has another counter": machine_begins_with_another_counter,
+    **{f"had {kind}": machine_begins_after(kind) for kind in (BY_SIGNALS, BY_PEOPLE, BY_CONTROLLER)},
 }
 
 GATES = {
     "jumps": lambda one: one.tell(Signal.PIECES, 9_000),
     "counts backwards": lambda one: one.tell(Signal.PIECES, 490),
     "was reset unheard": gate_is_reset,
+    "has another counter": gate_has_another_counter_in_mid_permit,
     "is no count": lambda one: one.tell(Signal.PIECES, "much"),
     "is no label": lambda one: one.tell(Signal.GOAL, 7),
     "has a bad value": lambda one: one.tell(Signal.PIECES, 7, Quality.BAD),

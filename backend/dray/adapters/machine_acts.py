@@ -42,10 +42,10 @@ DOCK_S = 120.0
 """Longest wait for its dock."""
 
 WRITTEN_S = 1.0
-"""Time in which the end of a permit reaches the controller, before the link is closed."""
+"""Time in which the end of a permit, or of `run`, reaches the controller, before the link is closed."""
 
-CYCLES = 5.0
-"""Longest wait for a piece, in cycle times of the plant file."""
+CYCLES, CYCLE_MIN_S = 5.0, 60.0
+"""Longest wait for a piece, in cycle times of the plant file, and at least in seconds."""
 
 VEHICLE = "check"
 """The vehicle for which the dock is opened."""
@@ -109,6 +109,38 @@ class Link(Protocol):
 
     async def run(self, listener: LinkListener) -> None:
         """Stay linked until cancelled."""
+
+
+def lacking(spec: Spec, mapping: SignalMapping) -> tuple[str, ...]:
+    """What follows from signals that the mapping does not have, a line each.
+
+    Args:
+        spec: the machine, storage or gate.
+        mapping: its signals.
+    """
+    found = []
+    if Signal.ALIVE not in mapping.signals:
+        found.append(
+            "no `alive`: it does not notice that its agent is away, and goes on with what it was told last"
+        )
+    if isinstance(spec, MachineSpec):
+        if Signal.RUN not in mapping.signals:
+            found.append("no `run`: it is not told when a piece is wanted, and decides that itself")
+        if Signal.PRODUCT not in mapping.signals and len(spec.makes) > 1:
+            found.append("no `product`: it is not told which of its products is wanted")
+        if Signal.FAULT not in mapping.signals and Signal.STATE not in mapping.signals:
+            found.append(
+                "no `fault` and no `state`: that it does not work is noticed only by a missing piece"
+            )
+    if not isinstance(spec, GateSpec) and Signal.DOCK_READY not in mapping.signals:
+        found.append("no `dock_ready`: vehicles are let in as soon as they stand there")
+    return tuple(found)
+
+
+def lacking_lines(spec: Spec, mapping: SignalMapping) -> tuple[str, ...]:
+    """The lines of a report about `lacking`."""
+    found = lacking(spec, mapping)
+    return ("", "What the mapping does not have:", "", *(f"    {line}" for line in found)) if found else ()
 
 
 async def after(
@@ -186,8 +218,17 @@ class Acts:
                 else Step("dock", None, "left out: give --dock, and it opens its dock")
             )
         finally:
+            if self.wanted.cycle or self.wanted.dock:
+                await self._stop(body)
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
+
+    async def _stop(self, body: SignalledWorkcell | SignalledStore | SignalledGate) -> None:
+        """Leave nothing switched on, whatever the steps have ended with."""
+        if Signal.RUN in body.outputs:
+            body.outputs[Signal.RUN] = self.mapping.signals[Signal.RUN].invert
+            self.link.write()
+        await asyncio.sleep(WRITTEN_S)
 
     def _body(self) -> SignalledWorkcell | SignalledStore | SignalledGate:
         world, spec = _World(self.link), self.spec
@@ -203,7 +244,7 @@ class Acts:
     async def _cycle(self, body: SignalledWorkcell, making: Making) -> Step:
         begun_s = self.clock.now_s()
         body.instruct(StartCycle(product=making.product))
-        longest_s = max(60.0, CYCLES * making.cycle_s)
+        longest_s = max(CYCLE_MIN_S, CYCLES * making.cycle_s)
         await self._until(
             lambda: any(isinstance(report, CycleDone | CycleFailed) for report in self._heard), longest_s
         )

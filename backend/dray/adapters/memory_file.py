@@ -23,12 +23,18 @@ class MemoryFile(Generic[Kept]):
         damaged: the value that replaces an unreadable file.
 
     Attributes:
+        damaged: that value.
         lost: why nothing is remembered though there was a file; empty otherwise.
     """
 
     def __init__(self, path: Path, kind: type[Kept], damaged: Kept) -> None:
-        self._path, self._kind, self._damaged = path, kind, damaged
+        self._path, self._kind, self.damaged = path, kind, damaged
         self.lost = ""
+
+    @property
+    def exists(self) -> bool:
+        """Whether something was written."""
+        return self._path.exists()
 
     def read(self) -> Kept | None:
         """The last written value; None where there is none.
@@ -44,9 +50,9 @@ class MemoryFile(Generic[Kept]):
             raise self._unavailable(error) from None
         except (msgspec.DecodeError, UnicodeDecodeError) as error:
             aside = self._path.with_suffix(".damaged")
-            self._keep_aside(aside)
+            self._keep_aside(aside, self.damaged)
             self.lost = f"{self._path} is damaged ({error}), and is kept as {aside.name}"
-            return self._damaged
+            return self.damaged
 
     def write(self, memory: Kept) -> None:
         """Store a value; it is on the disk at the return.
@@ -65,13 +71,30 @@ class MemoryFile(Generic[Kept]):
         except OSError as error:
             raise self._unavailable(error) from None
 
-    def _keep_aside(self, aside: Path) -> None:
-        """Copy a damaged file aside and write `damaged` in its place: a missing file would mean a first life."""
+    def outdate(self, instead: Kept, reason: str) -> None:
+        """Replace a value that is not true any more; the file is kept aside.
+
+        Args:
+            instead: the value from now on.
+            reason: why, in words.
+
+        Raises:
+            UnavailableError: reading or writing failed.
+        """
+        if not self.exists:
+            self.write(instead)
+        elif self.read() != instead:
+            aside = self._path.with_suffix(".outdated")
+            self._keep_aside(aside, instead)
+            self.lost = f"{self._path} is not used, since {reason}, and is kept as {aside.name}"
+
+    def _keep_aside(self, aside: Path, instead: Kept) -> None:
+        """Copy the file aside and write another value in its place: a missing file would mean a first life."""
         try:
             shutil.copyfile(self._path, aside)
         except OSError as error:
             raise self._unavailable(error) from None
-        self.write(self._damaged)
+        self.write(instead)
 
     def _unavailable(self, error: OSError) -> UnavailableError:
         reason = error.strerror or str(error)

@@ -75,6 +75,8 @@ const WHY = [
   { says: /^(?<signal>\w+) was not heard for a while: pieces may be missing$/, key: "why.pulses" },
   { says: /^(?<signal>\w+) showed a piece that was not admitted$/, key: "why.notAdmitted" },
   { says: /^(?<signal>\w+) grew after a broken connection, by (?<held>\S+) or by (?<asked>\S+)$/, key: "why.unsure" },
+  { says: /^(?<signal>\w+) is read from (?<here>.+), and was read from (?<there>.+): pieces made in between may be missing$/, key: "why.anotherMade" },
+  { says: /^(?<signal>\w+) is read from (?<here>.+), and was read from (?<there>.+): pieces let in in between may be missing$/, key: "why.anotherLetIn" },
   { says: /^(?<value>.+) is no label$/, key: "why.noLabel" },
   { says: /^(?<value>.+) is no count$/, key: "why.noCount" },
   { says: /^(?<value>.+) is no pulse$/, key: "why.noPulse" },

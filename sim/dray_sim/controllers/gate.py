@@ -13,13 +13,14 @@ from dray.adapters.signals.signal import Signal, Value
 from dray.body import GoodsArrived, Report
 from dray.ports import Clock
 from dray_sim.bodies.gate import Gate
+from dray_sim.controllers.alive import STILL_S, Alive
 from dray_sim.controllers.dock import LOOK_S
 
 ASIDE_S = 600.0
 """Default time after which a container that is not admitted goes aside; time in which the agent is away does not count."""
 
 BEAT_S = 60.0
-"""Longest time between two values of `alive` that counts as the agent's presence. They come once a real second."""
+"""Longest time between two values of `alive` that counts as time in which a container was not admitted. They come once a real second."""
 
 MODULUS = 2**16
 """Modulus of its counter."""
@@ -33,6 +34,7 @@ class GateController:
         clock: the plant's.
         tell: is given each value that changes, and none twice.
         aside_s: time after which a container that is not admitted goes aside.
+        still_s: time without a new `alive` after which nothing is let in.
 
     Attributes:
         shows: values of its outputs, by signal.
@@ -42,9 +44,16 @@ class GateController:
     """
 
     def __init__(
-        self, gate: Gate, clock: Clock, tell: Callable[[Signal, Value], None], *, aside_s: float = ASIDE_S
+        self,
+        gate: Gate,
+        clock: Clock,
+        tell: Callable[[Signal, Value], None],
+        *,
+        aside_s: float = ASIDE_S,
+        still_s: float = STILL_S,
     ) -> None:
         self._clock, self._tell, self._aside_s = clock, tell, aside_s
+        self._alive = Alive(clock, still_s)
         self.shows: dict[Signal, Value] = {Signal.PIECES: 0, Signal.GOAL: ""}
         self.told: dict[Signal, Value] = {Signal.ADMITTED: 0, Signal.ADMITTED_GOAL: "", Signal.ALIVE: 0}
         self.let_in: Counter[str] = Counter()
@@ -64,6 +73,8 @@ class GateController:
         """Store an input; the controller acts on it when it looks."""
         if signal not in self.told:
             return
+        if signal is Signal.ALIVE:
+            self._alive.beat(value)
         if signal is Signal.ALIVE and value != self.told[signal]:
             now_s = self._clock.now_s()
             self._waited_s += min(now_s - self._beat_s, BEAT_S)
@@ -97,7 +108,7 @@ class GateController:
                 goal, self._pieces = self._belt.popleft()
                 self._waited_s, self._beat_s = 0.0, now_s
                 self._show(Signal.GOAL, goal)
-        elif self.told[Signal.ADMITTED_GOAL] == label and admitted >= self._pieces:
+        elif self.told[Signal.ADMITTED_GOAL] == label and admitted >= self._pieces and not self._alive.stands:
             self._made += self._pieces
             self.let_in[label] += self._pieces
             self._show(Signal.PIECES, self._made % MODULUS)

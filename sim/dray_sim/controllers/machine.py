@@ -5,6 +5,7 @@ It knows nothing of materials, tasks and agents. Its connection carries its sign
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from dray.adapters.signals.signal import Signal, Value
@@ -19,6 +20,7 @@ from dray.body import (
 )
 from dray.ports import Clock
 from dray_sim.bodies.workcell import SimWorkcell
+from dray_sim.controllers.alive import Alive
 from dray_sim.controllers.dock import LOOK_S, ControlledDock
 
 MODULUS = 2**16
@@ -37,6 +39,7 @@ class MachineController:
         modulus: at which the counters roll over.
         rest_s: shortest time after a piece before it begins another one. Where `RUN` arrives late, it has been
             switched off by then if no piece is wanted.
+        still_s: time without a new `alive` after which it begins no piece; infinite where only `miss_alive` counts.
 
     Attributes:
         shows: values of its outputs, by signal.
@@ -52,10 +55,12 @@ class MachineController:
         *,
         modulus: int = MODULUS,
         rest_s: float = 0.0,
+        still_s: float = math.inf,
     ) -> None:
         self._workcell, self._clock, self._tell = workcell, clock, tell
         self._modulus, self._rest_s = modulus, rest_s
         self._rests_until_s = clock.now_s()
+        self._alive = Alive(clock, still_s)
         self.made = dict.fromkeys(COUNTERS, 0)
         self.shows: dict[Signal, Value] = {
             Signal.PIECES: 0,
@@ -86,6 +91,8 @@ class MachineController:
         """Store an input; the controller acts on it when it looks."""
         if signal in self.told:
             self.told[signal] = value
+        if signal is Signal.ALIVE:
+            self._alive.beat(value)
         if signal is Signal.RUN:
             self._more = None
 
@@ -138,7 +145,7 @@ class MachineController:
         if speed_frac != self._speed_frac and 0.0 < speed_frac <= 1.0:
             self._speed_frac = speed_frac
             self._workcell.instruct(SetPace(speed_frac=speed_frac))
-        runs = self.told[Signal.RUN] and self._more != 0
+        runs = self.told[Signal.RUN] and self._more != 0 and not self._alive.stands
         if runs and now_s >= self._rests_until_s and not self._workcell.sense().cycling:
             self._workcell.instruct(StartCycle(product=str(self.told[Signal.PRODUCT])))
             if self._more and self._workcell.sense().cycling:

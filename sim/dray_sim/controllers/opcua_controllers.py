@@ -15,6 +15,7 @@ from dray.ports import Clock
 from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.stores import Storage
 from dray_sim.bodies.workcell import SimWorkcell
+from dray_sim.controllers.alive import STILL_S
 from dray_sim.controllers.gate import GateController
 from dray_sim.controllers.machine import MachineController
 from dray_sim.controllers.opcua_server import GATE_NODES, NODES, ControllerServer, node_id
@@ -40,6 +41,7 @@ class OpcUaControllers:
     def __init__(self, clock: Clock, server: ControllerServer, speed: float) -> None:
         self._clock, self._server = clock, server
         self._rest_s = max(REST_MIN_S, REST_WALL_S * speed)
+        self._still_s = STILL_S * max(1.0, speed)
         self._loop = asyncio.get_running_loop()
         self._ended = False
         self.controllers: dict[str, MachineController] = {}
@@ -51,7 +53,9 @@ class OpcUaControllers:
             OSError: the mapping file cannot be written.
         """
         machine = workcell.id
-        controller = MachineController(workcell, self._clock, self._show(machine), rest_s=self._rest_s)
+        controller = MachineController(
+            workcell, self._clock, self._show(machine), rest_s=self._rest_s, still_s=self._still_s
+        )
         self.controllers[machine] = controller
         self._connect(machine, controller)
         tags = {signal: Tag(node_id(machine, signal)) for signal in NODES}
@@ -80,7 +84,7 @@ class OpcUaControllers:
         Raises:
             OSError: the mapping file cannot be written.
         """
-        self._connect(GATE, GateController(gate, self._clock, self._show(GATE)))
+        self._connect(GATE, GateController(gate, self._clock, self._show(GATE), still_s=self._still_s))
         tags = {signal: Tag(node_id(GATE, signal)) for signal in GATE_NODES}
         return self._write(GATE, OpcUaMapping(url=self._server.url, signals=tags))
 

@@ -8,9 +8,12 @@ from pathlib import Path
 
 import msgspec
 import pytest
+from asyncua import ua
+from certificates import certify
 from plc import Plc, mapping
 from signals_rig import PLANT, PRODUCT, SPEC
 
+from dray.adapters import machine_acts
 from dray.adapters.machine_acts import CONTAINER, GateSpec, Wanted
 from dray.adapters.mapping_file import parse_mapping
 from dray.adapters.opcua.commissioning import Commissioning
@@ -111,6 +114,90 @@ def test_a_controller_that_is_not_there_is_said(tmp_path: Path, free_port: int) 
         steps = await seen(done)
         assert list(steps) == ["connection"]
         assert steps["connection"][0] is False
+
+    asyncio.run(story())
+
+
+@pytest.mark.parametrize("wanted", [Wanted(cycle=True), Wanted(dock=True)])
+def test_a_check_that_fails_leaves_nothing_switched_on(
+    wanted: Wanted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody watches the machine after its check: it would make one piece after the other, or keep its dock open."""
+    for name, value in (("CYCLES", 0.0), ("CYCLE_MIN_S", 0.5), ("DOCK_S", 0.5)):
+        monkeypatch.setattr(machine_acts, name, value)
+
+    async def story() -> None:
+        async with Plc() as plc:
+            written = plc.note_writes(Signal.RUN, Signal.DOCK_PERMIT)
+            done = commissioning(plc.url, tmp_path, wanted)
+            steps = await seen(done)
+            assert steps["cycle" if wanted.cycle else "dock"][0] is False
+            assert (Signal.RUN if wanted.cycle else Signal.DOCK_PERMIT, True) in written
+            assert await plc.read(Signal.RUN) is False
+            assert await plc.read(Signal.DOCK_PERMIT) is False
+
+    asyncio.run(story())
+
+
+def test_a_check_says_what_the_mapping_does_not_have(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc() as plc:
+            done = commissioning(plc.url, tmp_path, Wanted())
+            await seen(done)
+        report = done.report()
+        assert "no `alive`: it does not notice that its agent is away" in report
+        assert "no `product`" in report
+        assert "no `run`" not in report
+        assert '  alive: {node: "ns=2;s=Press.alive"}' in report
+        assert '  product: {node: "ns=2;s=Press.product"}' in report
+
+    asyncio.run(story())
+
+
+def test_a_speed_in_percent_needs_its_scale_and_units_are_shown(tmp_path: Path) -> None:
+    """A machine that shows 100 and is told 1 would crawl."""
+
+    async def story() -> None:
+        async with Plc() as plc:
+            node = mapping((Signal.SPEED,))["speed"]["node"]
+            speed = f'{{node: "{node}"}}'
+            steps = await seen(commissioning(plc.url, tmp_path, Wanted(), speed=speed))
+            assert steps["speed"][0] is False
+            assert "for percent say `scale: 100`" in steps["speed"][1]
+            unit = ua.EUInformation(DisplayName=ua.LocalizedText("%"))
+            await plc.nodes[Signal.SPEED].add_property(
+                ua.NodeId("unit", 2), ua.QualifiedName("EngineeringUnits", 0), unit
+            )
+            speed = f'{{node: "{node}", scale: 100}}'
+            steps = await seen(commissioning(plc.url, tmp_path, Wanted(), speed=speed))
+            assert steps["speed"][0]
+            assert steps["speed"][1].endswith("shows 100.0 %")
+
+    asyncio.run(story())
+
+
+def test_a_controller_with_name_password_and_certificates_is_checked(tmp_path: Path) -> None:
+    server, client = (certify(tmp_path, name) for name in ("plc", "dray"))
+
+    async def story() -> None:
+        async with Plc(user=True, certificates=server) as plc:
+            said = {
+                "url": plc.url,
+                "signals": mapping(SIGNALS),
+                "user": "dray",
+                "security": "Basic256Sha256",
+                "certificate": client[0].name,
+                "key": client[1].name,
+                "server": server[0].name,
+            }
+            secured = msgspec.convert(said, OpcUaMapping)
+            for password, passes in (("secret", True), ("wrong", False)):
+                clock = SystemClock(asyncio.get_running_loop())
+                done = Commissioning(secured, tmp_path, password, SPEC, PLANT, clock, Wanted())
+                steps = await seen(done)
+                assert steps["connection"][0] is passes
+                assert done.steps.passed is passes
+                assert "nothing is encrypted" not in steps["connection"][1]
 
     asyncio.run(story())
 

@@ -7,6 +7,7 @@ from controller_stand import ControllerStand
 
 from dray.adapters.signals.signal import Signal, Value
 from dray_sim.bodies.gate import Gate
+from dray_sim.controllers.alive import STILL_S
 from dray_sim.controllers.gate import ASIDE_S, BEAT_S, GateController
 
 
@@ -15,11 +16,12 @@ class Stand(ControllerStand[GateController]):
 
     def __init__(self) -> None:
         super().__init__()
-        self.gate = Gate(self.yard.clock)
+        self.gate, self.beats = Gate(self.yard.clock), 0
         self.controller = GateController(self.gate, self.yard.clock, self.on_told)
 
     def admit(self, goal: str, admitted: int) -> None:
-        self.tell(admitted_goal=goal, admitted=admitted)
+        self.beats += 1
+        self.tell(admitted_goal=goal, admitted=admitted, alive=self.beats)
 
 
 @pytest.fixture
@@ -61,3 +63,16 @@ def test_nothing_goes_aside_while_the_agent_is_away(stand: Stand) -> None:
     # It is there again.
     stand.controller.on_write(Signal.ALIVE, 2)
     assert stand.wait(BEAT_S) == []
+
+
+def test_nothing_is_let_in_while_alive_stands_still(stand: Stand) -> None:
+    stand.admit("a", 3)
+    stand.wait(STILL_S + 1.0)
+    stand.gate.enter("a", 3)
+    stand.tell(admitted=0)
+    assert stand.wait() == [(Signal.GOAL, "a")]
+    # The permit is there, and whoever has given it is not.
+    stand.tell(admitted=3, alive=stand.beats)
+    assert stand.wait() == []
+    stand.admit("a", 3)
+    assert stand.wait() == [(Signal.PIECES, 3), (Signal.GOAL, "")]

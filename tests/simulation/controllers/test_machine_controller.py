@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from controller_stand import ControllerStand
 from yard import PLANT
@@ -10,6 +12,7 @@ from dray.adapters.signals.signal import Signal
 from dray_sim.bodies.docks import SHUT
 from dray_sim.bodies.stores import TOO_LITTLE
 from dray_sim.bodies.workcell import SimWorkcell
+from dray_sim.controllers.alive import STILL_S
 from dray_sim.controllers.machine import MachineController
 
 CYCLE_S = 30.0
@@ -19,12 +22,12 @@ CYCLE_S = 30.0
 class Stand(ControllerStand[MachineController]):
     """A machine."""
 
-    def __init__(self, *, modulus: int = 16, rest_s: float = 0.0) -> None:
+    def __init__(self, *, modulus: int = 16, rest_s: float = 0.0, still_s: float = math.inf) -> None:
         super().__init__()
         clock = self.yard.clock
         self.workcell = SimWorkcell(PLANT.machines["M1"], PLANT, clock, {"shaft": 50, "seal": 40})
         self.controller = MachineController(
-            self.workcell, clock, self.on_told, modulus=modulus, rest_s=rest_s
+            self.workcell, clock, self.on_told, modulus=modulus, rest_s=rest_s, still_s=still_s
         )
 
 
@@ -100,3 +103,14 @@ def test_it_begins_no_piece_while_alive_stands_still_but_for_those_before_it_not
     assert stand.wait(4 * CYCLE_S) == [(Signal.PIECES, 1), (Signal.PIECES, 2)]
     stand.tell(run=True)
     assert stand.wait(1.5 * CYCLE_S) == [(Signal.PIECES, 3)]
+
+
+def test_it_watches_alive_by_itself_and_finishes_the_piece_that_it_has_begun() -> None:
+    stand = Stand(still_s=STILL_S)
+    stand.tell(product="gear", run=True, alive=1)
+    stand.wait(STILL_S - 1.0)
+    assert stand.wait(4 * CYCLE_S) == [(Signal.PIECES, 1)]
+    stand.tell(alive=1)
+    assert stand.wait(4 * CYCLE_S) == []
+    stand.tell(alive=2)
+    assert stand.wait(1.5 * CYCLE_S) == [(Signal.PIECES, 2)]

@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 
 from dray.adapters.commissioning_step import Step, Steps
-from dray.adapters.machine_acts import LINK_S, Spec, Wanted, after
+from dray.adapters.machine_acts import LINK_S, Spec, Wanted, after, lacking_lines
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.mqtt.values import sample_of
@@ -84,7 +84,15 @@ class MqttCommissioning:
 
     def report(self) -> str:
         """The whole report, in Markdown."""
-        return "\n".join([f"# {self.spec.id}, {self.broker}", "", *self.steps.lines, ""])
+        return "\n".join(
+            [
+                f"# {self.spec.id}, {self.broker}",
+                "",
+                *self.steps.lines,
+                *lacking_lines(self.spec, self.mapping),
+                "",
+            ]
+        )
 
 
 class _Ear:

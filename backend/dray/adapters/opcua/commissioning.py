@@ -13,13 +13,24 @@ from pathlib import Path
 
 from asyncua import ua
 from asyncua.client.client import Client
+from asyncua.common.node import Node
 from asyncua.ua.uaerrors import UaError
 
 from dray.adapters.commissioning_step import Step, Steps
-from dray.adapters.machine_acts import GateSpec, Spec, Wanted, after
+from dray.adapters.machine_acts import GateSpec, Spec, Wanted, after, lacking_lines
 from dray.adapters.opcua.link import OpcUaLink, connection, find, sample_of, words
 from dray.adapters.opcua.mapping_file import OpcUaMapping
-from dray.adapters.signals.signal import AT_A_DOCK, AT_A_GATE, LEVEL, OF_A_GATE, Quality, Signal, Tag, is_told
+from dray.adapters.signals.signal import (
+    AT_A_DOCK,
+    AT_A_GATE,
+    LEVEL,
+    OF_A_GATE,
+    Quality,
+    Signal,
+    Tag,
+    brief,
+    is_told,
+)
 from dray.plant import Plant
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
@@ -27,8 +38,14 @@ from dray.ports import Clock
 LINK_S = 15.0
 """Longest wait for the controller."""
 
+TOP_SPEED = 2.0
+"""Highest plausible speed of a machine, as a fraction of its full speed."""
+
 NODES_MAX = 2_000
 """Maximum nodes inspected for a suggestion: a controller may have a hundred thousand."""
+
+UNIT_MAX = 20
+"""Maximum characters of a unit."""
 
 HINTS = {
     Signal.PIECES: ("good", "piece", "part", "count", "produced"),
@@ -39,6 +56,10 @@ HINTS = {
     Signal.RUN: ("run", "start", "enable"),
     Signal.DOCK_PERMIT: ("agvhere", "permit", "agvrequest"),
     Signal.SPEED: ("override", "speed"),
+    Signal.PRODUCT: ("nextproduct", "product", "article", "recipe", "order"),
+    Signal.RESET: ("faultreset", "reset", "acknowledge"),
+    Signal.ALIVE: ("alive", "heartbeat", "watchdog"),
+    Signal.DOCK_VEHICLE: ("agvname", "dock_vehicle", "vehicle"),
     Signal.ADMITTED_GOAL: ("admittedgoal", "admittedlabel"),
     Signal.ADMITTED: ("admitted", "admit"),
     Signal.GOAL: ("label", "barcode", "goal"),
@@ -120,6 +141,7 @@ class Commissioning:
                 f"# {self.spec.id}, {self.mapping.url}",
                 "",
                 *self.steps.lines,
+                *lacking_lines(self.spec, self.mapping),
                 "",
                 "Nodes that look like signals which the mapping does not have; look at each before you add it:"
                 if suggestion
@@ -141,7 +163,8 @@ class Commissioning:
             access = await node.get_user_access_level()
         except (UaError, ValueError, OSError) as error:
             return Step(name, False, f"{tag.node}: {words(error)}")
-        shown = f"{tag.node}, {kind.name}, shows {sample.value!r}"
+        unit = await _unit(node)
+        shown = f"{tag.node}, {kind.name}, shows {sample.value!r}{unit and f' {unit}'}"
         if sample.quality is not Quality.GOOD:
             return Step(name, False, f"{tag.node}, {kind.name}: {sample.reason}")
         if not is_told(name) and ua.AccessLevel.CurrentWrite not in access:
@@ -150,6 +173,12 @@ class Commissioning:
             isinstance(sample.value, bool | str) or not math.isfinite(sample.value) or sample.value < 0
         ):
             return Step(name, False, f"{shown}: that is no number of pieces")
+        if (
+            name == Signal.SPEED
+            and not isinstance(sample.value, bool | str)
+            and (sample.value > TOP_SPEED * tag.scale or (unit == "%" and tag.scale == 1.0))
+        ):
+            return Step(name, False, f"{shown}: 1 is full speed; for percent say `scale: 100`")
         if name in (Signal.PIECES, Signal.BAD) and (tag.edge is not None) != (kind is ua.VariantType.Boolean):
             what = (
                 "is a pulse: say `edge: rising` or `falling`"
@@ -190,3 +219,12 @@ class Commissioning:
                 if names and found[names[0]] not in self._guesses.values():
                     self._guesses[signal] = found[names[0]]
                     break
+
+
+async def _unit(node: Node) -> str:
+    """The unit that a controller gives for a node (OPC 10000-8); empty for none."""
+    try:
+        unit = await (await node.get_child("0:EngineeringUnits")).read_value()
+    except (UaError, ValueError, OSError):
+        return ""
+    return brief(str(getattr(getattr(unit, "DisplayName", None), "Text", "") or ""), UNIT_MAX)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from dray.adapters.signals.signal import SignalMapping
+from dray.adapters.signals.signal import SignalMapping, Tag
 
 
 class OpcUaMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
@@ -41,3 +41,7 @@ class OpcUaMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_
             raise ValueError(
                 "user: without security its password would be read by anybody; choose a security"
             )
+
+    def address(self, tag: Tag) -> str:
+        """See `SignalMapping.address`."""
+        return f"{tag.node} of {self.url}"

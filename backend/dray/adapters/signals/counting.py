@@ -6,6 +6,7 @@ A counter that
     falls because it has reached its end       has rolled over: it counts on from 0
     falls to a possible number                 was reset: its value is counted
     does anything else                         is doubted: nothing is counted, and counting continues from there
+    is read from another place than before     is doubted likewise: the two values have nothing to do with one another
 
 and after a gap in listening a reset is doubted as well: pieces before it may be missing.
 """
@@ -16,7 +17,7 @@ import math
 
 from msgspec import Struct
 
-from dray.adapters.signals.signal import Edge
+from dray.adapters.signals.signal import UP_TO, Edge, brief
 
 ROOM_FRAC, ROOM_PIECES = 1.5, 2
 """Maximum pieces in a span: this factor times the fastest cycle's rate, plus a few, since values come late and together."""
@@ -39,6 +40,21 @@ class CounterState(Struct, frozen=True):
 
     value: int
     at_s: float
+    of: str = ""
+    """What shows it, in words: its address, form and end. Empty in the memory of an older version."""
+
+
+def doubt_of_another(last: CounterState, now: CounterState, verb: str) -> str:
+    """Why two readings are not of the same counter; empty if they are.
+
+    Args:
+        last: the last reading.
+        now: the present reading.
+        verb: what is done with pieces, in words.
+    """
+    if last.of in ("", now.of) or now.of.startswith(f"{last.of}{UP_TO}"):
+        return ""  # The same one, or it is known by now where it ends.
+    return f"is read from {brief(now.of)}, and was read from {brief(last.of)}: pieces {verb} in between may be missing"
 
 
 def count(

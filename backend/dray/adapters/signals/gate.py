@@ -29,7 +29,7 @@ from typing import Protocol
 from msgspec import Struct
 from msgspec.structs import replace
 
-from dray.adapters.signals.counting import CounterState, Reading, count_pulse, grown
+from dray.adapters.signals.counting import CounterState, Reading, count_pulse, doubt_of_another, grown
 from dray.adapters.signals.signal import (
     Quality,
     Sample,
@@ -141,7 +141,7 @@ class SignalledGate:
         settle_s: float = SETTLE_S,
         kept_goals: int = KEPT_GOALS,
     ) -> None:
-        self._tags, self._clock, self._world = mapping.signals, clock, world
+        self._mapping, self._tags, self._clock, self._world = mapping, mapping.signals, clock, world
         self._settle_s, self._most = settle_s, kept_goals
         self._kept = kept or KeptSignals()
         self._report: Callable[[Report], None] = nobody_hears
@@ -284,9 +284,13 @@ class SignalledGate:
             return number
         edge = self._tags[Signal.PIECES].edge
         last, gap, self._gap = self._kept.pieces, self._gap, False
-        now, left = CounterState(number, self._clock.now_s()), self._kept.left
+        left, source = self._kept.left, self._mapping.source(Signal.PIECES, self._moduli)
+        now = CounterState(number, self._clock.now_s(), source)
         if last is None:
             reading = Reading()
+        elif another := doubt_of_another(last, now, "let in"):
+            # Another counter at a shut gate has missed nothing.
+            reading = Reading(0, another if left else "")
         elif edge is not None:
             # With a shut gate nothing can have come in unheard.
             reading = count_pulse(bool(last.value), bool(number), edge, gap=gap and left > 0)
@@ -295,7 +299,7 @@ class SignalledGate:
         else:
             # A counter that is reset at a shut gate has lost nothing.
             reading = grown(last.value, number, left, self._moduli, gap=gap and left > 0, verb="let in")
-        if last is not None and last.value == number and not reading.doubt:
+        if last is not None and (last.value, last.of) == (number, source) and not reading.doubt:
             return None
         kept = replace(self._kept, pieces=now)
         if reading.doubt and not kept.doubt:

@@ -141,6 +141,9 @@ class Sample(Struct, frozen=True):
 Count = Annotated[int, Meta(ge=0, le=COUNT_MAX)]
 
 
+UP_TO = ", up to "
+"""What stands before the end of a counter in words (`SignalMapping.source`)."""
+
 LEVEL = "level of "
 """The prefix of a material in the name of a storage's level."""
 
@@ -197,6 +200,28 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
         """All signals, by name."""
         levels = {LEVEL + item: tag for item, tag in self.levels.items()}
         return dict[str, Tag](self.signals.items()) | levels
+
+    def source(self, name: str, moduli: tuple[int, ...] = ()) -> str:
+        """What shows a signal, in words: two equal ones mean that values go on from one another.
+
+        Args:
+            name: the signal.
+            moduli: the possible numbers at which a counter rolls over.
+        """
+        tag = self.tags[name]
+        forms = [self.address(tag)]
+        end = ""
+        if tag.scale != 1.0:
+            forms.append(f"scale {tag.scale:g}")
+        if tag.edge is not None:
+            forms.append(f"edge {tag.edge}")
+        elif moduli:
+            end = UP_TO + " or ".join(f"{modulus:,}" for modulus in moduli)
+        return ", ".join(forms) + end
+
+    def address(self, tag: Tag) -> str:
+        """The address of a signal, in words."""
+        return tag.node or " ".join((tag.topic, tag.path)).strip()
 
     def check_machine(self) -> None:
         """Check that it is a machine's.

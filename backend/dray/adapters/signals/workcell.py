@@ -16,7 +16,7 @@ from typing import Protocol
 from msgspec import Struct
 from msgspec.structs import replace
 
-from dray.adapters.signals.counting import CounterState, Reading, count, count_pulse
+from dray.adapters.signals.counting import CounterState, Reading, count, count_pulse, doubt_of_another
 from dray.adapters.signals.dock import DockHandshake, DockState
 from dray.adapters.signals.signal import (
     Quality,
@@ -94,6 +94,8 @@ class Kept(Struct, frozen=True):
     """Whether it may be `cycling` that still comes: it was asked for, and nobody knows whether the controller has heard that."""
     confirmed: str = ""
     """The product that the controller has confirmed last; empty for none, and by MQTT, which confirms nothing."""
+    confirmed_at: str = ""
+    """Where it was confirmed: the source of `product` in the mapping of that time."""
     doubt: str = ""
     """Why counts may be wrong, until a person has checked them."""
     opened: tuple[str, ...] = ()
@@ -140,7 +142,7 @@ class SignalledWorkcell:
         world: World,
         kept: Kept | None = None,
     ) -> None:
-        self._tags, self._clock, self._world = mapping.signals, clock, world
+        self._mapping, self._tags, self._clock, self._world = mapping, mapping.signals, clock, world
         self._moduli: dict[Signal, tuple[int, ...]] = {
             signal: (tag.rolls_over_at,)
             for signal, tag in self._tags.items()
@@ -182,6 +184,9 @@ class SignalledWorkcell:
         for vehicle in self._kept.opened:
             self._dock.want(vehicle)
         self._hold_unconfirmed()
+        if self._kept.confirmed_at != self._product_at:
+            # Another controller has confirmed it, or another node: the present one may make something else.
+            self._kept = replace(self._kept, confirmed="")
         # A piece begun in an earlier life is still wanted.
         wanted = "" if self._kept.held else self._kept.cycling
         self._put(Signal.PRODUCT, wanted)
@@ -299,8 +304,13 @@ class SignalledWorkcell:
     def on_written(self, name: str, value: Value) -> None:
         """The controller has confirmed a value: what it makes from now on is the confirmed product."""
         if name == Signal.PRODUCT and value != self._kept.confirmed:
-            self._kept = replace(self._kept, confirmed=str(value))
+            self._kept = replace(self._kept, confirmed=str(value), confirmed_at=self._product_at)
             self._keep()
+
+    @property
+    def _product_at(self) -> str:
+        """What is told the product; empty for nothing."""
+        return self._mapping.source(Signal.PRODUCT) if Signal.PRODUCT in self._tags else ""
 
     # --- values ---
 
@@ -347,9 +357,11 @@ class SignalledWorkcell:
         is_bad, gap = signal is Signal.BAD, signal in self._gaps
         self._gaps.discard(signal)
         last = self._kept.bad if is_bad else self._kept.pieces
-        now = CounterState(number, self._clock.now_s())
+        now = CounterState(number, self._clock.now_s(), self._mapping.source(signal, moduli))
         if last is None:
             reading = Reading()
+        elif another := doubt_of_another(last, now, "made"):
+            reading = Reading(0, another)
         elif tag.edge is not None:
             reading = count_pulse(bool(last.value), bool(number), tag.edge, gap=gap)
         else:

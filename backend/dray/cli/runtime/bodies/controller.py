@@ -15,7 +15,7 @@ from dray.adapters.zenoh.bus import ZenohBus
 from dray.body import StorageState
 from dray.body.gate import GateState
 from dray.cli.runtime.bodies.broker import broker_of
-from dray.cli.runtime.bodies.embodied import REMIND_EVERY_S, Embodied, Embody
+from dray.cli.runtime.bodies.embodied import BY_CONTROLLER, REMIND_EVERY_S, Embodied, Embody, lived
 from dray.cli.runtime.surroundings import Surroundings
 
 _log = logging.getLogger(__name__)
@@ -33,6 +33,7 @@ def by_controller(surroundings: Surroundings, name: str, senses: type[StorageSta
     @asynccontextmanager
     async def embody(_bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:
         broker = broker_of(surroundings.settings)
+        lived(surroundings.settings.journal_folder, name, BY_CONTROLLER)
         link = MqttLink(broker, prefix(surroundings.plant.id, name), f"dray-{name}", (TOLD,))
         body = ControllerBody(journal.incarnation, senses, link.publish)
         running = asyncio.create_task(link.run(body))

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from dray.adapters.documents import DocumentReader, FetchedDocuments
 from dray.adapters.journal.sqlite_journal import SqliteJournal
@@ -25,6 +26,9 @@ _Kept = TypeVar("_Kept", bound=Struct)
 
 REMIND_EVERY_S = 30.0
 """Seconds between log messages about why an agent does not begin."""
+
+BY_SIGNALS, BY_PEOPLE, BY_CONTROLLER = "a controller with signals", "people", "a controller with a program"
+"""Kinds of bodies, each with its own memory (`LastBody`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +64,57 @@ def remembered(file: MemoryFile[_Kept], name: str) -> _Kept | None:
     if file.lost:
         _log.error("%s: %s", name, file.lost)
     return kept
+
+
+class LastBody(Struct, frozen=True):
+    """The kind of body that an agent had last."""
+
+    kind: str = ""
+    """In words, for a sentence; empty for an unknown one."""
+
+
+def lived(
+    folder: Path,
+    name: str,
+    kind: str,
+    file: MemoryFile[_Kept] | None = None,
+    *,
+    always: bool = False,
+) -> _Kept | None:
+    """What a body's file has kept, unless the agent has had another kind of body since: then nobody knows what that has counted.
+
+    Args:
+        folder: the journal folder.
+        name: the agent's id.
+        kind: of its present body, in words.
+        file: that body's file; None for a body that keeps nothing.
+        always: whether what another kind of body has counted is unknown even if there is no file yet.
+
+    Raises:
+        UnavailableError: a file cannot be read or written.
+    """
+    note = MemoryFile(folder / f"{name}.body.json", LastBody, LastBody())
+    last = remembered(note, name) or LastBody()
+    kept = None
+    if file is not None:
+        if last.kind not in ("", kind) and (always or file.exists):
+            file.outdate(with_doubt(file.damaged, last.kind), f"{last.kind} counted since")
+        kept = remembered(file, name)
+    if last.kind != kind:
+        note.write(LastBody(kind))
+    return kept
+
+
+def with_doubt(damaged: _Kept, kind: str) -> _Kept:
+    """The memory after another kind of body.
+
+    Args:
+        damaged: the memory after unreadable data.
+        kind: of the other body, in words.
+    """
+    if "doubt" not in damaged.__struct_fields__:
+        return damaged
+    return replace(damaged, doubt=f"{kind} counted before it; see what is there")
 
 
 @asynccontextmanager

@@ -20,7 +20,7 @@ from dray.adapters.people.workcell import DAMAGED as DAMAGED_PEOPLE
 from dray.adapters.people.workcell import Kept as PeopleKept
 from dray.adapters.people.workcell import PeopleWorkcell
 from dray.adapters.zenoh.bus import ZenohBus
-from dray.cli.runtime.bodies.embodied import Embodied, Embody, remembered
+from dray.cli.runtime.bodies.embodied import BY_PEOPLE, Embodied, Embody, lived
 from dray.cli.runtime.surroundings import Surroundings
 from dray.plant.model import MachineSpec
 from dray.plant.model import Storage as StorageSpec
@@ -50,9 +50,10 @@ def _of_people(
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
-        path = surroundings.settings.journal_folder / f"{name}.people.json"
-        file = MemoryFile(path, kind, damaged)
-        yield Embodied(make(_PeopleWorld(file.write), remembered(file, name)), asyncio.Event().wait)
+        folder = surroundings.settings.journal_folder
+        file = MemoryFile(folder / f"{name}.people.json", kind, damaged)
+        kept = lived(folder, name, BY_PEOPLE, file)
+        yield Embodied(make(_PeopleWorld(file.write), kept), asyncio.Event().wait)
 
     return embody
 

@@ -27,7 +27,7 @@ from dray.adapters.signals.workcell import DAMAGED as DAMAGED_WORKCELL
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.cli.runtime.bodies.broker import broker_of
-from dray.cli.runtime.bodies.embodied import REMIND_EVERY_S, Embodied, Embody, remembered
+from dray.cli.runtime.bodies.embodied import BY_SIGNALS, REMIND_EVERY_S, Embodied, Embody, lived
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError
 from dray.plant.model import MachineSpec
@@ -143,7 +143,7 @@ class RealController:
         return OpcUaLink(self.mapping, self.folder, self.password)
 
     def surroundings(
-        self, name: str, about: str, kind: type[_Kept], damaged: _Kept
+        self, name: str, about: str, kind: type[_Kept], damaged: _Kept, *, always: bool = False
     ) -> tuple[SignalsLink, _World[_Kept], _Kept | None]:
         """A link that is not running yet, what a body acts with, and what its file has kept.
 
@@ -152,12 +152,14 @@ class RealController:
             about: the last part of the file's name.
             kind: the type of what is kept.
             damaged: see `MemoryFile`.
+            always: see `lived`.
 
         Raises:
             UnavailableError: the file cannot be read.
         """
-        file = MemoryFile(self.settings.journal_folder / f"{name}.{about}.json", kind, damaged)
-        kept, link = remembered(file, name), self.link(f"dray-{name}")
+        folder = self.settings.journal_folder
+        file = MemoryFile(folder / f"{name}.{about}.json", kind, damaged)
+        kept, link = lived(folder, name, BY_SIGNALS, file, always=always), self.link(f"dray-{name}")
         return link, _World(link.write, file.write), kept
 
 
@@ -237,7 +239,7 @@ def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
-        link, world, kept = real.surroundings(name, "signals", KeptSignals, DAMAGED_SIGNALS)
+        link, world, kept = real.surroundings(name, "signals", KeptSignals, DAMAGED_SIGNALS, always=True)
         now, rest_s = clock(), settle_s(settings.plant_speed)
         body = SignalledGate(real.mapping, now, world, kept, settle_s=rest_s)
         running = asyncio.create_task(link.run(body))
