@@ -25,11 +25,12 @@ from dray.messages import (
     StockReserved,
     StockShort,
 )
+from dray.messages.base import COUNT_MAX
 from dray.messages.heartbeat import DockWait
 from dray.protocol.runtime.events import Effect, Ignore, Instruct
 from dray.protocol.station.station import Station
 from dray.protocol.transports.dock_door import NOT_READY, SAFE_WITHIN_S
-from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S
+from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S, REFUTED_S
 from dray.protocol.transports.transport_flow import NOT_KEPT
 
 SPEC = PLANT.storages["S1"]
@@ -283,6 +284,34 @@ def test_a_second_vehicle_of_the_same_epoch_waits_and_one_of_a_higher_epoch_repl
     effects = rig.docks("ATV2", "M8-1", epoch=2)
     assert instructed(effects, CloseDock) == [CloseDock(vehicle="ATV1")]
     assert len(sent(effects, DockOpened, to="ATV2")) == 1
+
+
+@pytest.mark.parametrize("reserved", [True, False], ids=["set aside", "waiting"])
+def test_an_epoch_of_the_far_future_gets_no_load_and_keeps_it_from_no_carrier(reserved: bool) -> None:
+    """Any vehicle can state it, for any task."""
+    rig = started(100 if reserved else 0)
+    rig.asks("M8-1")
+    assert sent(rig.docks("ATV9", "M8-1", epoch=COUNT_MAX), DockOpened) == []
+    rig.changes(100)
+    assert len(sent(rig.docks("ATV1", "M8-1"), DockOpened, to="ATV1")) == 1
+    rig.changes(-40, "ATV1")
+    assert len(sent(rig.asks("M8-1", epoch=2), StockReserved)) == 1, "its carrier has failed with the load"
+
+
+def test_a_vehicle_that_states_a_higher_epoch_keeps_the_dock_until_the_coordinator_names_the_lower_one() -> (
+    None
+):
+    rig = started(100)
+    rig.asks("M8-1")
+    assert len(sent(rig.docks("ATV9", "M8-1", epoch=2), DockOpened)) == 1, "its takeover may be under way"
+    rig.run(rig.now_s + 5.0)
+    rig.asks("M8-1")
+    assert sent(rig.docks("ATV1", "M8-1"), DockOpened) == []
+    rig.run(rig.now_s + REFUTED_S)
+    rig.asks("M8-1")
+    effects = rig.docks("ATV1", "M8-1")
+    assert instructed(effects, CloseDock) == [CloseDock(vehicle="ATV9")]
+    assert len(sent(effects, DockOpened, to="ATV1")) == 1
 
 
 def test_promises_that_cannot_be_kept_are_taken_back_the_latest_first() -> None:
