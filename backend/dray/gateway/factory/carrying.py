@@ -91,7 +91,7 @@ class Carrying(Announced):
             event = Event(
                 agent=row.agent, incarnation=row.incarnation, number=row.number, at_s=row.plant_s, fact=fact
             )
-            self._projection.removals.fold(event)
+            self._projection.atvs.mark(self._projection.removals.fold(event))
 
     async def carry_away(self, atv: str, by: Principal) -> None:
         """Note that a vehicle is off the floor.
