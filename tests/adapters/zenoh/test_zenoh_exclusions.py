@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, closing
 from pathlib import Path
@@ -18,6 +19,7 @@ from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh.exclusions import Exclusions
 from dray.adapters.zenoh.links import Links
 from dray.messages import HandoverAccepted, Message, ShutOut
+from dray.messages.base import COUNT_MAX
 from dray.messages.kinds import Kind
 from dray.messages.shutout import MAX_SHUT_OUT
 from dray.messages.speakers import FOREIGN_WORD, SHUT_OUT
@@ -140,6 +142,27 @@ def test_an_older_list_changes_nothing(folder: Path, tmp_path: Path) -> None:
             await here.decide(4)
             await here.decide(5)
             assert here.row.buses[1].shut_out == {"M1"}
+
+    asyncio.run(main())
+
+
+def test_the_next_decision_counts_whatever_number_a_thief_of_a_gateways_certificate_has_said(
+    folder: Path, tmp_path: Path
+) -> None:
+    """A number is the time of its decision. One of the far future counts as the present, over restarts, too."""
+    decided = int(time.time() * 1000)
+    an_hour = 3_600_000
+
+    async def main() -> None:
+        async with hall(folder, tmp_path) as here:
+            await here.decide(decided, "M1")
+            await here.decide(COUNT_MAX, "ATV1")
+            assert here.row.buses[1].shut_out == {"ATV1"}
+            await here.decide(decided, "M1")
+            assert here.row.buses[1].shut_out == {"ATV1"}, "an older list is still older"
+        async with hall(folder, tmp_path) as here:
+            await here.decide(decided + an_hour)
+            assert [bus.shut_out for bus in here.row.buses] == [frozenset()] * 3
 
     asyncio.run(main())
 

@@ -19,6 +19,7 @@ from dray.gateway.http.provided import provided
 from dray.gateway.live.projection.agents.removals import REFUSED_KEPT
 from dray.gateway.live.visibility import visibility_of
 from dray.messages import Event, Message, Removal, RemovalRefusal, Removals, removed_words, reported_words
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import PlaceKept, PlacesFreed, RemovalRefused
 from dray.messages.heartbeat import FloorBrief
 from dray.store.factory.removals import FROM_CONSOLE, RemovalRow
@@ -254,6 +255,18 @@ async def test_it_ends_when_the_vehicle_is_heard_again(house: House) -> None:
     await provided(house.app, Carrying).look()
     assert (await house.get("/api/atvs/ATV1"))["removal"] is None
     assert len(told) == 1
+
+
+async def test_it_ends_when_the_vehicle_is_heard_again_whose_last_heartbeat_was_a_thiefs(
+    house: House,
+) -> None:
+    """Its own numbers are lower; so are those of a vehicle whose journal is lost."""
+    heard(house, seq=COUNT_MAX)
+    await say(house, "carried-away", **OFF)
+    house.wall.now_s += 60.0
+    heard(house, seq=8, ago_s=-60.0)
+    await provided(house.app, Carrying).look()
+    assert (await house.get("/api/atvs/ATV1"))["removal"] is None
 
 
 async def test_it_is_said_again_with_a_new_grant_while_the_vehicle_is_silent(house: House) -> None:

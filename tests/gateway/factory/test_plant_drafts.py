@@ -18,13 +18,13 @@ import msgspec
 import pytest
 from answers import problem
 from gateway_kit import House
+from side_work_kit import count_pieces
 
 from dray.gateway.access.principal import Role, Scope
 from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
 from dray.gateway.factory.plant_drafts import as_file, findings
 from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
 from dray.gateway.http.problems import Problem
-from dray.gateway.http.side_work import SideWork
 from dray.gateway.routes.factory.plant_draft_work import draft_view
 from dray.plant import default_plant, load_plant, plant_yaml
 from dray.plant.exchange.dxf import MAX_BYTES
@@ -71,15 +71,9 @@ async def test_a_draft_begins_with_the_running_plant_and_is_kept_with_its_versio
 async def test_many_who_read_one_draft_cost_one_rendering_of_each_version(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    outcome, pieces = SideWork._outcome, []
-
-    async def counted(side: SideWork, piece: bytes) -> Any:
-        pieces.append(piece)
-        return await outcome(side, piece)
-
     draft = await begin(house)
     readers = [(await house.key(Scope.FACTORY_READ))[1] for _ in range(6)]
-    monkeypatch.setattr(SideWork, "_outcome", counted)
+    pieces = count_pieces(monkeypatch)
 
     async def read(tail: str = "") -> set[str]:
         path = f"/api/plant-drafts/{draft['id']}{tail}"

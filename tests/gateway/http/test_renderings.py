@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import os
-from collections.abc import AsyncIterator
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from side_work_kit import count_pieces
 
 from dray.gateway.http.problems import Problem
 from dray.gateway.http.renderings import Renderings
@@ -19,33 +18,10 @@ pytestmark = pytest.mark.anyio
 KEY = ("draft", "d-1", 1)
 
 
-class Counting(SideWork):
-    """Side work that counts its pieces."""
-
-    pieces = 0
-
-    async def _outcome(self, piece: bytes) -> tuple[object, Exception | None]:
-        self.pieces += 1
-        return await super()._outcome(piece)
-
-
-@pytest.fixture
-async def side() -> AsyncIterator[Counting]:
-    work = Counting()
-    yield work
-    await work.close()
-
-
-@pytest.fixture
-def pipe(tmp_path: Path) -> Path:
-    """Who reads it waits until somebody writes to it."""
-    path = tmp_path / "pipe"
-    os.mkfifo(path)
-    return path
-
-
-async def test_all_who_ask_meanwhile_wait_for_one_piece_of_work(side: Counting, pipe: Path) -> None:
-    renderings = Renderings(side)
+async def test_all_who_ask_meanwhile_wait_for_one_piece_of_work(
+    side: SideWork, pipe: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    renderings, pieces = Renderings(side), count_pieces(monkeypatch)
     asked = [
         asyncio.create_task(renderings.of(KEY, f"caller {number}", Path.read_bytes, pipe))
         for number in range(3 * EACH)
@@ -53,11 +29,11 @@ async def test_all_who_ask_meanwhile_wait_for_one_piece_of_work(side: Counting, 
     await asyncio.to_thread(pipe.write_bytes, b"made")
     assert set(await asyncio.gather(*asked)) == {b"made"}
     assert await renderings.of(KEY, "later", bytes, b"never made") == b"made"
-    assert side.pieces == 1
+    assert len(pieces) == 1
     assert await renderings.of((*KEY[:2], 2), "later", bytes, b"a new version") == b"a new version"
 
 
-async def test_a_reader_does_not_wait_for_a_turn_of_somebody_else(side: Counting, pipe: Path) -> None:
+async def test_a_reader_does_not_wait_for_a_turn_of_somebody_else(side: SideWork, pipe: Path) -> None:
     renderings = Renderings(side)
     held = [asyncio.create_task(side.do("greedy", Path.read_bytes, pipe)) for _ in range(EACH - 1)]
     behind = asyncio.create_task(renderings.of(KEY, "greedy", bytes, b"made"))
@@ -70,7 +46,7 @@ async def test_a_reader_does_not_wait_for_a_turn_of_somebody_else(side: Counting
     assert await behind == b"made"
 
 
-async def test_a_failure_is_told_to_the_one_whose_work_it_was(side: Counting, tmp_path: Path) -> None:
+async def test_a_failure_is_told_to_the_one_whose_work_it_was(side: SideWork, tmp_path: Path) -> None:
     renderings, missing = Renderings(side), tmp_path / "missing"
     failing = asyncio.create_task(renderings.of(KEY, "a", Path.read_bytes, missing))
     await asyncio.sleep(0)
@@ -81,7 +57,7 @@ async def test_a_failure_is_told_to_the_one_whose_work_it_was(side: Counting, tm
 
 
 async def test_whoever_has_too_many_pieces_is_told_so_and_reads_what_is_kept(
-    side: Counting, pipe: Path
+    side: SideWork, pipe: Path
 ) -> None:
     renderings = Renderings(side)
     renderings.keep(KEY, b"kept")

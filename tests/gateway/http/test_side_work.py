@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import os
 import resource
-from collections.abc import AsyncIterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -26,21 +25,6 @@ from dray.plant import parse_plant
 pytestmark = pytest.mark.anyio
 
 FILE = {"csv": f"customer,product,quantity\nHall 3,{PRODUCT},5\n", "dry_run": True}
-
-
-@pytest.fixture
-async def side() -> AsyncIterator[SideWork]:
-    work = SideWork()
-    yield work
-    await work.close()
-
-
-@pytest.fixture
-def pipe(tmp_path: Path) -> Path:
-    """Who writes to it waits until somebody reads it."""
-    path = tmp_path / "pipe"
-    os.mkfifo(path)
-    return path
 
 
 def given(side: SideWork, caller: str, pipe: Path) -> asyncio.Task[int]:

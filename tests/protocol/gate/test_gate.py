@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from defaults import PLANT
 from effects import instructed, remember, sent
 from rigs import Rig
@@ -22,8 +23,10 @@ from dray.messages import (
     OrderClaimed,
     StationHeartbeat,
 )
+from dray.messages.base import COUNT_MAX
 from dray.messages.gate import GoalHeld, GoalOf, HeldOrder, OrderHeld
 from dray.protocol.gate.gate import DeliveryGate
+from dray.protocol.liveness.overtaken import OVERTAKES_S
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 
@@ -254,3 +257,36 @@ def test_it_says_that_it_is_there() -> None:
     [first, *_] = rig.heartbeats(StationHeartbeat)
     assert (first.station, first.incarnation, first.stocks) == ("gate", 1, ())
     assert len(rig.heartbeats(StationHeartbeat)) >= 3
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["of a known order", "of one that is new"])
+def test_whatever_epoch_a_thief_of_a_strategists_certificate_claims_another_one_can_take_the_order_over(
+    known: bool,
+) -> None:
+    rig = GateRig()
+    if known:
+        rig.say(OrderClaimed("O1", 1), OTHER)
+    rig.say(OrderClaimed("O1", COUNT_MAX))
+    [told] = sent(rig.say(OrderClaimed("O1", COUNT_MAX), OTHER), HolderReported, to=OTHER)
+    if told.held.holder != OTHER:
+        [told] = sent(rig.say(OrderClaimed("O1", told.held.epoch + 1), OTHER), HolderReported, to=OTHER)
+    assert told.held.holder == OTHER
+    assert told.held.epoch < COUNT_MAX
+
+
+@pytest.mark.parametrize("life", [1, 2], ids=["the same life", "the next life"])
+@pytest.mark.parametrize("restarts", [False, True], ids=["this gate", "the gate's next life"])
+def test_a_request_with_a_number_of_the_far_future_does_not_shut_out_later_ones_for_ever(
+    life: int, restarts: bool
+) -> None:
+    """A thief of the strategist's certificate has sent it."""
+    rig = GateRig()
+    rig.say(asked("G1", 5))
+    rig.say(asked("G1", 9, COUNT_MAX, life=COUNT_MAX))
+    rig.say(asked("G1", 6, 2, life=life))
+    assert rig.admitted["G1"] == 9, "perhaps it came late"
+    if restarts:
+        rig = rig.next_life()
+    rig.run(rig.now_s + OVERTAKES_S + 1.0)
+    rig.say(asked("G1", 7, 3, life=life))
+    assert rig.admitted["G1"] == 7

@@ -8,10 +8,12 @@ from defaults import PLANT
 from effects import facts, published, sent
 from m7 import m7
 from msgspec import UNSET
+from msgspec.structs import replace
 from rigs import MachineRig
 from spoken import announcement, production
 
 from dray.messages import Bid, MachineHeartbeat
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import BidRefused
 
 DOCK = PLANT.node_of("M7")
@@ -64,3 +66,16 @@ def test_nothing_is_taken_that_is_due_before_a_way_opens() -> None:
     assert [each.detail for each in facts(rig.all, BidRefused)] == ["what is closed leaves no way to it"]
     rig.on_message("strategist", announcement(task="G8", work=production(quantity=8), deadline_s=DUE_S + 1.0))
     assert [bid.task for bid in sent(rig.all, Bid)] == ["G8"]
+
+
+def test_a_list_that_no_person_has_signed_closes_no_dock_and_shuts_out_no_later_list() -> None:
+    """A thief of a gateway's certificate has sent it."""
+    rig = m7(goal=24)
+    shut(rig, 1, None)
+    assert offered(rig) is True
+    rig.cycle()
+    rig.on_message("gateway", replace(closures(COUNT_MAX), signature=b""))
+    assert not rig.is_cycling
+    rig.on_message("gateway", closures(2))
+    assert offered(rig) is UNSET
+    assert rig.is_cycling

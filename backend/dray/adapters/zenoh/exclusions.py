@@ -2,6 +2,9 @@
 
 Gateways repeat the list on one key (`dray.messages.shutout`), and each process subscribes to it, independently of its
 agents. It stores the newest list, so that its next life knows it before any message, even while no gateway is there.
+
+A list's number is the time of its decision. One from the future, of a gateway whose clock is ahead or of a thief of its certificate,
+counts as the present time. So people's next decision is always newer.
 """
 
 from __future__ import annotations
@@ -9,6 +12,8 @@ from __future__ import annotations
 import logging
 import os
 import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -31,10 +36,11 @@ class Exclusions:
     Args:
         bus: the bus of this process.
         file: the stored list; created when there is something to store.
+        now_s: unix time.
     """
 
-    def __init__(self, bus: ZenohBus, file: Path) -> None:
-        self._bus, self._file = bus, file
+    def __init__(self, bus: ZenohBus, file: Path, now_s: Callable[[], float] = time.time) -> None:
+        self._bus, self._file, self._now_s = bus, file, now_s
         self._lock = threading.Lock()
         self._list = self._read_list()
         self._shares = Shares(Tally(), bus.speed)
@@ -53,17 +59,22 @@ class Exclusions:
 
     def _take(self, gateway: str, said: ShutOut) -> None:
         with self._lock:
-            if said.number <= self._list.number:
+            number = min(said.number, int(self._now_s() * 1000))
+            if said.number <= self._list.number or (
+                said.number > number and said.agents == self._list.agents
+            ):
                 return
-            before, self._list = set(self._list.agents), said
+            before, self._list = set(self._list.agents), ShutOut(number, said.agents)
             self._bus.shut_out = frozenset(said.agents)
-            self._keep(said)
+            self._keep(self._list)
         for agent in sorted(before.symmetric_difference(said.agents)):
             log.warning("%s is %s, says %s", agent, "readmitted" if agent in before else "shut out", gateway)
 
     def _read_list(self) -> ShutOut:
         try:
-            return _read(self._file.read_bytes())
+            kept = _read(self._file.read_bytes())
+            # Earlier versions have kept numbers from the future.
+            return ShutOut(min(kept.number, int(self._now_s() * 1000)), kept.agents)
         except FileNotFoundError:
             return ShutOut(number=0)
         except (OSError, msgspec.MsgspecError) as error:

@@ -25,7 +25,7 @@ from dray.messages import Event, Removals
 from dray.messages.base import CLOCKS_AGREE_S
 from dray.messages.fact import AnyFact
 from dray.messages.floor.removal import MAX_REMOVALS
-from dray.protocol.liveness.suspicion import gone_s, interval_s
+from dray.protocol.liveness.suspicion import LATENESS_MAX_S, gone_s, interval_s
 from dray.store import Store
 from dray.store.factory.removals import RemovalRow
 from dray.store.history.events import EventFilter
@@ -34,6 +34,9 @@ _log = logging.getLogger(__name__)
 
 GRANT_S = 60.0
 """Validity of one publication in wall seconds."""
+
+SURELY_AFTER_S = CLOCKS_AGREE_S + LATENESS_MAX_S
+"""A vehicle's word this long after a report (s) is surely later than the report, whatever its numbers."""
 
 FACTS = 1_000
 """Maximum answers of machines that are read at the start: several from each machine for each vehicle that is off the floor."""
@@ -210,8 +213,15 @@ class Carrying(Announced):
             return await work.removals.put(full)
 
     def _is_back(self, row: RemovalRow) -> bool:
+        """Whether the vehicle was heard after the report.
+
+        By the time, if its numbers are lower: its journal is lost, or a thief has sent the named heartbeat.
+        """
         last = self._projection.atvs.last(row.atv)
-        return last is not None and (last.incarnation, last.seq) > row.heard
+        if last is None:
+            return False
+        told_s = self._time.to_wall_s(last.at_s)
+        return (last.incarnation, last.seq) > row.heard or told_s > row.at_s + SURELY_AFTER_S
 
     def _view(self, row: RemovalRow) -> RemovalView:
         last = self._projection.atvs.last(row.atv)

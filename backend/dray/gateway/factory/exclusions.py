@@ -68,8 +68,8 @@ class Exclusions(Announced):
                 HTTPStatus.CONFLICT,
                 "own-gateway",
                 "A gateway cannot shut itself out",
-                f"{agent} is the gateway that you speak to: its word is needed to shut somebody out; ask another "
-                "gateway, or call its certificate back with `dray certs revoke`",
+                f"{agent} is the gateway that you speak to: its word is needed to shut somebody out; call its "
+                "certificate back with `dray certs revoke`",
             )
         async with self._store.write() as work:
             exclusion = await work.exclusions.get(agent)

@@ -13,8 +13,8 @@ from dray.gateway.live.projection.site import joined
 from dray.plant import MachineSpec
 
 TRIES = 5
-"""Maximum tries beside the loop. Each begins anew when people define or remove products meanwhile; whoever does
-that again and again keeps no machine out."""
+"""Maximum tries beside the loop. Each begins anew when people define or remove products meanwhile; after the last one the machine
+is added on the loop."""
 
 
 class Joinings:

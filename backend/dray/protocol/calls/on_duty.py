@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dray.messages import DutyStatus, OperatorHeartbeat
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s, gone_s
 from dray.protocol.runtime.bounded_map import BoundedMap
 
@@ -25,12 +26,11 @@ class OnDuty:
     def note(self, heartbeat: OperatorHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False if a newer one has overtaken it."""
         operator = heartbeat.operator
-        before = self._heard.get(operator)
-        if before is not None and (heartbeat.incarnation, heartbeat.seq) <= (
-            before[0].incarnation,
-            before[0].seq,
-        ):
-            return False
+        if (before := self._heard.get(operator)) is not None:
+            newest, heard_s = before
+            said = (heartbeat.incarnation, heartbeat.seq)
+            if is_overtaken(said, (newest.incarnation, newest.seq), heard_s, now_s):
+                return False
         # The operator heard last is forgotten last.
         self._heard.pop(operator, None)
         self._heard[operator] = heartbeat, now_s

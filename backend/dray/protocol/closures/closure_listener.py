@@ -9,6 +9,7 @@ from dray.messages import Closures, Message
 from dray.messages.keys import Keys
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.life import Life
+from dray.protocol.runtime.trust import Trusts
 
 REOPEN = "reopen"
 """Alarm of a closure that ends by its own time."""
@@ -19,15 +20,14 @@ class ClosureListener:
 
     Args:
         floor: the floor as the agent knows it.
-        trusts: called with words and a signature: whether a trusted signer has signed them. None for an agent that
-            does not move: a gateway's word suffices, and every bus checks that the sender is one.
+        trusts: the people whose signatures count.
         life: the agent's life; alarms are named `REOPEN`.
 
     Attributes:
         message_handlers, alarms: entries for the agent's tables.
     """
 
-    def __init__(self, floor: KnownFloor, trusts: Callable[[bytes, bytes], bool] | None, life: Life) -> None:
+    def __init__(self, floor: KnownFloor, trusts: Trusts, life: Life) -> None:
         self._floor, self._trusts = floor, trusts
         self._life = life
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {Closures: self._on_closures}

@@ -6,8 +6,6 @@ far as the agent knows; so no other code of the protocol has to know closures to
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from msgspec import UNSET, UnsetType
 from msgspec.structs import replace
 
@@ -18,6 +16,7 @@ from dray.protocol.closures.closure_rules import restrictions_of
 from dray.protocol.closures.detours import Detours
 from dray.protocol.closures.obstacles import Obstacles
 from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.trust import Trusts
 
 KNOWN = "a list of closures that is not newer than the known one"
 NOT_SIGNED = "a list of closures without a trusted signature"
@@ -71,17 +70,16 @@ class KnownFloor(Plant):
         """The number of the newest known list; UNSET for none."""
         return UNSET if self.said is None else self.said.number
 
-    def objection(self, said: Closures, trusts: Callable[[bytes, bytes], bool] | None) -> str:
+    def objection(self, said: Closures, trusts: Trusts) -> str:
         """Why a list is ignored; empty if it applies.
 
         Args:
             said: the list.
-            trusts: called with words and a signature: whether a trusted signer has signed them; None if a gateway's
-                word suffices.
+            trusts: the people whose signatures count.
         """
         if self.said is not None and said.number <= self.said.number:
             return KNOWN
-        if trusts is not None and not trusts(closed_words(said.number, said.closures), said.signature):
+        if not trusts(closed_words(said.number, said.closures), said.signature):
             return NOT_SIGNED
         return ""
 

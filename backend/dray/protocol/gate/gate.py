@@ -45,6 +45,7 @@ from dray.messages.keys import GATE, Keys
 from dray.plant import Plant
 from dray.protocol.gate.admissions import KEPT_GOALS, Admissions
 from dray.protocol.gate.order_holders import OrderHolders
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
@@ -92,6 +93,10 @@ class DeliveryGate(AgentBase):
         self._since = incarnation
         self._goals = Admissions(kept)
         self._orders = OrderHolders(self._goals)
+        self._asked_s: BoundedMap[str, float] = BoundedMap(kept)
+        """By goal: when its newest request came in this life."""
+        self._begun_s = 0.0
+        """When this life began."""
         self._obeyed: BoundedMap[str, int] = BoundedMap(kept)
         """By goal: the quantity that the body has confirmed to admit in this life."""
         self._counts = Retransmitter(COUNT, self._life)
@@ -124,6 +129,7 @@ class DeliveryGate(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, GateState):
             raise ProtocolViolation(f"{self.id}: the delivery gate needs a gate, not {body!r}")
+        self._begun_s = now_s
         self._people, self._late = body.people, body.people or body.late
         self._problem = body.problem
         note = memory.get(WHOLE)
@@ -245,7 +251,7 @@ class DeliveryGate(AgentBase):
 
     # --- admissions ---
 
-    def _on_admission(self, sender: str, asked: AdmissionAsked, _now_s: float) -> None:
+    def _on_admission(self, sender: str, asked: AdmissionAsked, now_s: float) -> None:
         goal = self._goals.get(asked.goal)
         of = asked.of if goal is None or goal.of is None else goal.of
         if of is not None:
@@ -256,7 +262,7 @@ class DeliveryGate(AgentBase):
         word = (asked.incarnation, asked.number)
         if goal is None:
             goal = GateGoal(asked.goal, sender, asked.quantity, *word, of=of)
-        elif goal.asker == sender and word < (goal.incarnation, goal.number):
+        elif goal.asker == sender and self._is_outdated(word, goal, now_s):
             self._life.ignore("an outdated request about a goal")
             return
         else:
@@ -271,10 +277,18 @@ class DeliveryGate(AgentBase):
                 of=of,
                 brought=goal.brought,
             )
+        self._asked_s[goal.goal] = now_s
         if self._goals.get(goal.goal) != goal:
             self._goals.put(goal)
         self._obeyed.pop(goal.goal, None)
         self._admit(goal)
+
+    def _is_outdated(self, word: tuple[int, int], goal: GateGoal, now_s: float) -> bool:
+        """Whether a request came after a later one about the same goal."""
+        newest = (goal.incarnation, goal.number)
+        return word < newest and is_overtaken(
+            word, newest, self._asked_s.get(goal.goal, self._begun_s), now_s
+        )
 
     def _admit(self, goal: GateGoal) -> None:
         """Tell the body the admitted quantity."""

@@ -6,12 +6,16 @@ from msgspec.structs import replace
 
 from dray.body.gate import EVERY_RELEASE
 from dray.memory import GateGoal, GateOrder, Memory
+from dray.messages.base import COUNT_MAX
 from dray.messages.gate import HELD_TOLD, GoalHeld, HeldOrder, OrderHeld
 from dray.protocol.gate.admissions import Admissions
 from dray.protocol.runtime.events import Commit
 
 KEPT_ORDERS = 65_536
 """Maximum remembered orders: more than a strategist takes (`order_book.ORDERS_MAX`)."""
+
+EPOCH_MAX = COUNT_MAX // 2
+"""Highest believed epoch of an order that the gate has forgotten: later ones still have numbers."""
 
 
 class OrderHolders:
@@ -52,10 +56,11 @@ class OrderHolders:
         """Claim an order for a strategist, unless another one has it with as high an epoch; returns the holder."""
         known = self._orders.get(order)
         if known is None:
-            known = GateOrder(order, strategist, epoch)
+            known = GateOrder(order, strategist, min(epoch, EPOCH_MAX))
             self._put(known)
         elif known.holder != strategist and epoch > known.epoch:
-            known = replace(known, holder=strategist, epoch=epoch, lost_by=known.holder)
+            # Whatever it has claimed: its successor needs a higher epoch.
+            known = replace(known, holder=strategist, epoch=known.epoch + 1, lost_by=known.holder)
             self._put(known)
         if known.holder == strategist and over > known.over:
             self._put(replace(known, over=over))
@@ -68,7 +73,7 @@ class OrderHolders:
         """
         known = self._orders.get(order)
         if known is None:
-            self._put(GateOrder(order, strategist, epoch))
+            self._put(GateOrder(order, strategist, min(epoch, EPOCH_MAX)))
             return None
         if known.holder == strategist and epoch >= known.epoch:
             return None

@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 from dray.messages import AtvHeartbeat, AtvStatus, Reason
 from dray.messages.people.command import PROMISE_MAX_S
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S, ArrivalStatistics, bound_s, silence_bound_s
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
@@ -79,7 +80,7 @@ class FailureDetector:
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False if a newer one has overtaken it."""
         order = (heartbeat.incarnation, heartbeat.seq)
-        if order <= self._last:
+        if is_overtaken(order, self._last, self.heard_s, now_s):
             return False
         same_life = order[0] == self._last[0]
         missed = order[1] - self._last[1] - 1 if same_life else 0

@@ -10,6 +10,7 @@ from dray.protocol.closures.closure_rules import restrictions_of
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Change, Life
+from dray.protocol.runtime.trust import Trusts
 
 SHUT = "what is closed leaves no way to it"
 
@@ -20,20 +21,20 @@ class WaysChanged(Change):
 
 
 class ClosedIn(ClosureListener):
-    """The closures around one machine. It does not move, so a gateway's unsigned message is enough for it.
+    """The closures around one machine.
 
     Args:
         machine: the machine with the dock.
         floor: as the machine knows it.
-        life: as of every listener.
+        trusts, life: as of every listener.
 
     Attributes:
         until_s: when the first way to and from the dock opens, as far as closures end by themselves (plant clock);
             `NEVER_S` if none does; -`NEVER_S` while there is a way.
     """
 
-    def __init__(self, machine: str, floor: KnownFloor, life: Life) -> None:
-        super().__init__(floor, None, life)
+    def __init__(self, machine: str, floor: KnownFloor, trusts: Trusts, life: Life) -> None:
+        super().__init__(floor, trusts, life)
         self._machine = machine
         self.until_s = -NEVER_S
 

@@ -111,7 +111,7 @@ class Machine(AgentBase):
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant = KnownFloor(plant)
-        self._closures = ClosedIn(machine, plant, self._life)
+        self._closures = ClosedIn(machine, plant, trusts, self._life)
         self._spec = plant.machines[machine]
         self._keys = Keys(plant.id)
         self._goals = GoalBook(machine, plant)

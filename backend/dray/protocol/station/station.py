@@ -70,7 +70,7 @@ class Station(AgentBase):
         self._software = software
         self._beat_key = Keys(plant.id).station_heartbeat(storage)
         plant = KnownFloor(plant)
-        self._closures = ClosureListener(plant, None, self._life)
+        self._closures = ClosureListener(plant, trusts, self._life)
         self._keys = Keys(plant.id)
         spec = plant.stores[storage]
         items = tuple(kept.material for kept in spec.stocks)

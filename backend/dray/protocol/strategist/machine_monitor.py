@@ -14,6 +14,7 @@ from dray.messages.fact import MachineFailure
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.plant import Plant
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S, ArrivalStatistics
 from dray.protocol.runtime.events import NEVER_S
 
@@ -68,7 +69,7 @@ class MachineMonitor:
         """Note a heartbeat; False if it is older than the last one, or from no machine here."""
         heard = self._heard.get(heartbeat.machine) or self._welcome(heartbeat, now_s)
         order = (heartbeat.incarnation, heartbeat.seq)
-        if heard is None or order <= heard.newest:
+        if heard is None or is_overtaken(order, heard.newest, heard.heard_s, now_s):
             return False
         is_same_life = heartbeat.incarnation == heard.newest[0]
         missed = heartbeat.seq - heard.newest[1] - 1 if is_same_life else 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dray.messages import StrategistHeartbeat
 from dray.messages.keys import Keys
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, WORKING_INTERVAL_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
@@ -56,7 +57,9 @@ class Peers:
     def on_heartbeat(self, sender: str, heartbeat: StrategistHeartbeat, now_s: float) -> None:
         """Note a peer's heartbeat."""
         newest = (heartbeat.incarnation, heartbeat.seq)
-        if sender in self._heard_s and newest > self._newest[sender]:
+        if sender not in self._heard_s:
+            return
+        if not is_overtaken(newest, self._newest[sender], self._heard_s[sender], now_s):
             self._newest[sender], self._heard_s[sender] = newest, now_s
             self._load[sender] = heartbeat.orders
 

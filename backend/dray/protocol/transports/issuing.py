@@ -130,7 +130,7 @@ class Issuing:
             self._door.hold(sender, docked, f"{self._place} does not keep this")
         elif not ask.reserved:
             self._door.hold(sender, docked, f"{self._place} has no {ask.item}")
-        elif ask.vehicle != sender and docked.epoch <= ask.opened:
+        elif not ask.is_of_its_carrier(sender, docked.epoch):
             self._door.hold(sender, docked, "another vehicle fetches it")
         else:
             self._open(sender, docked, ask, now_s)
@@ -163,7 +163,7 @@ class Issuing:
     def _open(self, vehicle: str, docked: Docked, ask: Ask, now_s: float) -> None:
         if ask.opened and ask.vehicle != vehicle:
             self._door.shut(ask.vehicle, ask.task)
-        ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
+        ask.open(vehicle, docked.epoch, now_s)
         self._book.renew(ask, now_s)
         self._door.open(vehicle, docked, ask.item, ask.quantity, now_s, comes=False)
         self._changed(now_s)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
+from dray.messages.base import COUNT_MAX
 from dray.plant import Plant
 from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
 from dray.protocol.runtime.life import Life
@@ -18,6 +19,9 @@ RECOVERY_WAIT = "recovery wait"
 
 ON_THE_WAY = frozenset({Phase.APPROACHING, Phase.LOADING, Phase.CARRYING, Phase.UNLOADING})
 """Phases of a transport before its handover: only these are taken up by a coordinator without notes."""
+
+EPOCH_MAX = COUNT_MAX // 2
+"""Highest believed epoch of a contract that only the vehicle knows: later epochs still have numbers."""
 
 
 class Recovery:
@@ -104,4 +108,4 @@ class Recovery:
         return any(task.primary == atv for task in self._tasks)
 
     def _is_ours(self, brief: Brief) -> bool:
-        return brief.item in self._items and brief.phase in ON_THE_WAY
+        return brief.item in self._items and brief.phase in ON_THE_WAY and brief.epoch <= EPOCH_MAX

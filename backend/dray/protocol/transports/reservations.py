@@ -35,6 +35,14 @@ QUEUED_S = 30.0
 MAX_ASKED = 64
 """Maximum open requests per coordinator: more than its buffers hold lots. A coordinator with more invents tasks."""
 
+AHEAD_MAX = 8
+"""Maximum number of carriers that have replaced one another before the coordinator names the epoch again
+(`sourcing.RENEW_S`)."""
+
+REFUTED_S = 30.0
+"""Time in which a coordinator hears of a carrier that has taken over (s). After it the dock is no longer kept for an epoch above the one
+that the coordinator names."""
+
 TAKEN_KEPT = 1024
 """Remembered tasks whose load was fetched: a renewal older than so many has no sender any more."""
 
@@ -45,7 +53,10 @@ class Ask:
     Attributes:
         coordinator: the requesting coordinator; empty if only a vehicle at the dock has named the task.
         vehicle: the fetching vehicle, which stands at the dock; empty before.
+        epoch: the task's, as its coordinator has said; as a vehicle at the dock has said if no coordinator has.
         opened: the task's epoch in which the dock was opened for it; 0 before.
+        opened_s: when it was opened.
+        refuted: whether the coordinator has named a lower epoch since then.
         reserved: whether the pieces are set aside.
         lapses_s: end of its lease.
     """
@@ -56,7 +67,9 @@ class Ask:
         "item",
         "lapses_s",
         "opened",
+        "opened_s",
         "quantity",
+        "refuted",
         "reserved",
         "task",
         "vehicle",
@@ -67,8 +80,26 @@ class Ask:
         self.coordinator = coordinator
         self.vehicle = ""
         self.opened = 0
+        self.opened_s = -NEVER_S
+        self.refuted = False
         self.reserved = False
         self.lapses_s = NEVER_S
+
+    def is_of_its_carrier(self, vehicle: str, epoch: int) -> bool:
+        """Whether this vehicle at the dock may fetch it, by the epoch that it states.
+
+        No vehicle states an epoch far above the coordinator's, which alone raises it. One that has stated a slightly higher one was a
+        liar, or was replaced, when the coordinator still names the lower one much later.
+        """
+        if self.coordinator and epoch > self.epoch + AHEAD_MAX:
+            return False
+        return vehicle == self.vehicle or epoch > self.opened or (self.refuted and epoch == self.epoch)
+
+    def open(self, vehicle: str, epoch: int, now_s: float) -> None:
+        """The dock is opened for this vehicle."""
+        if (vehicle, epoch) != (self.vehicle, self.opened):
+            self.opened_s, self.refuted = now_s, False
+        self.vehicle, self.opened = vehicle, epoch
 
     def memory(self) -> ReservationMemory:
         """The record for the next life."""
@@ -207,7 +238,9 @@ class Reservations:
             ask = self._asks[asked.task] = Ask(
                 asked.task, asked.epoch, asked.item, asked.quantity, coordinator
             )
-        ask.coordinator, ask.epoch = coordinator, max(ask.epoch, asked.epoch)
+        ask.epoch = max(ask.epoch, asked.epoch) if ask.coordinator else asked.epoch
+        ask.coordinator = coordinator
+        ask.refuted |= asked.epoch < ask.opened and now_s - ask.opened_s > REFUTED_S
         self.renew(ask, now_s)
         return ask
 
@@ -218,7 +251,9 @@ class Reservations:
         ask = self._asks.get(asked.task)
         if ask is None:
             ask = self._asks[asked.task] = Ask(asked.task, asked.epoch, asked.item, asked.quantity)
-        ask.vehicle, ask.epoch = vehicle, max(ask.epoch, asked.epoch)
+        ask.vehicle = vehicle
+        if not ask.coordinator:
+            ask.epoch = max(ask.epoch, asked.epoch)
         self.renew(ask, now_s)
         return ask
 
@@ -234,7 +269,7 @@ class Reservations:
         """A vehicle has fetched the load that the dock was open for; False if there was none."""
         for ask in self:
             if ask.opened and ask.vehicle == vehicle and ask.item == item:
-                self._taken[ask.task] = ask.epoch
+                self._taken[ask.task] = _fetched_in(ask.epoch, ask.opened)
                 self.release(ask)
                 return True
         return False
@@ -290,12 +325,12 @@ class Reservations:
     def restore(self, memory: ReservationMemory, opened: tuple[str, ...], now_s: float) -> None:
         """Restore a reservation of an earlier life, unless its vehicle has fetched the load meanwhile."""
         if memory.vehicle and memory.vehicle not in opened:
-            self._taken[memory.task] = memory.epoch
+            self._taken[memory.task] = _fetched_in(memory.epoch, memory.opened)
             return
         ask = self._asks[memory.task] = Ask(
             memory.task, memory.epoch, memory.item, memory.quantity, memory.coordinator
         )
-        ask.vehicle, ask.opened, ask.reserved = memory.vehicle, memory.opened, True
+        ask.vehicle, ask.opened, ask.opened_s, ask.reserved = memory.vehicle, memory.opened, now_s, True
         self.renew(ask, now_s)
 
     def _set(self, stock: Mapping[str, int]) -> None:
@@ -303,3 +338,8 @@ class Reservations:
 
     def _sum(self, item: str, *, reserved: bool) -> int:
         return sum(ask.quantity for ask in self if ask.item == item and ask.reserved is reserved)
+
+
+def _fetched_in(epoch: int, opened: int) -> int:
+    """The latest epoch whose load was fetched: the coordinator's, or that of a carrier which has taken over since."""
+    return max(epoch, min(opened, epoch + AHEAD_MAX))

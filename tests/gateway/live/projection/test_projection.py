@@ -111,9 +111,9 @@ def test_an_older_heartbeat_and_the_same_again_are_ignored(projection: Projectio
 
 @pytest.mark.parametrize("make", [atv_heartbeat, machine_heartbeat])
 def test_a_new_life_counts_from_one_and_the_old_one_is_over(projection: Projection, make: Any) -> None:
-    projection.fold(make(seq=500))
-    projection.fold(make(seq=1, incarnation=2, problem="new"))
-    projection.fold(make(seq=501, problem="old"))
+    projection.fold(make(seq=500, at_s=500.0))
+    projection.fold(make(seq=1, at_s=501.0, incarnation=2, problem="new"))
+    projection.fold(make(seq=501, at_s=502.0, problem="old"))
     seen = (*projection.atvs.views(), *projection.machines.views())
     assert [view.problem for view in seen] == ["new"]
 

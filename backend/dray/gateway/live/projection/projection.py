@@ -55,6 +55,9 @@ from dray.store.factory.kpis import KpiSample
 from dray.store.factory.lane_traffic import LaneTraffic
 from dray.store.history.clocks import Clocks, Timed
 
+_Dated = Timed | StrategistHeartbeat
+"""Messages that tell when they were sent."""
+
 
 class Projection:
     """Everything that panels see.
@@ -137,28 +140,29 @@ class Projection:
 
     def fold(self, message: Message) -> None:
         """Take one message in; never raises, whatever a peer sends."""
-        delay_s = 0.0
+        now_s = delay_s = 0.0
+        if isinstance(message, _Dated):
+            now_s = message.at_s if self._wall_s is None else self._time.to_plant_s(self._wall_s())
         if self._wall_s is not None and isinstance(message, Timed):
-            now_s = self._time.to_plant_s(self._wall_s())
             message = self.clocks.right(message, now_s)
             delay_s = now_s - message.at_s
         match message:
             case AtvHeartbeat():
-                told = self._fold_atv(message, delay_s)
+                told = self._fold_atv(message, now_s, delay_s)
             case MachineHeartbeat():
                 self.site.on_heartbeat(message)
-                told = self.machines.fold(message)
+                told = self.machines.fold(message, now_s)
                 if told:
                     self._silence.note(message.machine, message, delay_s)
                     self.tasks.on_heartbeat(message)
                     self.orders.on_heartbeat(message)
             case StationHeartbeat():
-                told = self.stations.fold(message)
+                told = self.stations.fold(message, now_s)
                 if told:
                     self._silence.note(message.station, message, delay_s)
                     self.tasks.on_heartbeat(message)
             case StrategistHeartbeat():
-                told = self.strategists.fold(message)
+                told = self.strategists.fold(message, now_s)
             case Event():
                 told = False
                 for fold in self._on_fact.get(type(message.fact), ()):
@@ -170,9 +174,9 @@ class Projection:
         self.heard += told
         self.ignored += not told
 
-    def _fold_atv(self, message: AtvHeartbeat, delay_s: float) -> bool:
+    def _fold_atv(self, message: AtvHeartbeat, now_s: float, delay_s: float) -> bool:
         before = self.atvs.last(message.atv)
-        if not self.atvs.fold(message):
+        if not self.atvs.fold(message, now_s):
             return False
         self.waits.follow(self.atvs.last(message.atv) or message)
         self._silence.note(message.atv, message, delay_s)

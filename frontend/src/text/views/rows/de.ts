@@ -167,7 +167,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.scenario-over": "Das Szenario ist zu Ende: es gibt keinen nächsten Schritt.",
   "problem.order-ended": "Dieser Auftrag ist beendet. Einen anderen aufgeben.",
   "problem.other-origin": "Das Panel unter der Adresse öffnen, unter der das Gateway gefragt wird.",
-  "problem.own-gateway": "Dieses Gateway kann sich nicht selbst ausschließen. Ein anderes Gateway fragen.",
+  "problem.own-gateway": "Dieses Gateway kann sich nicht selbst ausschließen. Sein Zertifikat zurückrufen (dray certs revoke).",
   "problem.place-held": "Ein anderes Fahrzeug hält diesen Platz. Einen anderen wählen oder warten, bis es weitergefahren ist.",
   "problem.plan-being-read": "Ein anderer Grundriss wird gerade gelesen. In einigen Sekunden noch einmal versuchen.",
   "problem.product-in-plant-file": "Dieses Produkt steht in der Werksdatei. Dort entfernen und mit dieser Datei starten.",

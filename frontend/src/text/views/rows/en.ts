@@ -164,7 +164,7 @@ export const rows = {
   "problem.scenario-over": "The scenario has ended: there is no next step.",
   "problem.order-ended": "This order has ended. Place another one.",
   "problem.other-origin": "Open the panel under the address at which the gateway is asked.",
-  "problem.own-gateway": "This gateway cannot shut itself out. Ask another gateway.",
+  "problem.own-gateway": "This gateway cannot shut itself out. Call its certificate back (dray certs revoke).",
   "problem.place-held": "Another vehicle holds this place. Choose another one, or wait until it has driven on.",
   "problem.plan-being-read": "Another floor plan is being read. Try again in some seconds.",
   "problem.product-in-plant-file": "This product stands in the plant file. Remove it there, and start with that file.",

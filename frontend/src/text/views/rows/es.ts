@@ -167,7 +167,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.scenario-over": "El escenario ha terminado: no hay paso siguiente.",
   "problem.order-ended": "Este pedido ha terminado. Haga otro.",
   "problem.other-origin": "Abra el panel con la dirección con la que se pregunta al gateway.",
-  "problem.own-gateway": "Este gateway no puede excluirse a sí mismo. Pregunte a otro gateway.",
+  "problem.own-gateway": "Este gateway no puede excluirse a sí mismo. Revoque su certificado (dray certs revoke).",
   "problem.place-held": "Otro vehículo ocupa este lugar. Elija otro o espere a que siga.",
   "problem.plan-being-read": "Se está leyendo otro plano. Inténtelo de nuevo en unos segundos.",
   "problem.product-in-plant-file": "Este producto está en el archivo de la planta. Elimínelo allí y arranque con ese archivo.",

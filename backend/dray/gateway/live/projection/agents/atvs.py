@@ -23,6 +23,7 @@ from dray.gateway.live.views import (
 )
 from dray.messages import AtvHeartbeat, Brief, Heartbeat
 from dray.plant.model import Charging, VehicleSpec, VehicleType
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.store.history.clocks import Clocks, ToWall
 
 ANY_MUST_CHARGE_FRAC = Charging().must_below_frac
@@ -87,6 +88,8 @@ class Atvs:
         }
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
+        self._heard_s: dict[str, float] = {}
+        """When the last one came (plant clock)."""
         self._shown: dict[str, tuple[AtvHeartbeat, AtvView]] = {}
         """The view made of the heartbeat beside it; dropped when anything else about the vehicle changes."""
         self.changes = Changes("atv")
@@ -100,8 +103,8 @@ class Atvs:
         """Whether the vehicle is in the plant file or was heard."""
         return atv in self._types or atv in self._last
 
-    def fold(self, heartbeat: AtvHeartbeat) -> bool:
-        """Take a heartbeat in.
+    def fold(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
+        """Take a heartbeat in, which came at this time of the plant's clock.
 
         Returns:
             False when it is older than the last one, or exceeds the number of vehicles that may join.
@@ -114,8 +117,11 @@ class Atvs:
                     self.strangers += 1
                     return False
                 self._joined += 1
-        elif (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
+        elif is_overtaken(
+            (heartbeat.incarnation, heartbeat.seq), (last.incarnation, last.seq), self._heard_s[atv], now_s
+        ):
             return False
+        self._heard_s[atv] = now_s
         if last is None or last.status is not heartbeat.status:
             self.by_status[heartbeat.status.value] += 1
             if last is not None:

@@ -28,6 +28,7 @@ from dray.messages import (
     TaskBrief,
 )
 from dray.messages.heartbeat_stock import with_stock
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.store.history.clocks import Clocks, ToWall
 
 MAKING, STARVED, IDLE, BROKEN, DOWN, RESTING = "making", "starved", "idle", "broken", "down", "resting"
@@ -71,6 +72,8 @@ class Machines:
         self._site = site
         self._to_wall_s = to_wall_s
         self._last: dict[str, MachineHeartbeat] = {}
+        self._heard_s: dict[str, float] = {}
+        """When the last one came (plant clock)."""
         self._since_s: dict[str, float] = {}
         """Per machine, the time since which it has had its status (plant clock)."""
         self.use = TimeUse(DOINGS)
@@ -81,8 +84,8 @@ class Machines:
         """The id of a goal's order, and the order's name for people."""
         self.by_status: Counter[str] = Counter()
 
-    def fold(self, heartbeat: MachineHeartbeat) -> bool:
-        """Take a heartbeat in.
+    def fold(self, heartbeat: MachineHeartbeat, now_s: float) -> bool:
+        """Take a heartbeat in, which came at this time of the plant's clock.
 
         Returns:
             False when it is older than the last one, or exceeds the number of machines that may join.
@@ -96,11 +99,13 @@ class Machines:
                 self._joined += 1
             self.by_status[heartbeat.status.value] += 1
         else:
-            if (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
+            said, newest = (heartbeat.incarnation, heartbeat.seq), (last.incarnation, last.seq)
+            if is_overtaken(said, newest, self._heard_s[heartbeat.machine], now_s):
                 return False
             if last.status is not heartbeat.status:
                 self.by_status[heartbeat.status.value] += 1
                 self.by_status[last.status.value] -= 1
+        self._heard_s[heartbeat.machine] = now_s
         heartbeat = with_stock(heartbeat, last)
         if last is None or last.status is not heartbeat.status:
             self._since_s[heartbeat.machine] = heartbeat.at_s

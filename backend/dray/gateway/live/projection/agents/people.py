@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TypeVar
 
 from dray.messages import CallState, HelpCall, OperatorHeartbeat
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s
 
 PEOPLE_MAX, CALLS_MAX = 256, 2_000
@@ -31,24 +32,22 @@ class People:
         """Note a message; False when a newer one came before."""
         if isinstance(message, HelpCall):
             return self._on_call(message, now_s)
-        before = self._operators.get(message.operator)
-        if before is not None and (message.incarnation, message.seq) <= (
-            before[0].incarnation,
-            before[0].seq,
-        ):
-            return False
+        if message.operator in self._operators:
+            last, heard_s = self._operators[message.operator]
+            said, newest = (message.incarnation, message.seq), (last.incarnation, last.seq)
+            if is_overtaken(said, newest, heard_s, now_s):
+                return False
         self._operators.pop(message.operator, None)
         self._operators[message.operator] = message, now_s
         _forget_oldest(self._operators, PEOPLE_MAX)
         return True
 
     def _on_call(self, call: HelpCall, now_s: float) -> bool:
-        before = self._calls.get(call.subject)
-        if before is not None and (call.incarnation, call.number) <= (
-            before[0].incarnation,
-            before[0].number,
-        ):
-            return False
+        if call.subject in self._calls:
+            last, heard_s = self._calls[call.subject]
+            said, newest = (call.incarnation, call.number), (last.incarnation, last.number)
+            if is_overtaken(said, newest, heard_s, now_s):
+                return False
         self._calls.pop(call.subject, None)
         self._calls[call.subject] = call, now_s
         _forget_oldest(self._calls, CALLS_MAX)

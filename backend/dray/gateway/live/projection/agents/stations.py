@@ -15,6 +15,7 @@ from dray.gateway.live.views import StationView, StockView, ToComeView
 from dray.messages import StationHeartbeat, StockLevel
 from dray.messages.keys import GATE
 from dray.plant.model import Storage
+from dray.protocol.liveness.overtaken import is_overtaken
 from dray.store.history.clocks import Clocks, ToWall
 
 
@@ -42,12 +43,14 @@ class Stations:
         self._to_wall_s = to_wall_s
         self._outsiders, self._clocks, self._silence = outsiders, clocks, silence
         self._last: dict[str, StationHeartbeat] = {}
+        self._heard_s: dict[str, float] = {}
+        """When the last one came (plant clock)."""
         self.changes = Changes("station")
         self.product_of: Callable[[str], str] = lambda _goal: ""
         """The product of a goal; empty where it is not known."""
 
-    def fold(self, heartbeat: StationHeartbeat) -> bool:
-        """Take a heartbeat in.
+    def fold(self, heartbeat: StationHeartbeat, now_s: float) -> bool:
+        """Take a heartbeat in, which came at this time of the plant's clock.
 
         Returns:
             False when it is older than the last one, or from a storage that is not in the plant.
@@ -55,8 +58,11 @@ class Stations:
         if heartbeat.station not in self._storages and heartbeat.station != GATE:
             return False
         last = self._last.get(heartbeat.station)
-        if last is not None and (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
-            return False
+        if last is not None:
+            said, newest = (heartbeat.incarnation, heartbeat.seq), (last.incarnation, last.seq)
+            if is_overtaken(said, newest, self._heard_s[heartbeat.station], now_s):
+                return False
+        self._heard_s[heartbeat.station] = now_s
         self._last[heartbeat.station] = heartbeat
         self.changes.mark(heartbeat.station)
         return True
