@@ -105,12 +105,17 @@ def test_questions_of_replicas_do_not_keep_it_from_asking_the_witness(
     """The witness's word is lost, and a replica asks more often than the vehicle would repeat its request."""
     vehicle, now_s = Vehicle(), 0.5
     lines = (PlaceReservation(place=HERE, number=1),)
+
+    def answer() -> None:
+        granted = PlaceGranted(district=DISTRICT, epoch=0, life=1, upto=vehicle.said.seq, grants=lines)
+        vehicle.row.on_granted(REPLICA, granted, now_s)
+
+    answer()
+    vehicle.asked(ROOM, now_s)
     while not vehicle.row.is_placed:
         now_s += 0.5
         assert now_s < 10.0, "it does not ask the witness"
-        upto = vehicle.said.seq
-        granted = PlaceGranted(district=DISTRICT, epoch=0, life=1, upto=upto, grants=lines)
-        vehicle.row.on_granted(REPLICA, granted, now_s)
+        answer()
         before = len(vehicle.out)
         vehicle.asked(question, now_s)
         if (REQUEST_AGAIN, DISTRICT) in vehicle.life.timers.due(now_s):
@@ -123,6 +128,7 @@ def test_questions_of_replicas_do_not_keep_it_from_asking_the_witness(
 def test_an_answer_counts_though_a_replica_has_asked_since(question: YieldAsked | HoldsAsked) -> None:
     vehicle = Vehicle()
     vehicle.asked(EPOCH, 0.1)
+    vehicle.asked(ROOM, 0.2)
     upto = vehicle.said.seq
     vehicle.asked(question, 0.5)
     vehicle.asked(question, 0.9)
