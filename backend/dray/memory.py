@@ -27,7 +27,7 @@ from dray.messages import (
 )
 from dray.messages.base import Part
 from dray.messages.contract import Brought
-from dray.messages.floor.traffic import AllRemoved, PlaceReservations
+from dray.messages.floor.traffic import AllGivenBack, AllRemoved, PlaceReservations
 from dray.messages.gate import GoalOf
 from dray.messages.transport import TransportState
 
@@ -387,6 +387,8 @@ class TableMemory(Part, tag_field="kind", tag="book", rename={"reservations": "b
     version: int
     reservations: PlaceReservations = ()
     removed: AllRemoved = ()
+    given_back: AllGivenBack = ()
+    """As leader: the vehicles' words by which it has struck out lines, and which another replica may still need."""
 
 
 Note = (

@@ -15,10 +15,12 @@ from dray.messages.floor.traffic import (
     PlaceGranted,
     PlaceRequested,
     PlaceReservation,
+    YieldAsked,
 )
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Instruct, Send
 from dray.protocol.runtime.life import Life
+from dray.protocol.traffic.driving.place_requests import REQUEST_AGAIN
 from dray.protocol.traffic.numbers import ALONE_MAX, FAR
 from dray.protocol.traffic.traffic_map import TrafficMap
 
@@ -26,7 +28,10 @@ PLANT = load_plant("single-track")
 TRAFFIC = TrafficMap(PLANT)
 HERE, NEXT = "b3", "m4-lane"
 DISTRICT = TRAFFIC.places.district_of[HERE]
-REPLICA, COPY = TRAFFIC.places.replicas_of[DISTRICT][:2]
+REPLICA, COPY, THIRD = TRAFFIC.places.replicas_of[DISTRICT]
+
+ROOM = YieldAsked(district=DISTRICT, waiting="B", rank=(0, 0.0, "B"), avoid=(), chain=())
+EPOCH = HoldsAsked(district=DISTRICT, epoch=0)
 
 
 class Vehicle:
@@ -70,6 +75,13 @@ class Vehicle:
         self.row.on_confirmed(COPY, confirmed, 1.0)
         self.row.on_granted(REPLICA, granted, 1.0)
 
+    def asked(self, question: YieldAsked | HoldsAsked, now_s: float) -> None:
+        """A replica asks for room, or what it holds."""
+        if isinstance(question, YieldAsked):
+            self.row.on_yield_asked(REPLICA, question, now_s)
+        else:
+            self.row.on_holds_asked(THIRD, question, now_s)
+
     def placed(self) -> Vehicle:
         self.grant(HERE)
         return self
@@ -84,6 +96,44 @@ def test_it_begins_by_asking_for_where_it_stands() -> None:
     vehicle.grant(HERE)
     assert vehicle.row.is_placed
     assert (vehicle.said.holds, vehicle.said.groups) == ((HERE,), ((NEXT,),))
+
+
+@pytest.mark.parametrize("question", [ROOM, EPOCH])
+def test_questions_of_replicas_do_not_keep_it_from_asking_the_witness(
+    question: YieldAsked | HoldsAsked,
+) -> None:
+    """The witness's word is lost, and a replica asks more often than the vehicle would repeat its request."""
+    vehicle, now_s = Vehicle(), 0.5
+    lines = (PlaceReservation(place=HERE, number=1),)
+
+    def answer() -> None:
+        granted = PlaceGranted(district=DISTRICT, epoch=0, life=1, upto=vehicle.said.seq, grants=lines)
+        vehicle.row.on_granted(REPLICA, granted, now_s)
+
+    answer()
+    vehicle.asked(ROOM, now_s)
+    while not vehicle.row.is_placed:
+        now_s += 0.5
+        assert now_s < 10.0, "it does not ask the witness"
+        answer()
+        before = len(vehicle.out)
+        vehicle.asked(question, now_s)
+        if (REQUEST_AGAIN, DISTRICT) in vehicle.life.timers.due(now_s):
+            vehicle.row.repeat_request(DISTRICT, now_s)
+        if any(isinstance(effect, Send) and effect.to == COPY for effect in list(vehicle.out)[before:]):
+            vehicle.row.on_confirmed(COPY, PlaceConfirmed(district=DISTRICT, epoch=0, grants=lines), now_s)
+
+
+@pytest.mark.parametrize("question", [ROOM, EPOCH])
+def test_an_answer_counts_though_a_replica_has_asked_since(question: YieldAsked | HoldsAsked) -> None:
+    vehicle = Vehicle()
+    vehicle.asked(EPOCH, 0.1)
+    vehicle.asked(ROOM, 0.2)
+    upto = vehicle.said.seq
+    vehicle.asked(question, 0.5)
+    vehicle.asked(question, 0.9)
+    vehicle.grant(HERE, upto=upto)
+    assert vehicle.row.is_placed
 
 
 def test_what_another_one_holds_is_waited_for_and_that_is_told() -> None:

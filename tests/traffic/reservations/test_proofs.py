@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from trio import Trio, line
+import msgspec
+from replica import DISTRICT, Replica
+from trio import NAMES, Trio, is_signed, line
 
-from dray.messages.floor.traffic import PlaceRequested, TableReplicated
+from dray.memory import TableMemory
+from dray.messages.floor.traffic import GivenBack, PlaceRequested, TableReplicated
 from dray.protocol.runtime.events import Send
-from dray.protocol.traffic.reservations.copies import UNDER_WAY_MAX, Copies
+from dray.protocol.runtime.life import Life
+from dray.protocol.traffic.reservations.copies import UNDER_WAY_MAX, Copies, Kept
+from dray.protocol.traffic.reservations.reservation_handling import NOTE
 from dray.protocol.traffic.reservations.reservation_table import ReservationTable
 
 
@@ -84,6 +89,36 @@ def test_a_proof_from_before_a_recovery_poll_with_higher_numbers_displaces_no_la
     floor.note(said("b3", seq=3, seen=1000), struck=True)
     floor.note(said(seq=4, seen=1), struck=True, oldest=1)
     assert floor.mend().kept.version == 2
+
+
+def test_a_leader_that_starts_again_has_them_still() -> None:
+    """A has started again, too, and has seen no grant since: it cannot say its word once more."""
+    floor = Floor()
+    floor.note(said(seq=3), struck=True, oldest=1)
+    floor.leader.write(2, ())
+    floor.carry()
+    floor.replicas["M1"] = Copies("M1", "M1", NAMES, floor.leader.kept, floor.lives["M1"], is_signed)
+    floor.leader = floor.lead("M1")
+    floor.note(said(life=2, seen=0), struck=False)
+    assert floor.mend().kept.version == 3
+    floor.leader.write(4, line("B", 4, mark=b"B"))
+    assert not floor.leader.kept.given_back, "all have copied what it proves"
+
+
+def test_a_table_that_one_keeps_alone_needs_none() -> None:
+    alone = Copies("M1", "M1", ("M1",), Kept(), Life(), is_signed)
+    alone.seek()
+    alone.note_word("A", said(), struck=True, oldest=1)
+    alone.write(2, ())
+    assert not alone.kept.given_back
+
+
+def test_they_are_journalled_with_the_table() -> None:
+    proof = GivenBack(atv="A", request=said(seq=3))
+    replica = Replica({NOTE + DISTRICT: TableMemory(0, 0, 1, given_back=(proof,))})
+    (commit,) = replica.reservations.commits()
+    assert isinstance(commit.note, TableMemory)
+    assert msgspec.json.decode(msgspec.json.encode(commit.note), type=TableMemory).given_back == (proof,)
 
 
 def test_a_vehicle_that_has_started_again_displaces_no_proof_before_it_has_seen_as_much() -> None:

@@ -256,6 +256,9 @@ class GivenBack(Part, frozen=True):
     """Without `avoid`, which is not signed."""
 
 
+AllGivenBack = Annotated[tuple[GivenBack, ...], Meta(max_length=DISTRICT_MAX)]
+
+
 class TableReplicated(Message, said_by=DOCKS, frozen=True):
     """The whole reservation table of a district, for the replicas that keep copies. A grant counts when a majority has it."""
 
@@ -265,7 +268,7 @@ class TableReplicated(Message, said_by=DOCKS, frozen=True):
     """The highest number given so far: no line has a higher one."""
     reservations: PlaceReservations
     removed: AllRemoved = ()
-    given_back: Annotated[tuple[GivenBack, ...], Meta(max_length=DISTRICT_MAX)] = ()
+    given_back: AllGivenBack = ()
     """Releases that struck lines out: replicas refuse a table that takes a place from a vehicle without its release."""
 
     def __post_init__(self) -> None:

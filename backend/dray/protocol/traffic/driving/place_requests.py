@@ -226,10 +226,14 @@ class PlaceRequests:
         now_s: float,
         *,
         anew: bool = False,
+        asked: bool = False,
         to: str = "",
         epoch: int = NO_EPOCH,
     ) -> None:
         """Send a request, unless its content is unchanged.
+
+        A replica may ask more often than an answer takes. So an unchanged request that it asks for before the answer has come is a
+        repetition: answers to the earlier ones count, and its alarm is not put off.
 
         Args:
             district: the district of the request.
@@ -238,17 +242,22 @@ class PlaceRequests:
             state: the common part of all requests.
             now_s: the present time.
             anew: send it also when it is unchanged.
+            asked: likewise, because a replica has asked.
             to: the replica that has asked; empty for the leader of the table.
             epoch: of the recovery poll that this answers, if any.
         """
         line = self._lines.get(district)
         if line is None:
-            if not holds and not groups and not anew:
+            if not holds and not groups and not anew and not asked:
                 return
             line = self._lines[district] = _Line()
         content = _content(holds, groups, state)
         if line.content == content and not anew:
-            return
+            if not asked:
+                return
+            if line.unanswered:
+                self._send(district, line, holds, groups, state, now_s, repeats=True)
+                return
         line.content, line.groups = content, groups
         line.tries, line.turn, line.since = 0, 0, line.seq + 1
         line.repeats_s.clear()
@@ -295,6 +304,8 @@ class PlaceRequests:
         now_s: float,
         to: str = "",
         epoch: int = NO_EPOCH,
+        *,
+        repeats: bool = False,
     ) -> None:
         replicas = self._replicas_of[district]
         line.seq += 1
@@ -336,7 +347,7 @@ class PlaceRequests:
         self._life.send(to or replicas[(line.epoch + line.turn) % len(replicas)], request)
         if waits and not to and line.agreed == NO_EPOCH:
             self._say_to_all(line, replicas[(line.epoch + line.turn) % len(replicas)])
-        if not waits:
+        if not waits or repeats:
             return
         patience_s = min(
             max(2.0 * self.round_s + 0.2, LEAST_AGAIN_S) * 2.0 ** min(line.tries, 3),

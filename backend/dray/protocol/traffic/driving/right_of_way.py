@@ -462,7 +462,7 @@ class RightOfWay:
             return
         if not self._holds_in(asked.district):
             # The table is wrong about this vehicle: correct it.
-            self._settle(now_s, anew_in=asked.district)
+            self._settle(now_s, asked_in=asked.district)
             return
         if not self._can_yield or asked.waiting == self.atv or self.atv in asked.chain:
             return
@@ -509,7 +509,7 @@ class RightOfWay:
         if asked.recovery_poll:
             self._tell(asked, sender, now_s)
         else:
-            self._settle(now_s, anew_in=asked.district)
+            self._settle(now_s, asked_in=asked.district)
 
     # --- alarms ----------------------------------------------------------------------------------
 
@@ -622,8 +622,15 @@ class RightOfWay:
 
     # --- requests ----------------------------------------------------------------------------------
 
-    def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "") -> None:
-        """Give back cleared places, request the next ones, and set the alarm for the next look."""
+    def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "", asked_in: str = "") -> None:
+        """Give back cleared places, request the next ones, and set the alarm for the next look.
+
+        Args:
+            now_s: the present time.
+            anew: send every request, also an unchanged one.
+            anew_in: the district where the request is sent in any case; empty for none.
+            asked_in: the district whose replica has asked for it; empty for none.
+        """
         self.way.give_back()
         self._asked &= self.way.held.keys()
         if self.way.stands and self.is_placed and self.way.take(()):
@@ -640,7 +647,7 @@ class RightOfWay:
             self._life.cancel(HELD_UP)
         state = self._state(now_s)
         districts = dict.fromkeys(self._places.district_of[place] for place in self.way.held)
-        told = dict.fromkeys((*districts, wanted_in, *self.requests.districts, anew_in))
+        told = dict.fromkeys((*districts, wanted_in, *self.requests.districts, anew_in, asked_in))
         told.pop("", None)
         holds = self._holds_by_district()
         for district in told:
@@ -651,6 +658,7 @@ class RightOfWay:
                 state,
                 now_s,
                 anew=anew or district == anew_in,
+                asked=district == asked_in,
             )
         self._surroundings.listen(() if self._is_in_no_hurry(now_s) else districts, now_s)
         self._look_again(now_s)

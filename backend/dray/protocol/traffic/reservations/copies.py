@@ -24,6 +24,7 @@ from collections.abc import Collection, Iterable, Sequence
 import msgspec
 
 from dray.messages.floor.traffic import (
+    AllGivenBack,
     AllRemoved,
     GivenBack,
     HoldsAsked,
@@ -67,6 +68,8 @@ class Kept(msgspec.Struct, frozen=True):
     version: int = 0
     reservations: PlaceReservations = ()
     removed: AllRemoved = ()
+    given_back: AllGivenBack = ()
+    """The vehicles' words by which it has struck out lines as leader, and which another replica may still need."""
 
 
 class Copies:
@@ -113,6 +116,7 @@ class Copies:
         self._witness = Witness(district, is_signed)
         self._proofs = Proofs()
         """The requests that prove to other replicas what vehicles have given back while `me` led."""
+        self._proofs.restore(self.kept.given_back, self.kept.version)
         self._led_from: int | None = None
         """The first version that it has written under this epoch; None before that. Other replicas have copied lines of earlier ones."""
         self._copied = False
@@ -154,7 +158,8 @@ class Copies:
 
     def write(self, version: int, reservations: PlaceReservations, removed: AllRemoved = ()) -> None:
         """Send the present table to all replicas. It counts when `counted` reaches `version`."""
-        self.kept = Kept(self.kept.epoch, self.kept.epoch, version, reservations, removed)
+        given_back = self._proofs.words()
+        self.kept = Kept(self.kept.epoch, self.kept.epoch, version, reservations, removed, given_back)
         self._has = {self._me: version, **{k: v for k, v in self._has.items() if k != self._me}}
         self._led_from = version if self._led_from is None else self._led_from
         self.repeat()
@@ -169,7 +174,7 @@ class Copies:
             struck: whether it has struck lines out of the table.
             oldest: the lowest grant number of these lines; 0 when it is unknown.
         """
-        if struck or self.is_behind:
+        if self._others and (struck or self.is_behind):
             self._proofs.note(atv, request, self.kept.version, struck=struck, oldest=oldest)
 
     def repeat(self) -> None:
@@ -270,6 +275,7 @@ class Copies:
                     replicated.version,
                     replicated.reservations,
                     replicated.removed,
+                    self.kept.given_back,
                 )
                 self._elsewhere, self._copied, self.refused = None, True, 0
                 self._confirm_new(before)
@@ -488,7 +494,12 @@ class Copies:
         if has_all and (newest.kept_epoch, newest.version) > own:
             newest = ranked[1]
         self.kept = Kept(
-            self.kept.epoch, newest.kept_epoch, newest.version, newest.reservations, newest.removed
+            self.kept.epoch,
+            newest.kept_epoch,
+            newest.version,
+            newest.reservations,
+            newest.removed,
+            self.kept.given_back,
         )
 
     def next_turn(self, epoch: int) -> int:

@@ -7,6 +7,9 @@ Which request proves more does not follow from its age alone, nor from the grant
 overtaken on its way names places that its vehicle has given back since. A vehicle that has just started has seen no grant yet.
 And after a recovery poll the numbers of grants may begin below those that vehicles saw before. So a request replaces an earlier one
 only when it is newer and has seen as much; otherwise both are kept.
+
+They are journalled with the table (`words`, `restore`). A vehicle that has started again meanwhile has seen no grant, and cannot
+prove anew what it gave back in its earlier life.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import msgspec
 
-from dray.messages.floor.traffic import PlaceRequested
+from dray.messages.floor.traffic import AllGivenBack, GivenBack, PlaceRequested
 
 EACH_MAX = 3
 """Maximum proofs under one key: a vehicle that has started again needs two until it has seen a grant."""
@@ -92,6 +95,21 @@ class Proofs:
             for one, proofs in self._of.items()
         }
         self._of = {one: proofs for one, proofs in left.items() if proofs}
+
+    def words(self) -> AllGivenBack:
+        """The requests that have struck out lines, for the journal."""
+        return tuple(
+            GivenBack(atv=atv, request=msgspec.structs.replace(proof.request, avoid=()))
+            for (atv, _), proofs in self._of.items()
+            for proof in proofs
+            if proof.struck
+        )
+
+    def restore(self, words: Iterable[GivenBack], version: int) -> None:
+        """Continue with the requests of an earlier run, whose table had this version."""
+        for word in words:
+            proof = Proof(word.request, version, 0, struck=True)
+            self._of.setdefault((word.atv, word.request.mark), []).append(proof)
 
     def _idle(self, atv: str) -> int:
         return sum(name == atv and not _has_struck(proofs) for (name, _), proofs in self._of.items())

@@ -153,7 +153,7 @@ class ReservationHandling:
             return
         kept = {
             name.removeprefix(NOTE): Kept(
-                note.epoch, note.kept_epoch, note.version, note.reservations, note.removed
+                note.epoch, note.kept_epoch, note.version, note.reservations, note.removed, note.given_back
             )
             for name, note in memory.items()
             # A table with lines beyond its version, which earlier versions accepted from liars, counts as lost.
@@ -193,7 +193,14 @@ class ReservationHandling:
             if written is kept or table.copies.lost:
                 continue
             if written != kept:
-                note = TableMemory(kept.epoch, kept.kept_epoch, kept.version, kept.reservations, kept.removed)
+                note = TableMemory(
+                    kept.epoch,
+                    kept.kept_epoch,
+                    kept.version,
+                    kept.reservations,
+                    kept.removed,
+                    kept.given_back,
+                )
                 commits.append(Commit(note, NOTE + district))
             self._written[district] = kept
         return commits
