@@ -161,6 +161,10 @@ class GoalMemory(Part, frozen=True):
     """Consecutive handovers of its pieces of which the gate has counted nothing."""
     by_people: bool = False
     """Whether people count at the gate, later than goods arrive."""
+    promised_s: float = 0.0
+    """The promised finish that holds now; 0 where an older version made the note."""
+    came_before: int = 0
+    """More urgent goals that have come before it since it was taken."""
 
 
 class TaskMemory(Part, rename={"forgotten_aboard": "left_aboard"}, frozen=True):

@@ -142,6 +142,35 @@ def test_it_says_how_the_expected_time_has_moved(
     screenshot(page, "order-estimates")
 
 
+def test_it_says_that_more_urgent_orders_have_moved_a_promise_and_so_does_the_customers_page(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    order = place(quiet, "PO-PASSED", 80, 6 * 3600.0)
+    story = f"/api/orders/{order}/timeline"
+    quiet.advance_until(lambda: bool(quiet.ask(story)["goals"]), step_s=STEP_S)
+    product = quiet.ask("/api/products")["items"][0]["id"]
+
+    def is_moved() -> bool:
+        return any(goal["came_before"] for goal in quiet.ask(story)["goals"])
+
+    for number in range(12):
+        if is_moved():
+            break
+        items = [{"product": product, "quantity": 20}]
+        wanted = {"customer": "Nordwerk", "reference": f"PO-URGENT-{number}", "priority": "urgent"}
+        quiet.ask("/api/orders", wanted | {"items": items})
+        quiet.advance(STEP_S)
+    assert is_moved()
+    page = open_page(f"{factory}/#orders/{order}", viewport={"width": 1440, "height": 900})
+    expect(page.locator(".lane-note").first).to_contain_text(
+        re.compile(r"promised by \d\d:\d\d, moved from \d\d:\d\d: \d+ more urgent goals? came before it")
+    )
+    screenshot(page, "order-passed")
+    customers = open_page(quiet.ask(f"/api/orders/{order}")["tracking_url"])
+    expect(customers.get_by_text("More urgent work came before this order")).to_be_visible()
+    screenshot(customers, "order-passed-customer")
+
+
 def test_what_is_chosen_on_it_stands_in_its_address(quiet: Any, factory: str, open_page: OpenPage) -> None:
     page = open_page(factory)
     publish(page, "Waterworks South", "PO-CHOSEN", 10)

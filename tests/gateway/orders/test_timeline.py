@@ -10,7 +10,7 @@ import pytest
 from answers import problem
 from gateway_kit import PRODUCT, House
 from heartbeats import machine_heartbeat
-from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, PACE_S, VEHICLE, WAY_OUT, Story
+from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, PACE_S, VEHICLE, WAY_OUT, Story, iso
 from wall_clock import NOW_S
 
 from dray.gateway.orders.timeline import TimelineView, timeline
@@ -23,6 +23,7 @@ from dray.messages.fact import (
     OrderFulfilled,
     PhaseEntered,
     PieceMade,
+    PromiseMoved,
     TaskClosed,
     TaskOpened,
 )
@@ -283,3 +284,60 @@ async def test_a_link_for_no_days_is_refused_at_its_field(house: House, draft: d
     answer = await house.client.post(f"/api/orders/{story.order['id']}/links", json=draft)
     (error,) = problem(answer, 422, "unusable-fields")["errors"]
     assert error["field"] == next(iter(draft))
+
+
+# --- promises ---------------------------------------------------------------------------------------
+
+
+def test_a_moved_promise_is_told_with_the_first_one() -> None:
+    contracted = GoalContracted("G1", "O-1", 0, "shaft", 8, "M4", 90.0)
+    goal = Goal("G1", "O-1", 0, "shaft", 8, "M4", promised_at_s=90.0, incarnation=1, number=1)
+    [plain] = timeline(rows((1.0, "strategist", contracted)), [goal]).goals
+    assert (plain.promised_at_s, plain.first_promised_at_s, plain.came_before) == (90.0, None, 0)
+    told = rows(
+        (1.0, "strategist", contracted),
+        (2.0, "M4", PromiseMoved("G1", 300.0, 1)),
+        (4.0, "M4", PromiseMoved("G1", 604.0, 3)),
+    )
+    [moved] = timeline(told, [goal]).goals
+    assert (moved.promised_at_s, moved.first_promised_at_s, moved.came_before) == (604.0, 90.0, 3)
+    # In a simulated plant at double speed the same time passes in half.
+    [fast] = timeline(told, [goal], speed=2.0).goals
+    assert fast.promised_at_s == 304.0
+
+
+def test_the_next_machine_promises_anew() -> None:
+    first, second = (
+        GoalContracted(name, "O-1", 0, "shaft", 8, machine, finish_s)
+        for name, machine, finish_s in (("G1", "M4", 90.0), ("G2", "M5", 900.0))
+    )
+    told = rows(
+        (1.0, "strategist", first),
+        (2.0, "M4", PromiseMoved("G1", 300.0, 1)),
+        (3.0, "strategist", GoalLost("G1", "M4", 0, "G2")),
+        (4.0, "strategist", second),
+    )
+    goals = [
+        Goal("G1", "O-1", 0, "shaft", 8, incarnation=1, number=3),
+        Goal("G2", "O-1", 0, "shaft", 8, "M5", promised_at_s=900.0, incarnation=1, number=4),
+    ]
+    lost, anew = timeline(told, goals).goals
+    assert (lost.promised_at_s, lost.first_promised_at_s) == (None, None)
+    assert (anew.promised_at_s, anew.first_promised_at_s, anew.came_before) == (900.0, None, 0)
+
+
+async def test_the_page_and_the_table_of_orders_tell_the_promise_that_holds_and_the_first_one(
+    house: House,
+) -> None:
+    story = await Story.begin(house)
+    await story.planned(finish_s=600.0)
+    await story.tell(MACHINE, 120.0, PromiseMoved(GOAL, 900.0, 3))
+    told = await house.get(f"/api/orders/{story.order['id']}/timeline")
+    [goal] = told["goals"]
+    assert (goal["promised_at_s"], goal["first_promised_at_s"]) == (NOW_S + 900.0, NOW_S + 600.0)
+    assert goal["came_before"] == 3
+    head, row = (await house.client.get("/api/orders", params={"format": "csv"})).text.splitlines()
+    cells = dict(zip(head.lstrip("\ufeff").split(","), row.split(","), strict=True))
+    assert cells["promised_at"][:19] == iso(NOW_S + 900.0)[:19]
+    assert cells["first_promised_at"][:19] == iso(NOW_S + 600.0)[:19]
+    assert cells["came_before"] == "3"

@@ -25,6 +25,7 @@ from wall_clock import NOW_S
 
 from dray.gateway.http.assets import Panels
 from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait, Reason
+from dray.messages.fact import PromiseMoved
 from dray.messages.heartbeat import MachineStatus, TaskBrief
 
 pytestmark = pytest.mark.anyio
@@ -297,6 +298,32 @@ async def test_a_more_urgent_goal_of_its_machine_moves_the_range(house: House) -
     house.bus.say(machine_heartbeat(MACHINE, 10, at_s=102.0, goals=(urgent, own)))
     after = (await story.state())["eta"]
     assert after["earliest"] > iso(NOW_S + 0.8 * work_s)
+
+
+@pytest.mark.parametrize(
+    ("language", "words"),
+    [("en", "More urgent work came before"), ("de", "Dringendere Arbeit kommt"), ("es", "más urgente")],
+)
+async def test_a_promise_that_its_machine_has_moved_counts_and_is_explained(
+    house: House, language: str, words: str
+) -> None:
+    story = await Story.begin(house)
+    await story.planned(finish_s=600.0)
+    story.now(120.0)
+    urgent = GoalBrief("strategist.1-1", PRODUCT, 4, 0, 0)
+    own = GoalBrief(GOAL, PRODUCT, story.quantity, 0, 0)
+    house.bus.say(machine_heartbeat(MACHINE, 9, at_s=120.0, goals=(urgent, own)))
+    before = await story.state()
+    assert before["reasons"] == []
+    await story.tell(MACHINE, 120.0, PromiseMoved(GOAL, 9000.0, 3))
+    state = await story.state()
+    assert state["reasons"] == ["overtaken"]
+    assert state["eta"]["earliest"] >= iso(NOW_S + 8100.0) > before["eta"]["latest"]
+    page = await story.page(**{"Accept-Language": language})
+    assert words in page
+    # Once its turn has come it does not wait any more.
+    house.bus.say(machine_heartbeat(MACHINE, 10, at_s=121.0, goals=(own,)))
+    assert (await story.state())["reasons"] == []
 
 
 async def test_the_want_of_material_of_another_order_is_none_of_this_one(house: House) -> None:

@@ -82,6 +82,12 @@ def test_a_promise_that_more_urgent_goals_have_overtaken_counts_no_more() -> Non
     assert eta([early], History(missed_by_s, WAY_S), NOW_S) == Range(2000.0 - 2, 2000.0 + 6)
 
 
+def test_a_moved_promise_is_not_moved_once_more_by_what_first_promises_were_missed_by() -> None:
+    missed_by_s = tuple(100.0 * number for number in range(10))
+    goal = Running(20, 2, promised_at_s=2000.0, is_moved=True)
+    assert eta([goal], History(missed_by_s, WAY_S), NOW_S) == Range(2000.0, 2500.0)
+
+
 def test_before_there_is_a_pace_a_promise_counts_as_far_as_promises_have_been_kept() -> None:
     missed_by_s = tuple(float(number) for number in range(-2, 8))
     found = eta([Running(20, 2, promised_at_s=2000.0)], History(missed_by_s, WAY_S), NOW_S)

@@ -10,8 +10,9 @@ import pytest
 from gateway_kit import gateway
 from sqlalchemy import event
 from sqlalchemy.engine import Engine
-from tracking_kit import Story
+from tracking_kit import GOAL, MACHINE, Story
 
+from dray.messages.fact import PromiseMoved
 from dray.store.work import open_store
 
 pytestmark = pytest.mark.anyio
@@ -55,6 +56,7 @@ async def test_a_customers_page_asks_for_its_own_events_alone(sqlite_url: str, a
         story = await Story.begin(house)
         await story.planned()
         await story.making(made=4)
+        await story.tell(MACHINE, 160.0, PromiseMoved(GOAL, 900.0, 1))
         with listening() as told:
             await story.state()
             await story.page()

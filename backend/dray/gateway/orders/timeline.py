@@ -27,6 +27,7 @@ from dray.messages.fact import (
     OrderReturned,
     PhaseEntered,
     PieceMade,
+    PromiseMoved,
     TaskClosed,
     TaskOpened,
 )
@@ -101,7 +102,11 @@ class OrderGoalView(View, kw_only=True):
     last_at_s: float | None = None
     """When the last piece so far was made."""
     promised_at_s: float | None = None
-    """The machine's promised time when it took the goal. It is not renewed when more urgent goals come."""
+    """When its machine promises all of it to be made: moved when the goals before it change."""
+    first_promised_at_s: float | None = None
+    """The promise with which the machine took it; None if it was not moved since."""
+    came_before: int = 0
+    """More urgent goals that have come before it since the machine took it; 0 if its promise was not moved."""
     doing: Literal["", "making", "starved", "busy", "broken", "silent"] = ""
     """The present activity of its machine: `busy` with another goal first. Empty once all is made, or after the end."""
     doing_since_at_s: float | None = None
@@ -146,15 +151,18 @@ class TimelineView(View, kw_only=True):
 _READ = msgspec.json.Decoder(AnyFact)
 
 
-def timeline(rows: Iterable[EventRow], goals: Iterable[Goal], *, is_whole: bool = True) -> TimelineView:
+def timeline(
+    rows: Iterable[EventRow], goals: Iterable[Goal], *, is_whole: bool = True, speed: float = 1.0
+) -> TimelineView:
     """The timeline from these events.
 
     Args:
         rows: events of one order, in any order.
         goals: its goals in SQL.
         is_whole: whether there are no more events.
+        speed: plant seconds per wall second.
     """
-    told = _Timeline(goals)
+    told = _Timeline(goals, speed)
     # A simulated plant's clock restarts with every start, while its history is kept.
     in_order = sorted(
         rows, key=lambda each: (each.at_s, each.plant_s, each.agent, each.incarnation, each.number)
@@ -162,14 +170,19 @@ def timeline(rows: Iterable[EventRow], goals: Iterable[Goal], *, is_whole: bool 
     # A vehicle's clock may be ahead of its coordinator's: read the opening before the vehicle's facts.
     opened = TaskOpened.__name__
     for row in sorted(in_order, key=lambda each: each.kind != opened):
-        told.on(_READ.decode(row.fact), row.at_s, row.agent)
+        fact = _READ.decode(row.fact)
+        if isinstance(fact, PromiseMoved):
+            told.on_moved(fact, row.at_s, row.plant_s)
+        else:
+            told.on(fact, row.at_s, row.agent)
     return told.view(is_whole)
 
 
 class _Timeline:
     """The events folded so far."""
 
-    def __init__(self, goals: Iterable[Goal]) -> None:
+    def __init__(self, goals: Iterable[Goal], speed: float) -> None:
+        self._speed = speed
         self._known = {goal.id: goal for goal in goals}
         self._goals: dict[str, OrderGoalView] = {}
         self._ways: dict[str, WayOutView] = {}
@@ -192,7 +205,11 @@ class _Timeline:
                 )
             if view is not None:
                 view.made, view.delivered = max(view.made, known.made), max(view.delivered, known.delivered)
-                view.promised_at_s = known.promised_at_s
+                is_moved = view.promised_at_s is not None and known.promised_at_s is not None
+                if is_moved:
+                    view.first_promised_at_s = known.promised_at_s
+                else:
+                    view.promised_at_s, view.came_before = known.promised_at_s, 0
         return TimelineView(
             goals=tuple(self._goals.values()),
             transports=tuple(self._ways.values()),
@@ -216,6 +233,12 @@ class _Timeline:
                 self._on_goal(fact, at_s, agent)
 
     # --- goals ---
+
+    def on_moved(self, fact: PromiseMoved, at_s: float, plant_s: float) -> None:
+        """A machine has moved its promise of a goal that it had taken before."""
+        if (goal := self._goals.get(fact.goal)) is not None:
+            goal.promised_at_s = at_s + (fact.finish_s - plant_s) / self._speed
+            goal.came_before = fact.came_before
 
     def _on_goal(self, fact: AnyFact, at_s: float, agent: str) -> None:
         match fact:

@@ -37,7 +37,9 @@ class TrackAnswer(msgspec.Struct, frozen=True):
     """None if no honest estimate is possible."""
     late: Literal["", "maybe", "yes"]
     """Estimate against `due_at`."""
-    reasons: tuple[Literal["not_released", "no_machine", "repair", "handed_on", "material", "held_up"], ...]
+    reasons: tuple[
+        Literal["not_released", "no_machine", "repair", "handed_on", "material", "held_up", "overtaken"], ...
+    ]
     """Why it waits; empty when it goes on."""
     materials: tuple[str, ...]
     """Names of the missing materials, with the reason `material`; empty if unknown."""

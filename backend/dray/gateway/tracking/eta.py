@@ -9,9 +9,10 @@ Method. Each running goal gets a range of its own, from the best evidence there 
    is chance in each gap, the second how little `n` gaps tell of the mean. All of that is working time
    of the machine, and ends when so much of it has passed. The way is added as above.
 3. *Too few pieces.* What the machine promised when it took the goal, its queue included, moved by what
-   the last finished goals missed their promises by (p10 to p90). Machines do not renew promises: where more urgent
-   goals have come since, the end of the machine's present work for them and for this goal counts instead, if that is later. With fewer than
-   `PROMISES_NEEDED` of those, the range reaches from the promise to half the time till then later.
+   the last finished goals missed their first promises by (p10 to p90). With fewer than `PROMISES_NEEDED` of those,
+   the range reaches from the promise to half the time till then later. So it does from a promise that the machine
+   has moved since, because what goals miss their first promises by includes such moves. The end of the machine's
+   present work for more urgent goals and for this one counts instead, if that is later: small moves are not told.
 
 The order's range ends with the latest of its goals, since it is delivered when all are. An open gap counts as
 a gap, so a halt moves the range. A range overtaken by the clock extends beyond now by its present lateness.
@@ -44,7 +45,7 @@ Z = 2.0
 gaps give a rough deviation."""
 
 UNPROVEN_FRAC = 0.5
-"""Maximum lateness of a promise as a fraction of the remaining time, while no history of promises exists."""
+"""Maximum lateness of a promise as a fraction of the remaining time, without a history of such promises."""
 
 STEPS_S = ((600.0, 60.0), (7200.0, 300.0), (float("inf"), 900.0))
 """Longest range, and its rounding step: no false precision."""
@@ -78,6 +79,9 @@ class Running(msgspec.Struct, frozen=True):
     quantity: int
     made: int
     promised_at_s: float | None = None
+    """The promise that holds now."""
+    is_moved: bool = False
+    """Whether its machine has moved that promise since it took the goal."""
     piece_times_s: tuple[float, ...] = ()
     """Times of its last pieces, oldest first."""
     working: Working = ALWAYS
@@ -90,7 +94,7 @@ class History(msgspec.Struct, frozen=True):
     """The factory's recent performance. Wall clock seconds."""
 
     missed_by_s: tuple[float, ...] = ()
-    """Lateness of finished goals, ascending; negative if early."""
+    """Lateness of finished goals against their first promises, ascending; negative if early."""
     way_s: tuple[float, float] | None = None
     """Durations of transports: p10 and p90; None before the first one."""
 
@@ -144,7 +148,8 @@ def _of_goal(goal: Running, history: History, now_s: float) -> Range | None:
     promised_s = goal.promised_at_s
     if goal.ahead_s > 0.0:
         promised_s = max(promised_s, goal.working.after_s(now_s, goal.ahead_s))
-    return _by_promise(promised_s, history.missed_by_s, now_s) if isfinite(promised_s) else None
+    missed_by_s = () if goal.is_moved else history.missed_by_s
+    return _by_promise(promised_s, missed_by_s, now_s) if isfinite(promised_s) else None
 
 
 def _by_pace(piece_times_s: Sequence[float], left: int, now_s: float, working: Working) -> Range | None:

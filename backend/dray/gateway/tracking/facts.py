@@ -98,6 +98,7 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
     if order.status in ENDED:
         return Facts(order=order, now_s=now_s, names=names, goals=goals, times=times)
     speed = projection.speed
+    machine_of = {goal.id: goal.machine for goal in goals}
     ids = {goal.id for goal in goals}
     way_s = [projection.tasks.transports.quantile_s(part) for part in (0.1, 0.9)]
     machines = {goal.machine: projection.machines.view(goal.machine) for goal in goals if goal.machine}
@@ -121,6 +122,12 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
             for goal in goals
             if doings[goal.id] is Doing.BUSY and (machine := machines.get(goal.machine)) is not None
         },
+        moved={
+            goal: moved
+            for goal, moved in (await work.milestones.moved_promises(ids)).items()
+            if moved.machine == machine_of[goal]
+        },
+        speed=speed,
         history=History(
             await work.milestones.promises_missed_by_s(),
             None if way_s[0] is None or way_s[1] is None else (way_s[0] / speed, way_s[1] / speed),

@@ -25,6 +25,8 @@ class Reason(StrEnum):
     """All its machines lack material, or the next one already waits for some."""
     HELD_UP = "held_up"
     """Finished pieces are stuck on their way out."""
+    OVERTAKEN = "overtaken"
+    """More urgent work came before a part of it, and its machine has moved its promise."""
 
 
 class Doing(StrEnum):
@@ -41,7 +43,14 @@ class Doing(StrEnum):
 
 
 def reasons(
-    *, released: bool, waits: bool, lost: bool, held_up: bool, lacks: bool, doings: Sequence[Doing]
+    *,
+    released: bool,
+    waits: bool,
+    lost: bool,
+    held_up: bool,
+    lacks: bool,
+    overtaken: bool,
+    doings: Sequence[Doing],
 ) -> tuple[Reason, ...]:
     """Why an open order waits; empty when it goes on.
 
@@ -51,6 +60,7 @@ def reasons(
         lost: whether a machine has failed with a part of it.
         held_up: whether a transport of its goods has reported a halt.
         lacks: whether a machine with a part of it waits for material for that part.
+        overtaken: whether a part of it waits for more urgent work that came after it.
         doings: activities of the machines with unfinished parts.
     """
     if not released:
@@ -64,6 +74,7 @@ def reasons(
             # It is no wait if one machine lacks material while another makes pieces.
             (Reason.MATERIAL, (bool(at_it) or lacks) and Doing.MAKING not in at_it),
             (Reason.HELD_UP, held_up),
+            (Reason.OVERTAKEN, overtaken),
         )
     )
 

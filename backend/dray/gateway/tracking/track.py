@@ -8,7 +8,7 @@ import msgspec
 
 from dray.gateway.tracking.eta import ALWAYS, History, Range, Running, Working, eta, rounded
 from dray.gateway.tracking.reasons import Doing, Reason, reasons
-from dray.store.orders.milestones import OrderTimes
+from dray.store.orders.milestones import MovedPromise, OrderTimes
 from dray.store.orders.orders import Order
 from dray.store.orders.progress import ENDED, OPEN, Goal, OrderStatus
 
@@ -57,6 +57,10 @@ class Facts(msgspec.Struct, frozen=True, kw_only=True):
     """Per goal, its machine's working time; missing if it never rests."""
     ahead_s: dict[str, float] = {}
     """Per goal behind others, its machine's work until all of it is made."""
+    moved: dict[str, MovedPromise] = {}
+    """Per goal, its machine's promise, if it was moved since the machine took the goal."""
+    speed: float = 1.0
+    """Plant seconds per wall second."""
     history: History = History()
     waits: bool = False
     """Whether the strategist has reported that no machine can make a part of it."""
@@ -149,6 +153,23 @@ def _making(facts: Facts) -> list[Goal]:
     return [goal for goal in _running(facts) if goal.made < goal.quantity]
 
 
+def _promised_s(facts: Facts, goal: Goal) -> float | None:
+    """The promise of a goal that holds now."""
+    moved = facts.moved.get(goal.id)
+    return goal.promised_at_s if moved is None else moved.promised_at_s(facts.speed)
+
+
+def _is_overtaken(facts: Facts, goal: Goal) -> bool:
+    """Whether a goal waits for more urgent ones that came since it was taken, and its promise was moved by that."""
+    moved, first_s = facts.moved.get(goal.id), goal.promised_at_s
+    return (
+        moved is not None
+        and moved.came_before > 0
+        and (first_s is None or moved.promised_at_s(facts.speed) > first_s)
+        and facts.doings.get(goal.id) is Doing.BUSY
+    )
+
+
 def _eta(facts: Facts) -> Range | None:
     order, running = facts.order, _running(facts)
     unknown = any(facts.doings.get(goal.id, Doing.SILENT) in CANNOT_SAY for goal in running)
@@ -159,7 +180,8 @@ def _eta(facts: Facts) -> Range | None:
             Running(
                 goal.quantity,
                 goal.made,
-                goal.promised_at_s,
+                _promised_s(facts, goal),
+                goal.id in facts.moved,
                 facts.piece_times_s.get(goal.id, ()),
                 facts.working.get(goal.id, ALWAYS),
                 facts.ahead_s.get(goal.id, 0.0),
@@ -190,6 +212,7 @@ def _reasons(facts: Facts) -> tuple[Reason, ...]:
         lost=any(goal.lost for goal in facts.goals),
         held_up=facts.held_up,
         lacks=bool(_lacking(facts)),
+        overtaken=any(_is_overtaken(facts, goal) for goal in _making(facts)),
         doings=[facts.doings.get(goal.id, Doing.SILENT) for goal in _making(facts)],
     )
 

@@ -45,6 +45,7 @@ from dray.messages.fact.machine import (
     MachineStatusChanged,
     PieceMade,
     PieceScrapped,
+    PromiseMoved,
     SparePieceMade,
 )
 from dray.messages.fact.removal import (
@@ -132,6 +133,7 @@ __all__ = [
     "PlaceKept",
     "PlacesFreed",
     "PrimarySuspected",
+    "PromiseMoved",
     "RemovalRefused",
     "RoundFailed",
     "SparePieceMade",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dray.messages.base import Count, Id, IdOrNone, Text
+from dray.messages.base import Count, Id, IdOrNone, Seconds, Text
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import MachineStatus
 from dray.messages.kinds import MACHINES
@@ -14,6 +14,19 @@ class MachineStatusChanged(Fact, told_by=MACHINES, frozen=True):
     status: MachineStatus
     product: IdOrNone = ""
     reason: Text = ""
+
+
+class PromiseMoved(Fact, told_by=MACHINES, frozen=True):
+    """The machine will finish a goal at another time than promised, because the goals before it have changed.
+
+    The first promise stands in `GoalContracted`. This is the one that holds now.
+    """
+
+    goal: Id
+    finish_s: Seconds
+    """Promised finish (plant clock)."""
+    came_before: Count = 0
+    """More urgent goals that have come before it since it was taken."""
 
 
 class PieceScrapped(Fact, told_by=MACHINES, frozen=True):

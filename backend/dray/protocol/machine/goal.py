@@ -27,6 +27,7 @@ class Goal:
         "arrived",
         "brought",
         "by_people",
+        "came_before",
         "committed",
         "confirmed",
         "credited",
@@ -41,6 +42,7 @@ class Goal:
         "lost_in_transit",
         "made",
         "number",
+        "promised_s",
         "stranded",
         "strategist",
         "work",
@@ -63,6 +65,10 @@ class Goal:
         self.number = number
         self.held = 1
         """Epoch with which `strategist` holds its order; it rises with each takeover of the order."""
+        self.promised_s = 0.0
+        """The promised finish that holds now (plant clock); 0 if unknown. Only `promises` moves it."""
+        self.came_before = 0
+        """More urgent goals that have come before it since it was taken."""
         self.given_back_s: float | None = None
         """Since when others may make its missing pieces; None while the machine works at it."""
         self.confirmed = False
@@ -211,4 +217,6 @@ class Goal:
             held=self.held,
             disputes=self.disputes,
             by_people=self.by_people,
+            promised_s=self.promised_s,
+            came_before=self.came_before,
         )

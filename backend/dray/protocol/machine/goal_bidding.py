@@ -124,6 +124,7 @@ class GoalBidder:
             return False
         goal = Goal(award.task, work, award.deadline_s, sender, award.epoch, award.number)
         goal.held = max((each.held for each in self._of_order(work.order)), default=1)
+        goal.promised_s = self._quoted_s[goal.id]
         self._goals.add(goal)
         self._life.commit()
         self.ask(goal, now_s)
@@ -137,7 +138,7 @@ class GoalBidder:
             task=goal.id,
             epoch=goal.epoch,
             role=Role.PRIMARY,
-            finish_s=self._quoted_s.get(goal.id, now_s),
+            finish_s=self._quoted_s.get(goal.id, goal.promised_s or now_s),
             number=goal.number,
         )
         self._unconfirmed.say(goal.id, Send(goal.strategist, accepted), now_s)

@@ -61,6 +61,7 @@ from dray.protocol.machine.people.breakdown import PATIENCE_OVER, Breakdown
 from dray.protocol.machine.people.command_handling import MachineCommandHandling
 from dray.protocol.machine.people.goal_sharing import GoalSharing
 from dray.protocol.machine.production import Goal, GoalBook
+from dray.protocol.machine.promises import Promises
 from dray.protocol.machine.status_report import StatusReport, introduction
 from dray.protocol.machine.supply import Supply
 from dray.protocol.people.command_authorisation import CommandAuthorisation
@@ -117,6 +118,7 @@ class Machine(AgentBase):
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
         self._probation = Probation(probation)
+        self._promises = Promises(self._goals, self._supply, self._life)
         self._bidder = GoalBidder(self._goals, self._supply, self._probation, self._life)
         self._flow = MaterialFlow(
             machine,
@@ -249,6 +251,7 @@ class Machine(AgentBase):
             # The machine goes on with them: the strategist may be away, and the gate knows what may still
             # come in.
             self._bidder.ask(self._goals.restore(booked), now_s)
+        self._promises.note()
         self._supply.goals_changed()
         self._flow.restore(memory, notes, now_s)
         self._commands.restore(memory)
@@ -359,7 +362,7 @@ class Machine(AgentBase):
 
     def pursue(self, now_s: float) -> None:
         """Do what the present state requires."""
-        self._sharing.decide(now_s)
+        shared = self._sharing.decide(now_s)
         in_service = self._commands.service.out is None and not self._shutdown.begun
         self._breakdown.update_call(now_s, expected=in_service)
         self._cycle.look(now_s)
@@ -372,6 +375,8 @@ class Machine(AgentBase):
         self._flow.cycling = self._cycle.product
         if not self._shutdown.begun:
             self._flow.announce_needs(self._cycle.product, now_s)
+        if shared:
+            self._promises.review(now_s)
         self._report.update(now_s)
 
     # --- what follows from changes ---
@@ -446,4 +451,6 @@ class Machine(AgentBase):
     def _goals_changed(self, now_s: float) -> None:
         self._supply.goals_changed()
         self.pursue(now_s)
+        # Ended goals' spare pieces belong to the next ones by now.
+        self._promises.review(now_s)
         self._life.beat_soon(now_s)

@@ -86,6 +86,7 @@ class GoalBook:
         )
         goal.confirmed, goal.held, goal.disputes = memory.confirmed, memory.held, memory.disputes
         goal.by_people = memory.by_people
+        goal.promised_s, goal.came_before = memory.promised_s, memory.came_before
         goal.made, goal.delivered, goal.lost_in_transit = (
             memory.made,
             memory.delivered,

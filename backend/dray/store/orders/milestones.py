@@ -11,7 +11,7 @@ import msgspec
 from sqlalchemy import Column, Double, LargeBinary, Table, func, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.messages.fact import GoalContracted, PhaseEntered, PieceMade, TaskOpened
+from dray.messages.fact import GoalContracted, PhaseEntered, PieceMade, PromiseMoved, TaskOpened
 from dray.messages.heartbeat import Phase
 from dray.store.tables import Id, Position, events, goals, metadata
 
@@ -31,6 +31,24 @@ class OrderTimes(msgspec.Struct, frozen=True, gc=False):
     left_at_s: float | None = None
     """The first vehicle drove off with its goods."""
 
+
+class MovedPromise(msgspec.Struct, frozen=True, gc=False):
+    """A promise of a goal that its machine has moved since it took the goal."""
+
+    machine: str
+    told_at_s: float
+    """Wall clock, in seconds."""
+    left_s: float
+    """From then to the promised finish, in plant seconds."""
+    came_before: int
+    """More urgent goals that had come before it by then."""
+
+    def promised_at_s(self, speed: float) -> float:
+        """The promised finish (wall clock), at so many plant seconds per wall second."""
+        return self.told_at_s + self.left_s / speed
+
+
+_MOVED = msgspec.json.Decoder(PromiseMoved)
 
 order_histories = Table(
     "order_histories",
@@ -85,10 +103,24 @@ class Milestones:
                 found[goal].append(at_s)
         return {goal: tuple(reversed(times)) for goal, times in found.items()}
 
-    async def promises_missed_by_s(self) -> tuple[float, ...]:
-        """The delays of the last finished goals against their machines' promises, ascending.
+    async def moved_promises(self, of_goals: Collection[str]) -> dict[str, MovedPromise]:
+        """The promises that hold now, of those of these goals whose machine has moved them."""
+        found: dict[str, MovedPromise] = {}
+        if of_goals:
+            query = (
+                select(events.c.goal, events.c.agent, events.c.at_s, events.c.plant_s, events.c.fact)
+                .where(events.c.kind == PromiseMoved.__name__, events.c.goal.in_(list(of_goals)))
+                .order_by(events.c.at_s, events.c.incarnation, events.c.number)
+            )
+            for goal, machine, at_s, plant_s, fact in await self._connection.execute(query):
+                moved = _MOVED.decode(fact)
+                found[goal] = MovedPromise(machine, at_s, moved.finish_s - plant_s, moved.came_before)
+        return found
 
-        Early ones are negative. Wall clock seconds, up to the arrival of the last piece.
+    async def promises_missed_by_s(self) -> tuple[float, ...]:
+        """The delays of the last finished goals against their machines' first promises, ascending.
+
+        A promise that was moved since makes no goal punctual. Early ones are negative. Wall clock seconds, up to the arrival of the last piece.
         """
         query = (
             select(goals.c.delivered_at_s - goals.c.promised_at_s)

@@ -25,6 +25,7 @@ from dray.messages.fact import (
     OrderReturned,
     PhaseEntered,
     PieceMade,
+    PromiseMoved,
     TaskClosed,
     TaskOpened,
 )
@@ -35,7 +36,8 @@ from dray.store.tables import events, goals
 
 TOLD_BY = (
     *(CarrierChanged, GoalContracted, GoalLost, GoalWaits, GoalWithdrawn, GoodsDelivered, OrderDropped),
-    *(OrderFulfilled, OrderReturned, PhaseEntered, PieceMade, TaskClosed, TaskOpened),
+    *(OrderFulfilled, OrderReturned, PhaseEntered, PieceMade, PromiseMoved, TaskClosed),
+    TaskOpened,
 )
 """Facts on an order's page."""
 

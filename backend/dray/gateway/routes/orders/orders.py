@@ -39,6 +39,7 @@ from dray.gateway.orders.changes import order_version
 from dray.gateway.orders.drafts import Moment, OrderDraft, WorkDraft
 from dray.gateway.orders.feasibility import OrderPreview
 from dray.gateway.orders.idempotency import Key, own_key
+from dray.gateway.orders.item_promises import NO_PROMISE, promises_of
 from dray.gateway.orders.placement import OrderPlacement
 from dray.gateway.routes.search import NowS, Words
 from dray.settings import Settings
@@ -46,7 +47,7 @@ from dray.store import Store
 from dray.store.orders.order_filter import OrderFilter
 from dray.store.orders.order_sorting import Place, SortedBy, Sorting
 from dray.store.orders.orders import Order
-from dray.store.orders.progress import OrderStatus
+from dray.store.orders.progress import OPEN, OrderStatus
 
 router = APIRouter(tags=["orders"])
 
@@ -139,6 +140,7 @@ COLUMNS = (
     *("order", "customer", "reference", "status"),
     *("product", "quantity", "made", "delivered"),
     *("created_at", "due_at", "released_at", "revoked_at", "delivered_at", "cancelled_at", "priority"),
+    *("promised_at", "first_promised_at", "came_before"),
 )
 
 WORK = {
@@ -236,7 +238,7 @@ async def list_orders(
     """
     sorting = Sorting(sort, sort == "created" if descending is None else descending)
     if format == "csv":
-        return table("orders", COLUMNS, _rows(store, wanted, sorting))
+        return table("orders", COLUMNS, _rows(store, wanted, sorting, projection.speed))
     after = read_cursor(cursor, sorting.shape)
     async with store.read() as work:
         orders = await work.orders.page(wanted, after, limit + 1, sorting)
@@ -344,18 +346,23 @@ def order_answer(
     )
 
 
-async def _rows(store: Store, wanted: OrderFilter, sorting: Sorting) -> AsyncIterator[Row]:
+async def _rows(store: Store, wanted: OrderFilter, sorting: Sorting, speed: float) -> AsyncIterator[Row]:
     """All orders, read page by page, so that a long table blocks nobody."""
     after: Place | None = None
     while True:
         async with store.read() as work:
             orders = await work.orders.page(wanted, after, ROWS_AT_ONCE, sorting)
+            goals = await work.goals.of_orders([order.id for order in orders if order.status in OPEN])
+            running = [goal.id for of_order in goals.values() for goal in of_order if goal.machine]
+            moved = await work.milestones.moved_promises(running)
         for order in orders:
+            promises = promises_of(goals.get(order.id, ()), moved, speed)
             moments = (order.created_at_s, order.due_at_s, order.released_at_s, order.revoked_at_s)
             ends = (order.delivered_at_s, order.cancelled_at_s)
             times = [None if at_s is None else iso(at_s) for at_s in (*moments, *ends)]
             head = (order.id, order.customer, order.reference, order.status.value)
-            for item in order.items:
+            for place, item in enumerate(order.items):
+                promise = promises.get(place, NO_PROMISE)
                 yield (
                     *head,
                     item.product,
@@ -364,6 +371,8 @@ async def _rows(store: Store, wanted: OrderFilter, sorting: Sorting) -> AsyncIte
                     item.delivered,
                     *times,
                     order.priority.value,
+                    *(None if at_s is None else iso(at_s) for at_s in (promise.at_s, promise.first_at_s)),
+                    promise.came_before or None,
                 )
         if len(orders) < ROWS_AT_ONCE:
             return

@@ -97,6 +97,8 @@ EXAMPLE = OrderStory(
             begun_at_s=1_893_456_060.0,
             last_at_s=1_893_456_300.0,
             promised_at_s=1_893_456_400.0,
+            first_promised_at_s=1_893_456_250.0,
+            came_before=2,
         ),
     ),
     transports=(
@@ -156,7 +158,12 @@ async def order_timeline(
         kept = await work.order_histories.of_order(order)
         links = await work.links.to(order)
         estimates = await work.estimates.of_order(order)
-    told = timeline(together(kept, rows[:EVENTS_MOST]), facts.goals, is_whole=len(rows) <= EVENTS_MOST)
+    told = timeline(
+        together(kept, rows[:EVENTS_MOST]),
+        facts.goals,
+        is_whole=len(rows) <= EVENTS_MOST,
+        speed=projection.speed,
+    )
     for goal in told.goals:
         _add_present(goal, facts, projection)
     tracked = track(facts)

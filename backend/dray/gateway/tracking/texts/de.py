@@ -59,6 +59,7 @@ DE = Catalogue(
         "gefehlt hat.",
         "material": "Die Produktion wartet auf Material.",
         "held_up": "Fertige Stücke werden auf dem Weg hinaus aufgehalten.",
+        "overtaken": "Dringendere Arbeit kommt vor diesem Auftrag; seine Zeit wurde deshalb verschoben.",
     },
     why_material="Die Produktion wartet auf Material: {materials}.",
     parts_title="Was Sie bestellt haben",

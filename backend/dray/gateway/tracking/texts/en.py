@@ -45,6 +45,7 @@ EN = Catalogue(
         "handed_on": "A machine has failed with a part of this order; another one makes what was missing.",
         "material": "Production waits for material.",
         "held_up": "Finished pieces are held up on their way out.",
+        "overtaken": "More urgent work came before this order, so its time was moved.",
     },
     why_material="Production waits for material: {materials}.",
     parts_title="What you ordered",

@@ -45,6 +45,7 @@ ES = Catalogue(
         "handed_on": "Una máquina ha fallado con una parte de este pedido; otra fabrica lo que faltaba.",
         "material": "La producción espera material.",
         "held_up": "Hay piezas terminadas retenidas en su camino de salida.",
+        "overtaken": "Ha llegado trabajo más urgente antes que este pedido, por eso se ha aplazado.",
     },
     why_material="La producción espera material: {materials}.",
     parts_title="Lo que ha pedido",

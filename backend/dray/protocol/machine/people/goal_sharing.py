@@ -43,8 +43,8 @@ class GoalSharing:
         self._service = service
         self._closures = closures
 
-    def decide(self, now_s: float) -> None:
-        """Give goals back, or take them up again, by the present state."""
+    def decide(self, now_s: float) -> bool:
+        """Give goals back, or take them up again, by the present state; returns whether that is new."""
         out, is_late = self._service.out, self._breakdown.is_over_patience(now_s)
         finishes = out is not None and out.after_work and not is_late
         keep = next(self._goals.at_work(), None) if finishes else None
@@ -55,7 +55,9 @@ class GoalSharing:
             if goal is not keep and (keeps_none or self._closures.keeps_late(goal.deadline_s))
         ]
         gave = self._goals.give_back(gives, now_s)
-        if gave or self._goals.take_back(gives):
+        is_news = gave or self._goals.take_back(gives)
+        if is_news:
             self._supply.goals_changed()
         if gave:
             self._flow.give_back(now_s)
+        return is_news

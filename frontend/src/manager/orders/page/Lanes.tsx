@@ -188,10 +188,17 @@ function goalText(goal: Goal): string {
 export function goalNote(goal: Goal, nowS: number): string {
   const made = t("lanes.made", { made: format.count(goal.made), quantity: format.count(goal.quantity) });
   if (goal.made >= goal.quantity || goal.ended !== "") return made;
-  const { promised_at_s: promisedS } = goal;
-  // Of an order that has ended nothing is overdue any more.
-  const promised = promisedS === null || !Number.isFinite(nowS) ? "" : t(promisedS < nowS ? "lanes.overdue" : "lanes.promised", { at: format.hour(promisedS) });
-  return [made, waitNote(goal), promised].filter((part) => part !== "").join(" · ");
+  return [made, waitNote(goal), promiseNote(goal, nowS)].filter((part) => part !== "").join(" · ");
+}
+
+/** When it is promised, and when it was first promised if that was moved, and why. Of an order that has ended nothing is overdue any more. */
+function promiseNote({ came_before: came, first_promised_at_s: firstS, promised_at_s: promisedS }: Goal, nowS: number): string {
+  if (promisedS === null || !Number.isFinite(nowS)) return "";
+  const promised = t(promisedS < nowS ? "lanes.overdue" : "lanes.promised", { at: format.hour(promisedS) });
+  if (firstS === null) return promised;
+  const moved = `${promised}, ${t("lanes.moved", { first: format.hour(firstS) })}`;
+  // Other goals that have left explain an earlier time; what came before it does not.
+  return came > 0 && promisedS > firstS ? `${moved}: ${n("lanes.came", came, format.count(came))}` : moved;
 }
 
 function waitNote({ behind, doing }: Goal): string {

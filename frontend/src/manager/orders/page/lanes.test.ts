@@ -5,7 +5,7 @@ import { momentText, transportText } from "./moments";
 
 const goal = (more: Partial<Goal>): Goal => ({
   goal: "O-1.1", product: "g2", quantity: 10, machine: "M9", made: 0, delivered: 0, taken_at_s: 100, begun_at_s: null, last_at_s: null,
-  promised_at_s: null, ended: "", ended_at_s: null, successor: "", doing: "making", doing_since_at_s: 100, behind: 0, ...more,
+  promised_at_s: null, first_promised_at_s: null, came_before: 0, ended: "", ended_at_s: null, successor: "", doing: "making", doing_since_at_s: 100, behind: 0, ...more,
 });
 const leg = (more: Partial<Leg>): Leg => ({ carrier: "ATV1", since_at_s: 200, aboard_at_s: null, until_at_s: null, replaced: "", ...more });
 const transport = (legs: Leg[], more: Partial<Transport> = {}): Transport => ({
@@ -64,6 +64,27 @@ describe("a goal's bars", () => {
     expect(goalNote(goal({ doing: "starved", made: 4 }), 200)).toBe("4 of 10 made · waits for material");
     expect(goalNote(goal({ doing: "", made: 4, promised_at_s: 150 }), Infinity)).toBe("4 of 10 made");
     expect(goalNote(goal({ doing: "", made: 10, promised_at_s: 150 }), 200)).toBe("10 of 10 made");
+  });
+});
+
+describe("a promise that its machine has moved", () => {
+  const moved = { promised_at_s: 4000, first_promised_at_s: 400, doing: "busy", behind: 1 } as const;
+
+  test("is told with the first one, and with what came before", () => {
+    expect(goalNote(goal({ ...moved, came_before: 3 }), 500)).toMatch(
+      /^0 of 10 made · waits behind 1 goal · promised by \d\d:\d\d, moved from \d\d:\d\d: 3 more urgent goals came before it$/,
+    );
+    expect(goalNote(goal({ ...moved, came_before: 1 }), 500)).toMatch(/: 1 more urgent goal came before it$/);
+    expect(goalNote(goal({ ...moved, came_before: 1 }), 4500)).toMatch(/promised by \d\d:\d\d, overdue, moved from \d\d:\d\d: 1 more urgent goal came before it$/);
+  });
+
+  test("has no such reason where it was moved for another one", () => {
+    expect(goalNote(goal({ ...moved, came_before: 0 }), 500)).toMatch(/, moved from \d\d:\d\d$/);
+    expect(goalNote(goal({ ...moved, promised_at_s: 350, came_before: 2 }), 300)).toMatch(/, moved from \d\d:\d\d$/);
+  });
+
+  test("is what the bar goes on to", () => {
+    expect(barsOfGoal(goal({ ...moved, doing_since_at_s: null }), 500).at(-1)).toEqual({ kind: "open", fromS: 500, toS: 4000 });
   });
 });
 
