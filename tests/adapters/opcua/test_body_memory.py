@@ -251,11 +251,11 @@ def with_machines_that_hear_no_confirmation(patch: pytest.MonkeyPatch) -> None:
     """A machine does not hear that the controller has its product."""
     heard = SignalledWorkcell.on_written
 
-    def hear_once(self: SignalledWorkcell, name: str, value: object) -> None:
+    def listen_once(self: SignalledWorkcell, name: str, value: object) -> None:
         if not self._kept.confirmed:
             heard(self, name, value)  # type: ignore[arg-type]
 
-    patch.setattr(SignalledWorkcell, "on_written", hear_once)
+    patch.setattr(SignalledWorkcell, "on_written", listen_once)
 
 
 def with_a_gate_that_is_sure_of_what_it_admits(patch: pytest.MonkeyPatch) -> None:
