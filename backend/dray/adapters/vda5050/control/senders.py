@@ -19,11 +19,14 @@ class Senders:
 
     def __init__(self) -> None:
         self._turns_s: deque[float] = deque(maxlen=TURNS)
+        self._two_until_s = 0.0
 
     def note(self, now_s: float) -> None:
         """A state counts far back, after one whose place the vehicle cannot have reached."""
         self._turns_s.append(now_s)
+        if self.are_two(now_s) or (len(self._turns_s) == TURNS and now_s - self._turns_s[0] <= WITHIN_S):
+            self._two_until_s = now_s + WITHIN_S
 
     def are_two(self, now_s: float) -> bool:
         """Whether there are two now; until they were not seen for a while."""
-        return len(self._turns_s) == TURNS and now_s - self._turns_s[0] <= WITHIN_S
+        return now_s < self._two_until_s
