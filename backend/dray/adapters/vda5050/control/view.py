@@ -232,7 +232,8 @@ class VehicleView:
             elif self.doubtful_s is None:
                 self.doubtful_s = now_s
             return False
-        if self.doubtful_s is not None and self._counts_back(state):
+        # Two that are known to be two stay so while their numbers go to and fro, also where one could have driven to the other's place.
+        if self._counts_back(state) and (self.doubtful_s is not None or self._senders.are_two(now_s)):
             self._senders.note(now_s)
         self.doubtful_s, self._counts_anew = None, False
         self.state, self.heard_s, self.said_node = state, now_s, said
