@@ -47,11 +47,15 @@ class Trio:
         replica, message = self.replicas[effect.to], effect.message
         match message:
             case TableReplicated():
+                refused = replica.refused
                 replica.on_replicated(sender, message, silent=self.is_silent(replica))
+                if replica.refused > refused:
+                    replica.ask_for_words()
             case TableAcknowledged():
                 replica.on_acknowledged(sender, message)
             case TableAsked():
                 replica.on_asked(sender, message, silent=self.is_silent(replica))
+                replica.on_misses(message.misses)
             case TableReported():
                 replica.on_reported(sender, message)
 

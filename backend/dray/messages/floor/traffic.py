@@ -14,7 +14,7 @@ from math import floor
 from typing import Annotated
 
 import msgspec
-from msgspec import Meta
+from msgspec import UNSET, Meta, UnsetType
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Part, Seconds
 from dray.messages.kinds import DOCKS, VEHICLES
@@ -24,6 +24,9 @@ ROUTE_MAX = 64
 
 HOLDS_MAX = 64
 """Maximum places that one vehicle holds, or wants, in one district: a few at a time in any plant."""
+
+MISSES_MAX = 64
+"""Maximum lines named at once whose release a copy misses; the others are named when these are settled."""
 
 DISTRICT_MAX = 10_000
 """Maximum places of one district: a whole large plant that one machine keeps alone."""
@@ -246,6 +249,9 @@ class HoldsAsked(Message, said_by=DOCKS, radio=True, frozen=True):
     epoch: Count
     recovery_poll: bool = False
     """Whether the table is lost: places that are not reported now are free, and grants of earlier epochs are void."""
+    misses: Count | UnsetType = UNSET
+    """Highest number of the vehicle's lines whose release a copy misses (`TableAsked.misses`). When leader and witness have both told
+    it, the vehicle counts all grants up to it as seen, and its answer is that release."""
 
 
 class GivenBack(Part, frozen=True):
@@ -283,12 +289,16 @@ class TableAcknowledged(Message, said_by=DOCKS, frozen=True):
     version: Count
 
 
-class TableAsked(Message, said_by=DOCKS, frozen=True):
-    """A replica asks others for their copies: it wants to lead the district's table, has lost its own copy, or checks who lives."""
+class TableAsked(Message, said_by=DOCKS, frozen=True, omit_defaults=True):
+    """A replica asks others for their copies: it wants to lead the district's table, has lost its own copy, checks who lives, or
+    refuses the leader's table."""
 
     district: Id
     epoch: Count
     """The epoch under which it wants to lead; 0 when it only asks."""
+    misses: Annotated[tuple[PlaceReservation, ...], Meta(max_length=MISSES_MAX)] = ()
+    """Lines of the sender's copy that the leader has struck out, while the sender misses their vehicles' releases: the receiver is
+    to ask these vehicles. One line for each key, with its highest number."""
 
 
 class TableReported(Message, said_by=DOCKS, frozen=True):

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import msgspec
+from msgspec import UNSET
 
 from dray.messages.floor.traffic import (
     UNSIGNED,
@@ -101,6 +102,7 @@ class _Line:
         "hindered",
         "lives",
         "missed",
+        "misses",
         "repeats_s",
         "request",
         "rolled",
@@ -108,6 +110,7 @@ class _Line:
         "said_s",
         "seen",
         "seq",
+        "settles",
         "since",
         "tries",
         "turn",
@@ -140,6 +143,10 @@ class _Line:
         self.rolled_after: int | None = None
         """`agreed` when the last recovery poll asked; None once a table made since has answered with grants."""
         self.confirmed_epoch = NO_EPOCH
+        self.misses: dict[str, tuple[int, int]] = {}
+        """Replica -> epoch and number of its newest question for a release that a copy misses (`HoldsAsked.misses`)."""
+        self.settles = False
+        """Whether the next request is that release."""
         self.early: PlaceConfirmed | None = None
         """The witness's newest confirmation under an epoch that was not agreed."""
         self.witness_asked = 0
@@ -172,6 +179,7 @@ class _Line:
         ):
             return
         self.rolled_after = None
+        self.misses.clear()
         if max(reservation.number for reservation in granted.grants) < self.seen:
             self.seen = 0
 
@@ -309,6 +317,7 @@ class PlaceRequests:
     ) -> None:
         replicas = self._replicas_of[district]
         line.seq += 1
+        gives_back, line.settles = line.settles, False
         lives = bool(holds or groups)
         # A recovery poll asks again if this is lost, so a vehicle with nothing there waits for no answer.
         waits = lives or line.unanswered or not to
@@ -322,9 +331,10 @@ class PlaceRequests:
             seq=line.seq,
             epoch=max(epoch, line.epoch),
             rank=state.rank,
-            holds=holds,
+            # A release must not name the place where the vehicle stands, which it asks for.
+            holds=tuple(sorted({*holds, *groups[0]})) if gives_back and state.asks and groups else holds,
             groups=groups,
-            seen=0 if state.asks and groups else line.seen,
+            seen=0 if state.asks and groups and not gives_back else line.seen,
             stands=state.stands,
             docked=state.docked,
             avoid=state.avoid if groups else (),
@@ -464,8 +474,14 @@ class PlaceRequests:
         line = self._lines[district]
         line.content, line.groups, line.lives = _content(holds, groups, state), groups, bool(holds or groups)
 
-    def on_holds_asked(self, sender: str, asked: HoldsAsked) -> bool:
-        """A replica asks what the vehicle holds; True when it must be answered."""
+    def on_holds_asked(self, sender: str, asked: HoldsAsked, *, settles: bool = True) -> bool:
+        """A replica asks what the vehicle holds; True when it must be answered.
+
+        Args:
+            sender: the replica.
+            asked: its question.
+            settles: whether the vehicle knows all that it holds: only then it says a release that a copy misses.
+        """
         if not self.keeps(sender, asked.district):
             return False
         line = self._lines.setdefault(asked.district, _Line())
@@ -474,20 +490,39 @@ class PlaceRequests:
             # grant. From now on, grants under earlier epochs are refused.
             line.words[sender] = max(line.words.get(sender, 0), asked.epoch)
             line.rolled_after = line.agreed
+            line.misses.clear()
             # The raise is limited, so that others can lead again: a leader that hears of a later epoch begins a still later one.
             line.epoch, line.turn = max(line.epoch, min(asked.epoch, line.agreed + OUTBID_MAX)), 0
             return True
         if asked.epoch < line.epoch:
             return False
+        replicas = self._replicas_of[asked.district]
+        if asked.misses is not UNSET and settles:
+            line.misses[sender] = asked.epoch, asked.misses
         if not self._is_agreed(line, sender, asked.district, asked.epoch):
             if line.lives or line.unanswered:
                 self._say_to_all(line, "")
                 return False
             # Only a replica whose copy misses a release may ask under such an epoch, and not the epoch's leader.
-            replicas = self._replicas_of[asked.district]
             return replicas[asked.epoch % len(replicas)] != sender
         line.epoch, line.turn = asked.epoch, 0
-        return not line.asked_all
+        return self._settles(line, replicas) or not line.asked_all
+
+    def _settles(self, line: _Line, replicas: Sequence[str]) -> bool:
+        """Whether the next request is the release that a copy misses, as leader and witness have told under the agreed epoch.
+
+        One of the two is honest, and numbers no later grant so low. All grants up to that number count as seen: one that is still
+        under way is void.
+        """
+        leader = replicas[line.agreed % len(replicas)]
+        told = [
+            line.misses.get(replica, (NO_EPOCH, 0)) for replica in (leader, _witness(replicas, line.agreed))
+        ]
+        settled = min(number for _, number in told)
+        line.settles = settled > 0 and all(epoch == line.agreed for epoch, _ in told)
+        if line.settles:
+            line.seen = max(line.seen, settled)
+        return line.settles
 
     def take_missed(self, district: str) -> tuple[str, PlaceGranted] | None:
         """A missed answer, with its sender, that is agreed and confirmed by now; None for none."""

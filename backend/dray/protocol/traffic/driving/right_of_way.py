@@ -501,7 +501,7 @@ class RightOfWay:
         if asked.recovery_poll and not self._obeys:
             # It is not known yet where the body goes; the poll will ask again.
             return
-        is_to_tell = self.requests.on_holds_asked(sender, asked)
+        is_to_tell = self.requests.on_holds_asked(sender, asked, settles=self._obeys)
         if self._take_missed(asked.district, now_s):
             return
         if not is_to_tell:

@@ -22,8 +22,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 
 import msgspec
+from msgspec import UNSET
 
 from dray.messages.floor.traffic import (
+    MISSES_MAX,
     AllGivenBack,
     AllRemoved,
     GivenBack,
@@ -88,6 +90,7 @@ class Copies:
         counted: the highest version that a majority has.
         lost: whether it has no memory yet.
         refused: the leader's tables refused since the last one that was copied.
+        misses: the lines for which the last one was refused.
         needs_recovery_poll: too few replicas remember; `me` is to ask the vehicles.
     """
 
@@ -106,6 +109,7 @@ class Copies:
         self.counted = 0
         self.lost = kept is None
         self.refused = 0
+        self.misses: tuple[PlaceReservation, ...] = ()
         self.needs_recovery_poll = False
         self._me = me
         self._replicas = tuple(replicas)
@@ -277,7 +281,7 @@ class Copies:
                     replicated.removed,
                     self.kept.given_back,
                 )
-                self._elsewhere, self._copied, self.refused = None, True, 0
+                self._elsewhere, self._copied, self.refused, self.misses = None, True, 0, ()
                 self._confirm_new(before)
         self._life.send(
             sender,
@@ -286,7 +290,7 @@ class Copies:
         return follows
 
     def _objects(self, replicated: TableReplicated) -> bool:
-        """Whether a table must be refused for lines that were struck out; if so, ask the other replica and the vehicles."""
+        """Whether a table must be refused for lines that were struck out."""
         kept, other = self.kept, self._elsewhere
         if not self._copied or self._turn_of(kept.kept_epoch) != self._turn_of(replicated.epoch):
             # Another leader wrote the copy, and its last write may never have counted.
@@ -294,18 +298,42 @@ class Copies:
         if other is not None and kept.kept_epoch < other.began <= replicated.epoch:
             # A recovery poll was started since.
             return False
-        objections = self._witness.objections(kept.reservations, kept.version, replicated)
-        if not objections:
-            return False
-        self.refused += 1
-        asked = TableAsked(district=self.district, epoch=0)
+        self.misses = tuple(self._witness.objections(kept.reservations, kept.version, replicated))
+        self.refused += bool(self.misses)
+        return bool(self.misses)
+
+    def ask_for_words(self) -> None:
+        """Name to the other replicas the releases that are missing here, and ask the vehicles for them.
+
+        The other copy also answers whether a recovery poll was started. A vehicle settles it when leader and witness have both asked.
+        """
+        own = set(self.kept.reservations)
+        missed: dict[tuple[str, bytes], PlaceReservation] = {}
+        for line in sorted(self.misses, key=lambda line: line.number):
+            if line in own:
+                missed[line.atv, line.mark] = line
+        asked = TableAsked(district=self.district, epoch=0, misses=tuple(missed.values())[:MISSES_MAX])
         for replica in self._others:
-            if replica != self._turn_of(replicated.epoch):
-                self._life.send(replica, asked)
-        holds = HoldsAsked(district=self.district, epoch=replicated.epoch)
-        for atv in dict.fromkeys(line.atv for line in objections):
-            self._life.send(atv, holds)
-        return True
+            self._life.send(replica, asked)
+        for atv in dict.fromkeys(line.atv for line in self.misses):
+            self._ask_vehicle(
+                atv, max((line.number for line in missed.values() if line.atv == atv), default=0)
+            )
+
+    def on_misses(self, misses: Iterable[PlaceReservation]) -> None:
+        """Another replica misses the releases of these lines: ask their vehicles, where the lines are struck out here, too."""
+        if self.lost:
+            return
+        own = {line.place: line for line in self.kept.reservations}
+        for line in misses:
+            held = own.get(line.place)
+            is_held = held is not None and (held.atv, held.mark) == (line.atv, line.mark)
+            if line.atv and line.number <= self.kept.version and not is_held:
+                self._ask_vehicle(line.atv, line.number)
+
+    def _ask_vehicle(self, atv: str, misses: int) -> None:
+        asked = HoldsAsked(district=self.district, epoch=self.kept.epoch, misses=misses or UNSET)
+        self._life.send(atv, asked)
 
     def on_carried(self, atv: str) -> None:
         """A person has carried a vehicle away."""

@@ -55,6 +55,9 @@ INSISTS_S = 30.0
 """Time for which people must repeat a removal before it frees the places of a key that claims to know a later one. An honest vehicle
 knows no removal that people have not reported, but their older word may be under way. Gateways repeat only the newest."""
 
+MISSES_AGAIN_S = 2.0
+"""Shortest time between two questions of a copy that refuses its leader's table for the releases that it misses."""
+
 TICK_S = 1.0
 """Interval between two requests to one holder to make room, and between two sendings of an unacknowledged copy."""
 
@@ -135,6 +138,8 @@ class District:
         """Vehicle -> key -> removal, life and number of the newest request. Several keys only while each of them holds a place."""
         self._look_s = NEVER_S
         """When the alarm is due."""
+        self._missed_s = -MISSES_AGAIN_S
+        """When it last asked for releases that its copy misses."""
         self._asked_s: dict[str, float] = {}
         """Holder -> when it was asked to make room."""
         self._poll: RecoveryPoll | None = None
@@ -214,16 +219,23 @@ class District:
                     self._find_out(now_s)
                 if self.copies.refused > refused:
                     self._refusals.tell(sender, self.copies.refused, now_s)
+                    if self.copies.misses and now_s - self._missed_s >= MISSES_AGAIN_S - 0.01:
+                        self._missed_s = now_s
+                        self.copies.ask_for_words()
             case TableAcknowledged():
                 if self.copies.on_acknowledged(sender, message):
                     self._answer()
             case TableAsked():
                 silent = self._turns.is_silent(self.copies.leader, now_s)
                 promises = self.copies.on_asked(sender, message, silent=silent)
-                if not message.epoch:
-                    self._doubt(now_s)
-                if not promises and (message.epoch or self.copies.leader != self._me):
-                    self._find_out(now_s)
+                if message.misses:
+                    # It hears the leader.
+                    self.copies.on_misses(message.misses)
+                else:
+                    if not message.epoch:
+                        self._doubt(now_s)
+                    if not promises and (message.epoch or self.copies.leader != self._me):
+                        self._find_out(now_s)
             case TableReported():
                 self.copies.on_reported(sender, message)
                 self._after_copies(now_s)
