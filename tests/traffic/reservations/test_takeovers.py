@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 
 import pytest
 from replica import PLANT
@@ -50,6 +50,8 @@ class Replicas:
         self.lives: dict[str, Life] = {}
         self.reservations: dict[str, ReservationHandling] = {}
         self.to_vehicles: list[tuple[str, Message]] = []
+        self.asked: Counter[str] = Counter()
+        """Replica -> how often it has asked others for their copies."""
         traffic = TrafficMap(PLANT, is_signed)
         traffic.places = PLACES
         for name in (FIRST, SECOND, THIRD):
@@ -87,6 +89,7 @@ class Replicas:
             if not under_way:
                 return
             sender, sent = under_way.popleft()
+            self.asked[sender] += isinstance(sent.message, TableAsked)
             if sent.to not in self.reservations:
                 self.to_vehicles.append((sender, sent.message))
             elif not {sender, sent.to} & self.dead:
@@ -293,6 +296,24 @@ def test_people_are_told_of_a_replica_that_goes_on_to_write_what_nobody_copies(v
     for _ in range(3):
         write(version)
     assert told == [BookRefused(FIRST)]
+
+
+def test_two_copies_that_miss_something_ask_seldom() -> None:
+    replicas = Replicas()
+    replicas.run(10.0)
+    copies = replicas.district(FIRST).copies
+    line = PlaceReservation(place=HERE, number=5, atv="ATV2", mark=b"a key")
+    copies.write(5, (line,))
+    replicas.carry()
+    copies.write(6, ())
+    replicas.carry()
+    assert {replicas.district(name).copies.kept.version for name in (SECOND, THIRD)} == {5}
+    replicas.asked.clear()
+    for _ in range(20):
+        replicas.run(replicas.now_s + 0.5)
+        copies.repeat()
+        replicas.carry()
+    assert replicas.asked == {FIRST: 0, SECOND: 10, THIRD: 10}
 
 
 @pytest.mark.parametrize(

@@ -43,8 +43,10 @@ class Vehicle:
         self.say((), WANTED)
         self.holds = False
 
-    def say(self, holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...]) -> None:
-        self.requests.say("M1", holds, groups, self.state, 0.0)
+    def say(
+        self, holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], *, asked: bool = False
+    ) -> None:
+        self.requests.say("M1", holds, groups, self.state, 0.0, asked=asked)
 
     @property
     def said(self) -> PlaceRequested:
@@ -58,6 +60,10 @@ class Vehicle:
             missed = self.requests.take_missed("M1")
         elif isinstance(message, PlaceGranted):
             missed = (sender, message)
+        elif isinstance(message, HoldsAsked):
+            if self.requests.on_holds_asked(sender, message):
+                self.say(("b3",) if self.holds else (), self.requests.groups("M1"), asked=True)
+            return
         else:
             return
         if missed is not None and self.requests.on_granted(*missed, 1.0):
@@ -182,6 +188,90 @@ def test_a_copy_that_objects_asks_the_vehicle_what_it_holds(floor: Floor) -> Non
     )
     floor.carry()
     assert [effect.to for _, effect in floor.to_vehicles if isinstance(effect.message, HoldsAsked)] == ["A"]
+
+
+def test_what_copies_miss_the_vehicle_says_once_more_when_leader_and_witness_have_asked() -> None:
+    """It has started again, has seen no grant since, and the leader has struck its line out without a word that others can examine:
+    it has told itself that people have carried it away."""
+    floor = Floor()
+    leader = floor.replicas["M1"]
+    leader.write(5, line("A", 5, mark=b"A"))
+    floor.carry()
+    floor.to_vehicles.clear()
+    leader.write(6, ())
+    floor.carry()
+    assert {floor.replicas[copy].kept.version for copy in COPIES} == {5}
+    floor.tell()
+    word = floor.vehicles["A"].said
+    assert (word.seen, word.holds) == (5, ())
+    leader.note_word("A", word, struck=False)
+    leader.repeat()
+    floor.carry()
+    assert {floor.replicas[copy].kept.version for copy in COPIES} == {6}
+
+
+def test_a_copy_that_misses_nothing_asks_the_vehicle_for_one_that_does() -> None:
+    floor = Floor()
+    leader = floor.replicas["M1"]
+    leader.write(5, line("A", 5, mark=b"A"))
+    floor.carry()
+    floor.to_vehicles.clear()
+    floor.replicas["M2"].on_misses(line("A", 5, mark=b"A"))
+    floor.replicas["M2"].on_misses(line("B", 6, mark=b"B"))
+    floor.carry()
+    assert floor.to_vehicles == []
+    floor.replicas["M2"].on_misses(line("B", 4, mark=b"B"))
+    floor.carry()
+    ((sender, sent),) = floor.to_vehicles
+    assert (sender, sent.to) == ("M2", "B")
+    assert isinstance(sent.message, HoldsAsked)
+    assert sent.message.misses == 4
+
+
+def settled(*told: tuple[str, int, int], holds: tuple[str, ...] = (), asks: bool = False) -> PlaceRequested:
+    """What a vehicle says after these replicas have asked it, each under an epoch, for releases up to a number."""
+    vehicle = Vehicle("A", 3)
+    vehicle.state = replace(vehicle.state, asks=asks)
+    for replica, epoch, misses in told:
+        if vehicle.requests.on_holds_asked(replica, HoldsAsked(district="M1", epoch=epoch, misses=misses)):
+            vehicle.say(holds, WANTED, asked=True)
+    return vehicle.said
+
+
+@pytest.mark.parametrize(
+    ("told", "seen"),
+    [
+        pytest.param([("M1", 3, 9), ("M2", 3, 5)], 5, id="leader and witness"),
+        pytest.param([("M2", 3, 5), ("M1", 3, 9), ("M2", 3, 7)], 7, id="and once more"),
+        pytest.param([("M1", 3, 9), ("M3", 3, 9)], 0, id="not the witness"),
+        pytest.param([("M2", 3, 9), ("M3", 3, 9)], 0, id="not the leader"),
+        pytest.param([("M1", 3, 9), ("M1", 3, 9)], 0, id="the leader alone"),
+        pytest.param([("M2", 2, 9), ("M1", 3, 9)], 0, id="the witness under an earlier epoch"),
+    ],
+)
+def test_no_replica_alone_makes_a_vehicle_count_grants_as_seen(
+    told: list[tuple[str, int, int]], seen: int
+) -> None:
+    assert settled(*told).seen == seen
+
+
+def test_a_grant_that_was_under_way_is_void_when_the_vehicle_has_said_that_it_does_not_hold_the_place(
+    floor: Floor,
+) -> None:
+    """The leader has struck it out since."""
+    vehicle = Vehicle("B", floor.epoch)
+    for replica in ("M1", "M2"):
+        vehicle.on_message(replica, HoldsAsked(district="M1", epoch=floor.epoch, misses=6))
+    assert vehicle.said.seen == 6
+    vehicle.on_message("M2", PlaceConfirmed(district="M1", epoch=floor.epoch, grants=line("B", 6, mark=b"B")))
+    own = (PlaceReservation(place="b3", number=6),)
+    vehicle.on_message("M1", PlaceGranted(district="M1", epoch=floor.epoch, life=1, upto=1, grants=own))
+    assert not vehicle.holds
+
+
+def test_a_vehicle_that_asks_for_the_place_where_it_stands_does_not_give_that_back() -> None:
+    said = settled(("M1", 3, 5), ("M2", 3, 5), asks=True)
+    assert (said.seen, said.holds) == (5, ("b3",))
 
 
 def test_whom_people_have_carried_away_gives_nothing_back_itself(floor: Floor) -> None:
@@ -315,6 +405,15 @@ def anything(seed: int) -> bool:
         if vehicle.holds and random.random() < 0.2:
             words.append(GivenBack(atv=atv, request=vehicle.give_back()))
             vehicle.say((), WANTED)
+        if random.random() < 0.2:
+            # It names a release that nobody misses, and has the vehicle asked for it.
+            number_missed = random.randrange(number + 5)
+            for copy in COPIES:
+                floor.replicas[copy].on_misses(line(atv, number_missed, mark=atv.encode()))
+            vehicle.on_message("M1", HoldsAsked(district="M1", epoch=floor.epoch, misses=number_missed))
+            floor.carry()
+            floor.tell()
+            words.append(GivenBack(atv=atv, request=vehicle.said))
         said = tuple(random.sample(words, k=min(len(words), random.randrange(3))))
         to = random.choice((COPIES, ("M2",), ("M3",), ()))
         later = random.choice((0, 0, 0, 1, 5, -3))

@@ -290,8 +290,7 @@ class TableAcknowledged(Message, said_by=DOCKS, frozen=True):
 
 
 class TableAsked(Message, said_by=DOCKS, frozen=True, omit_defaults=True):
-    """A replica asks others for their copies: it wants to lead the district's table, has lost its own copy, checks who lives, or
-    refuses the leader's table."""
+    """A replica asks others for their copies: it wants to lead the district's table, has lost its own, checks who lives, or refuses one."""
 
     district: Id
     epoch: Count

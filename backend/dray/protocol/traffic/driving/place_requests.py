@@ -506,7 +506,8 @@ class PlaceRequests:
             # Only a replica whose copy misses a release may ask under such an epoch, and not the epoch's leader.
             return replicas[asked.epoch % len(replicas)] != sender
         line.epoch, line.turn = asked.epoch, 0
-        return self._settles(line, replicas) or not line.asked_all
+        settles = settles and asked.misses is not UNSET and self._settles(line, replicas)
+        return settles or not line.asked_all
 
     def _settles(self, line: _Line, replicas: Sequence[str]) -> bool:
         """Whether the next request is the release that a copy misses, as leader and witness have told under the agreed epoch.

@@ -257,7 +257,7 @@ class Copies:
         """
         joins = self.lost
         if not is_version_believed(replicated.version, self.kept.version):
-            self.refused += 1
+            self.refused, self.misses = self.refused + 1, ()
             return True
         if joins and not self._may_join(sender, replicated):
             return True

@@ -213,35 +213,42 @@ class District:
             case PlaceRequested():
                 self._on_request(sender, message, now_s)
             case TableReplicated():
-                silent = self._turns.is_silent(self.copies.leader, now_s)
-                refused = self.copies.refused
-                if not self.copies.on_replicated(sender, message, silent=silent):
-                    self._find_out(now_s)
-                if self.copies.refused > refused:
-                    self._refusals.tell(sender, self.copies.refused, now_s)
-                    if self.copies.misses and now_s - self._missed_s >= MISSES_AGAIN_S - 0.01:
-                        self._missed_s = now_s
-                        self.copies.ask_for_words()
+                self._on_replicated(sender, message, now_s)
             case TableAcknowledged():
                 if self.copies.on_acknowledged(sender, message):
                     self._answer()
             case TableAsked():
-                silent = self._turns.is_silent(self.copies.leader, now_s)
-                promises = self.copies.on_asked(sender, message, silent=silent)
-                if message.misses:
-                    # It hears the leader.
-                    self.copies.on_misses(message.misses)
-                else:
-                    if not message.epoch:
-                        self._doubt(now_s)
-                    if not promises and (message.epoch or self.copies.leader != self._me):
-                        self._find_out(now_s)
+                self._on_asked(sender, message, now_s)
             case TableReported():
                 self.copies.on_reported(sender, message)
                 self._after_copies(now_s)
             case _:
                 self._life.ignore("a message that a replica does not handle")
         self._look_within(NEWS_S, now_s)
+
+    def _on_replicated(self, sender: str, replicated: TableReplicated, now_s: float) -> None:
+        silent = self._turns.is_silent(self.copies.leader, now_s)
+        refused = self.copies.refused
+        if not self.copies.on_replicated(sender, replicated, silent=silent):
+            self._find_out(now_s)
+        if self.copies.refused == refused:
+            return
+        self._refusals.tell(sender, self.copies.refused, now_s)
+        if self.copies.misses and now_s - self._missed_s >= MISSES_AGAIN_S - 0.01:
+            self._missed_s = now_s
+            self.copies.ask_for_words()
+
+    def _on_asked(self, sender: str, asked: TableAsked, now_s: float) -> None:
+        silent = self._turns.is_silent(self.copies.leader, now_s)
+        promises = self.copies.on_asked(sender, asked, silent=silent)
+        if asked.misses:
+            # The sender hears the leader.
+            self.copies.on_misses(asked.misses)
+            return
+        if not asked.epoch:
+            self._doubt(now_s)
+        if not promises and (asked.epoch or self.copies.leader != self._me):
+            self._find_out(now_s)
 
     def _on_request(self, sender: str, request: PlaceRequested, now_s: float) -> None:
         if not self._inside.issuperset(
