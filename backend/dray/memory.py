@@ -18,6 +18,7 @@ from dray.messages import (
     OutOfService,
     PartDefinition,
     Phase,
+    ProblemKind,
     ProductDefinition,
     Production,
     Reason,
@@ -30,6 +31,13 @@ from dray.messages.contract import Brought
 from dray.messages.floor.traffic import AllGivenBack, AllRemoved, PlaceReservations
 from dray.messages.gate import GoalOf
 from dray.messages.transport import TransportState
+
+
+class ProblemMemory(Part, frozen=True):
+    """The present problem of a vehicle or a machine: its next life waits no longer before it calls a person."""
+
+    kind: ProblemKind
+    since_s: float
 
 
 class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
@@ -53,6 +61,7 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     answered: tuple[CommandMemory, ...] = ()
     """Answered commands that must not be executed again, the oldest first: those whose grant was still valid when the last
     one came."""
+    problem: ProblemMemory | None = None
 
 
 class ClosuresMemory(Part, tag_field="kind", tag="closures", frozen=True):
@@ -120,6 +129,7 @@ class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
     """Vehicles that may still be at its dock after their permission has ended."""
     booked: tuple[DepartureMemory, ...] = ()
     """Transfers of vehicles that were sent to the body for booking and not answered yet."""
+    problem: ProblemMemory | None = None
 
 
 class ProductMemory(Part, frozen=True):

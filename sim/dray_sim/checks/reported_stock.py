@@ -2,8 +2,9 @@
 
 A report may be a moment old, or of a life that has not heard of a change yet. A report that stays wrong for `WRONG_S`
 is an error, or for `WRONG_LEVEL_S` where a controller stands between station and storage. A returned load comes
-without an order. A load that has just been put down is both on order and there until its carrier has said so. So only
-orders beyond these are judged.
+without an order. A load that has just been put down is both on order and there until its carrier has said so. A
+station that has lost its journal hears from a carrier of an order that an earlier life made while there was room; its
+body may have filled that room since, and the load on board comes all the same. So only orders beyond these are judged.
 """
 
 from __future__ import annotations
@@ -33,7 +34,13 @@ class ReportedStock:
         """Last moment at which a report was right, by station and item."""
         self._last: dict[tuple[str, str], StockLevel] = {}
         self._unasked: Counter[tuple[str, str]] = Counter()
-        """Pieces without an order, as long as there are more than find room."""
+        """Pieces without an order of this life, as long as there are more than find room."""
+        self._lives: dict[str, int] = {}
+        """By station: the life of its last heartbeat."""
+        self._told: dict[tuple[str, str], int] = {}
+        """By station and task: the last life that told of it."""
+        self._heard_of: Counter[tuple[str, str]] = Counter()
+        """Pieces of orders that an earlier life made and this one has heard of, until they count as on order."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.
@@ -43,6 +50,7 @@ class ReportedStock:
         """
         if type(message) is not StationHeartbeat or sender not in self._storages:
             return
+        self._note_orders(message)
         stock = self._storages[sender].stock
         for told in message.stocks:
             key = sender, told.item
@@ -53,9 +61,23 @@ class ReportedStock:
                 raise InvariantBroken(28, at_s, seen)
             self._judge(key, told, at_s)
 
+    def _note_orders(self, message: StationHeartbeat) -> None:
+        """Note orders of earlier lives that this life learns of later than from its journal."""
+        station, life = message.station, message.incarnation
+        is_first = self._lives.get(station) != life
+        self._lives[station] = life
+        for brief in message.tasks:
+            task = station, brief.task
+            if not is_first and brief.destination == station and self._told.get(task, life) != life:
+                self._heard_of[station, brief.item] += brief.quantity
+            self._told[task] = life
+
     def _judge(self, key: tuple[str, str], told: StockLevel, at_s: float) -> None:
         before, total = self._last.get(key, told), told.level + told.on_order
         self._last[key] = told
+        if heard_of := min(self._heard_of[key], max(0, told.on_order - before.on_order)):
+            self._heard_of[key] -= heard_of
+            self._unasked[key] += max(0, min(heard_of, total - told.capacity))
         if told.on_order <= before.on_order:
             self._unasked[key] += max(0, total - before.level - before.on_order)
         if total <= told.capacity:

@@ -44,8 +44,15 @@ def place(quiet: Any, reference: str, quantity: int, due_in_s: float) -> str:
 STEP_S = 10.0
 """Of the factory's time, from look to look: what is looked for here comes after minutes, and lasts longer than that."""
 
+
 LATE = (40, 30.0)
 """More pieces than can be delivered until then."""
+
+
+def advance_until_carried(quiet: Any, order: str) -> None:
+    """Let time pass until goods of an order are to be carried; its page, which asks now and then, may show it later."""
+    story = f"/api/orders/{order}/timeline"
+    quiet.advance_until(lambda: bool(quiet.ask(story)["transports"]), step_s=STEP_S)
 
 
 def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
@@ -108,7 +115,9 @@ def test_the_axis_says_now_due_and_when_all_is_expected(
     publish(page, "Waterworks South", "PO-AXIS", 60)
     page.get_by_role("link", name="Orders", exact=True).click()
     page.get_by_role("link", name="PO-AXIS").click()
-    quiet.advance_until(lambda: page.locator(".lane .lane-expected").count() > 0, step_s=STEP_S)
+    expect(page).to_have_url(re.compile(r"#orders/O-.+"))
+    story = f"/api/orders/{page.url.rpartition('#orders/')[2]}/timeline"
+    quiet.advance_until(lambda: quiet.ask(story)["expected"] is not None, step_s=STEP_S)
     signs = page.locator(".lane-signs")
     expect(signs).to_contain_text(re.compile(r"now \d\d:\d\d"))
     expect(signs).to_contain_text(f"due {due[-5:]}")
@@ -176,7 +185,8 @@ def test_what_is_chosen_on_it_stands_in_its_address(quiet: Any, factory: str, op
     publish(page, "Waterworks South", "PO-CHOSEN", 10)
     page.get_by_role("link", name="Orders", exact=True).click()
     page.get_by_role("link", name="PO-CHOSEN").click()
-    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0, step_s=STEP_S)
+    expect(page).to_have_url(re.compile(r"#orders/O-[^?]+$"))
+    advance_until_carried(quiet, page.url.rpartition("#orders/")[2])
     transport, told = page.locator(".lane-transport").first, page.locator(".order-told")
     problems = page.get_by_role("button", name="Problems")
     transport.click()
@@ -248,8 +258,9 @@ def test_it_prints_light_from_the_dark_theme_and_without_what_can_be_clicked(
     page = open_page(
         f"{factory}/#orders/{order}", viewport={"width": 1440, "height": 900}, color_scheme="dark"
     )
-    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0, step_s=STEP_S)
+    advance_until_carried(quiet, order)
     page.locator(".lane-transport").first.click()
+    expect(page.locator(".order-told")).to_be_visible()
 
     def colour(selector: str, name: str) -> str:
         return str(page.evaluate(COLOUR_OF, [selector, name]))

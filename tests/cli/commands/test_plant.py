@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+from fleet_runs import fleet_run
 from msgspec.structs import replace
 from typer.testing import CliRunner
 
@@ -19,7 +20,6 @@ from dray_sim.plants import fleet_sizes, many
 from dray_sim.plants.fleet_sizes import Asked, FleetRun
 from dray_sim.plants.play import Judgement, play_seed
 from dray_sim.plants.run_file import RunFile
-from dray_sim.run.evidence import HELD
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
 SHORTEST_SHIFT = ("--hours", "0.1", "--load", "0.5")
@@ -354,25 +354,6 @@ def test_fleets_of_several_sizes_are_compared_on_one_floor_with_the_same_seeds(t
     assert told.splitlines()[-1].startswith("raster 3 small: 0 fleets fall by more than 5 %, ")
 
 
-def fleet_run(asked: Asked) -> FleetRun:
-    """A run that takes no time: 10 transports for each vehicle."""
-    return FleetRun(
-        seed=asked.seed,
-        floor=asked.floor.name,
-        vehicles=asked.vehicles,
-        hours=asked.hours,
-        traffic=asked.traffic,
-        places=9,
-        transports=10 * asked.vehicles,
-        pieces=8,
-        p50_s=100.0,
-        p95_s=200.0,
-        starvation_frac=0.0,
-        invariants=HELD,
-        most=9,
-    )
-
-
 def test_a_comparison_of_fleets_that_was_ended_goes_on_where_it_was(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -381,7 +362,7 @@ def test_a_comparison_of_fleets_that_was_ended_goes_on_where_it_was(
 
     def play(asked: Asked) -> FleetRun:
         made.append((asked.vehicles, asked.seed))
-        return fleet_run(asked)
+        return fleet_run(asked, transports=10 * asked.vehicles)
 
     monkeypatch.setattr(fleet_sizes, "play_run", play)
     asked = ("sim", "plants", "--plant", "workshop", "--jobs", "1", "--keep", str(kept), "--vehicles")

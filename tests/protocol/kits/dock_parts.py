@@ -15,5 +15,5 @@ def dock_parts(node: str, subscriptions: HeartbeatSubscriptions, life: Life) -> 
     """The door of a dock whose body may take a minute, and the departures."""
     visits, bookings = Visits(), Bookings(life)
     departures = Departures(node, visits, subscriptions, bookings, life)
-    booking_out = BookingOut(subscriptions, bookings, departures, life)
+    booking_out = BookingOut(node, subscriptions, bookings, departures, life)
     return Door(visits, departures, booking_out, 60.0, life), departures

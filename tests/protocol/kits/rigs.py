@@ -39,6 +39,7 @@ from dray.body import (
 )
 from dray.memory import Memory
 from dray.messages import (
+    NOTHING_KNOWN,
     Accepted,
     Award,
     BufferLevel,
@@ -159,6 +160,7 @@ class VehicleRig(Rig):
         self.battery_frac = battery_frac
         self.load = ("", 0)
         self.held = False
+        self.problem, self.about = "", NOTHING_KNOWN
 
     def handle(self, event: Event) -> list[Effect]:
         effects = super().handle(event)
@@ -177,6 +179,8 @@ class VehicleRig(Rig):
             load_quantity=self.load[1],
             held=self.held,
             charging=False,
+            problem=self.problem,
+            about_problem=self.about,
         )
 
     def last(self, kind: type[T]) -> T:
@@ -233,7 +237,7 @@ class MachineRig(Rig):
         super().__init__(agent if doubts else believing(agent))
         self.stations_answer = stations_answer
         self.stock = dict.fromkeys(plant.materials_of(machine), 0) | dict(stock or {})
-        self.broken = ""
+        self.broken, self.about = "", NOTHING_KNOWN
         self.paces = True
         self.answers = False
         self.people = False
@@ -261,6 +265,7 @@ class MachineRig(Rig):
             seq=self.seq,
             cycling=self.cycling,
             broken=self.broken,
+            about_problem=self.about,
             paces=self.paces,
             answers=self.answers,
             counts=self.counts,

@@ -26,6 +26,7 @@ from dray.messages import (
     TransportState,
 )
 from dray.messages.fact import TransportProgressed
+from dray.plant import Plant
 from dray.protocol.runtime.events import Effect
 from dray.protocol.station.station import Station
 
@@ -36,9 +37,9 @@ TASK = "T-1-1"
 class StorageRig(Rig):
     """The station of S1, and one vehicle."""
 
-    def __init__(self, stock: int = 100, incarnation: int = 1) -> None:
-        super().__init__(Station("S1", PLANT, incarnation=incarnation, trusts=trusts_seals))
-        self.stock = {kept.material: 0 for kept in PLANT.storages["S1"].stocks} | {"shaft": stock}
+    def __init__(self, stock: int = 100, incarnation: int = 1, plant: Plant = PLANT) -> None:
+        super().__init__(Station("S1", plant, incarnation=incarnation, trusts=trusts_seals))
+        self.stock = {kept.material: 0 for kept in plant.storages["S1"].stocks} | {"shaft": stock}
         self.seq = self.beats = 0
         self.opened: tuple[str, ...] = ()
         self.gone: tuple[str, ...] = ()

@@ -157,6 +157,30 @@ def test_a_vehicle_that_was_heard_at_the_dock_and_asks_for_another_load_has_not_
     assert instructed(rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4)), Book) == []
 
 
+def stands_there(rig: MachineRig, *, aboard: str = "", node: str = PLANT.node_of("LATHE1")) -> list[Effect]:
+    """The cart tells that it has no task."""
+    rig.run(rig.now_s + 1.0)
+    beat = replace(rhb(CART, 1000 + int(rig.now_s), rig.now_s), node=node)
+    return rig.on_message(CART, replace(beat, task=None, load=aboard, load_quantity=6 if aboard else 0))
+
+
+@pytest.mark.parametrize("silent_s", [0.0, 60.0], ids=["heard", "not-heard"])
+def test_a_vehicle_that_stands_there_without_a_task_may_still_be_loading(silent_s: float) -> None:
+    rig = at_the_dock()
+    rig.run(rig.now_s + silent_s)
+    assert instructed(stands_there(rig), Book) == []
+    assert instructed(stands_there(rig, aboard="shaft"), Book) == [OUT]
+
+
+def test_a_vehicle_that_has_stood_there_without_a_task_and_leaves_empty_has_taken_nothing() -> None:
+    rig = at_the_dock()
+    rig.run(rig.now_s + 60.0)
+    stands_there(rig)
+    effects = stands_there(rig, node="elsewhere")
+    assert (instructed(effects, Book), sent(effects, StockReserved)) == ([], [])
+    assert instructed(stands_there(rig, aboard="shaft", node="elsewhere"), Book) == []
+
+
 # --- after a time in which the vehicle was not heard ---
 
 

@@ -126,6 +126,29 @@ def test_what_a_vehicle_may_have_put_down_elsewhere_is_not_booked_in() -> None:
     assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
 
 
+@pytest.mark.parametrize(
+    ("node", "aboard", "booked"), [(DOCK, False, BROUGHT), (DOCK, True, []), ("c1", False, [])]
+)
+def test_a_vehicle_that_stands_there_without_a_task_after_a_silence_has_lost_its_memory_and_never_left(
+    node: str, *, aboard: bool, booked: list[Book]
+) -> None:
+    rig = given_back()
+    beats(rig, Phase.UNLOADING, aboard=True)
+    rig.run(rig.now_s + 2 * UNHEARD_S)
+    effects = beats(rig, None, node=node, aboard=aboard)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, booked)
+
+
+@pytest.mark.parametrize(("quantity", "is_booked"), [(0, False), (24, True)])
+def test_what_it_was_to_take_and_has_not_on_board_is_still_there(quantity: int, *, is_booked: bool) -> None:
+    life = Life()
+    _, departures = alone(life)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
+    load = "shaft" if quantity else ""
+    departures.on_vehicle(replace(rhb("ATV2", 1, 0.0), node=DOCK, load=load, load_quantity=quantity), 0.0)
+    assert bool(instructed(life.effects, Book)) is is_booked
+
+
 def test_a_load_that_somebody_takes_off_a_vehicle_on_its_way_back_was_not_put_down_here() -> None:
     rig = given_back()
     effects = beats(rig, Phase.RETURNING, node="c1")

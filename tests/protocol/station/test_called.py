@@ -43,10 +43,12 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import TransportProgressed
+from dray.plant import Plant
 from dray.protocol.machine.machine import Machine
-from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.transports.called import OPEN_MAX
 from dray.protocol.transports.receiving import COUNT_S
+from dray.protocol.transports.sourcing import RENEW_S
 
 
 def test_what_is_asked_for_is_set_aside_fetched_counted_and_told() -> None:
@@ -319,3 +321,40 @@ def test_the_next_life_tells_its_body_whose_word_of_a_load_will_not_come() -> No
     after = StorageRig(rig.stock["shaft"], incarnation=2)
     after.memory, after.now_s, after.counts, after.gone = committed(rig.all), rig.now_s, False, ("ATV7",)
     assert instructed(after.start(), CloseDock) == [CloseDock("ATV7")]
+
+
+def only_here() -> Plant:
+    """No other storage than S1 keeps shafts."""
+    storages = tuple(
+        each
+        if each.id == "S1"
+        else msgspec.structs.replace(
+            each, stocks=tuple(kept for kept in each.stocks if kept.material != "shaft")
+        )
+        for each in PLANT.file.storages
+    )
+    return Plant(msgspec.structs.replace(PLANT.file, storages=storages))
+
+
+@pytest.mark.parametrize(
+    ("plant", "phase", "asked"),
+    [
+        (PLANT, Phase.LOADING, {"S3", "S7", "S8"}),
+        (PLANT, Phase.CARRYING, set()),
+        (PLANT, Phase.UNLOADING, set()),
+        (only_here(), Phase.LOADING, set()),
+        (only_here(), Phase.CARRYING, set()),
+    ],
+)
+def test_with_an_empty_journal_it_has_set_aside_what_is_still_to_be_fetched_and_never_asks_itself(
+    plant: Plant, phase: Phase, asked: set[str]
+) -> None:
+    rig = started(incarnation=2, plant=plant)
+    rig.beats_in(phase)
+    rig.keeps_beating(phase, 6.0)
+    assert [task.task for task in rig.heartbeats(StationHeartbeat)[-1].tasks] == [TASK]
+    rig.keeps_beating(phase, 2 * RENEW_S)
+    stations = (
+        each.to for each in rig.all if isinstance(each, Send) and isinstance(each.message, StockAsked)
+    )
+    assert set(stations) == asked

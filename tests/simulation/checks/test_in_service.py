@@ -16,18 +16,33 @@ MADE = PieceMade(goal="G1", product="shaft", made=1)
 def out_of_service() -> InServiceOnly:
     """M8 has said that it is out of service, and the piece that was in work has come out."""
     check = InServiceOnly()
-    out = OutOfService(by="op-1", since_s=1.0)
-    heartbeat = MachineHeartbeat(
-        machine="M8", incarnation=1, seq=1, at_s=1.0, status=MachineStatus.IDLE, out_of_service=out
-    )
-    check.on_message(1.0, "M8", "*", heartbeat)
+    check.on_message(1.0, "M8", "*", heartbeat(1))
     check.on_message(2.0, "M8", "*", event("M8", MADE))
     return check
+
+
+def heartbeat(seq: int, *, after_work: bool = False) -> MachineHeartbeat:
+    """M8 is out of service since second 1, at once or after its work."""
+    out = OutOfService(by="op-1", since_s=1.0, after_work=after_work)
+    return MachineHeartbeat(
+        machine="M8", incarnation=1, seq=seq, at_s=float(seq), status=MachineStatus.IDLE, out_of_service=out
+    )
 
 
 def test_a_machine_that_works_on_is_noticed() -> None:
     with pytest.raises(InvariantBroken, match="M8 works at G1, out of service"):
         out_of_service().on_message(3.0, "M8", "*", event("M8", MADE))
+
+
+def test_a_machine_that_may_finish_its_work_for_a_while_has_a_piece_in_work_after_that() -> None:
+    check = out_of_service()
+    check.on_message(3.0, "M8", "*", heartbeat(3, after_work=True))
+    check.on_message(4.0, "M8", "*", event("M8", MADE))
+    check.on_message(5.0, "M8", "*", event("M8", MADE))
+    check.on_message(6.0, "M8", "*", heartbeat(6))
+    check.on_message(7.0, "M8", "*", event("M8", MADE))
+    with pytest.raises(InvariantBroken, match="M8 works at G1, out of service"):
+        check.on_message(8.0, "M8", "*", event("M8", MADE))
 
 
 @pytest.mark.parametrize("done", [True, False])

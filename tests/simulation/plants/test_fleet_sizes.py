@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
+from fleet_runs import fleet_run
 
 from dray.plant import load_plant
 from dray_sim.plants import fleet_sizes
 from dray_sim.plants.fall import Fall, fall_from_best, standard_error, student_t
 from dray_sim.plants.fleet_sizes import Asked, FleetRun, FleetSize, Floor, play_sizes
-from dray_sim.run.evidence import HELD
 
 SIXTEEN = {1: 100.0, 2: 120.0, 3: 110.0, 4: 90.0, 5: 80.0}
 
@@ -92,28 +92,10 @@ def test_a_fleet_is_compared_with_the_best_smaller_one_in_the_seeds_of_both() ->
     assert fall_from_best({2: {1: 0.0}}, {1: 39.0}) is None
 
 
-def run_of(asked: Asked, transports: int = 90, most: int = 9) -> FleetRun:
-    return FleetRun(
-        seed=asked.seed,
-        floor=asked.floor.name,
-        vehicles=asked.vehicles,
-        hours=asked.hours,
-        traffic=asked.traffic,
-        places=24,
-        transports=transports,
-        pieces=80,
-        p50_s=160.0,
-        p95_s=400.0,
-        starvation_frac=0.3,
-        invariants=HELD,
-        most=most,
-    )
-
-
 def test_a_row_says_that_a_fleet_is_too_large_for_its_floor() -> None:
     floor = Floor("workshop", load_plant("workshop").file)
     for count, is_said in ((31, False), (32, True)):
-        run = run_of(Asked(1, floor, count, 1.0, True), most=31)
+        run = fleet_run(Asked(1, floor, count, 1.0, True), transports=90, most=31)
         told = FleetSize(count, (run,), 90.0, math.inf, 80.0, math.inf, None).tell()
         assert ("too many: the floor bears 31 at most" in told) is is_said
 
@@ -125,7 +107,7 @@ def test_a_fleet_is_no_larger_than_the_floor_has_nodes_and_is_played_once(
 
     def play(asked: Asked) -> FleetRun:
         made.append(asked.vehicles)
-        return run_of(asked, transports=100 - len(made))
+        return fleet_run(asked, transports=100 - len(made))
 
     monkeypatch.setattr(fleet_sizes, "play_run", play)
     floor = Floor("workshop", load_plant("workshop").file)

@@ -232,7 +232,10 @@ class Machine(AgentBase):
             self._restore(note, memory, now_s)
         self._flow.shut_unknown(body.opened)
         self._flow.dismiss(body.gone)
-        self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
+        if isinstance(note, MachineMemory):
+            self._breakdown.start(body, note.help, note.problem, now_s)
+        else:
+            self._breakdown.start(body, None, None, now_s)
         self._flow.goods.count()
         for each in (*self._goals.products.own, self.id):
             self._life.subscribe(self._keys.goals(each))
@@ -273,6 +276,7 @@ class Machine(AgentBase):
             let_in=self._flow.booking_out.memories(),
             leaving=self._flow.departures.memories(),
             booked=self._flow.bookings.memories(),
+            problem=self._breakdown.memory,
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

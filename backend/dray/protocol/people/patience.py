@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf
 
+from dray.memory import ProblemMemory
 from dray.messages import Problem, ProblemEnded, ProblemKind
 from dray.protocol.runtime.durations import Durations
 
@@ -89,6 +90,17 @@ class Experience:
 def waits_for_people(problem: Problem) -> bool:
     """Whether the problem may need a person to end."""
     return problem.needs_person is True or (problem.needs_person is None and not problem.passes)
+
+
+def calls_after_s(problem: Problem, lasted_s: float) -> float:
+    """How long its agent waits before it calls a person (s): a problem that may pass by itself gets time first."""
+    passes = problem.passes is True and not problem.needs_person
+    return max(0.0, PASSES_AT_FIRST_S - lasted_s) if passes else 0.0
+
+
+def since_s(memory: ProblemMemory | None, problem: Problem, now_s: float) -> float:
+    """Since when an agent that has just been started has had a problem, as far as its earlier life knew."""
+    return min(memory.since_s, now_s) if memory is not None and memory.kind is problem.kind else now_s
 
 
 def room_s(slack_s: float, relief_s: float) -> float:

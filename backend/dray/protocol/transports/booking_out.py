@@ -3,6 +3,8 @@
 The place follows the heartbeats of a vehicle that was let in to load:
 
     it names the task, in the same epoch, with the load on board    booked out: the body is told (`Book`)
+    it names the task no more, and stands here still                its body may go on loading, although its agent was started
+                                                                    again or has lost the task: what it leaves with counts
     it names the task no more, and was heard at it until then       it has left without, unless such a load is on board
     it names the task no more, after a time in which it was not     its coordinator is asked until it answers whether the load was
     heard (this agent was down, or deaf)                            fetched, or that it cannot know. In doubt it is booked out:
@@ -31,6 +33,7 @@ class BookingOut:
     """Vehicles that were let in to load at one place, and have not reported the result yet.
 
     Args:
+        node: where vehicles stand at its dock.
         subscriptions: for following vehicles' heartbeats.
         bookings: reports to the place's body.
         departures: vehicles that may still be at its dock.
@@ -38,12 +41,13 @@ class BookingOut:
 
     def __init__(
         self,
+        node: str,
         subscriptions: HeartbeatSubscriptions,
         bookings: Bookings,
         departures: Departures,
         life: Life,
     ) -> None:
-        self._subscriptions, self._bookings = subscriptions, bookings
+        self._node, self._subscriptions, self._bookings = node, subscriptions, bookings
         self._departures, self._life = departures, life
         self._let_in: dict[str, ReservationMemory] = {}
         """By vehicle: the load that it may take."""
@@ -70,6 +74,8 @@ class BookingOut:
                 self._book(load)
         elif heartbeat.load == load.item and heartbeat.load_quantity > 0:
             self._book(load)
+        elif heartbeat.node == self._node and (carries is None or self._was_heard(load, now_s)):
+            self._heard_s[load.vehicle] = now_s
         elif self._was_heard(load, now_s):
             self._leave(load.vehicle)
         else:

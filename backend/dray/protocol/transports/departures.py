@@ -11,9 +11,11 @@ count is told of it (`Book`).
     it names the task, brings back or has its load on board    it has taken it, or not put it down
     it names the task, without                                 it has put it down, or not taken it
     it names the task no more, and was heard at it until then  the same: no vehicle ends a task with its load on board
+    it stands here and names no task at all                    as if it named this one: it has lost its memory, and no
+                                                               vehicle comes to a dock without a task
     it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
-    it names the task no more, after a time in which it was    where it has been is unknown: a load to take is booked out,
-    not heard                                                  a load to bring is not booked in
+    it names another task, or stands elsewhere, after a time   where it has been is unknown: a load to take is booked out,
+    in which it was not heard                                  a load to bring is not booked in
 """
 
 from __future__ import annotations
@@ -138,7 +140,9 @@ class Departures:
             phase = carries.phase if carries is not None and names else None
             if heartbeat.node != self._node or phase not in _MAY_BE_INSIDE:
                 has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
-                aboard = has_it or phase is Phase.RETURNING if names else not self._was_heard(load, now_s)
+                never_left = carries is None and heartbeat.node == self._node
+                is_known = names or never_left
+                aboard = has_it or phase is Phase.RETURNING if is_known else not self._was_heard(load, now_s)
                 self._end(load, aboard=aboard)
         if carries is not None:
             self._at_task[heartbeat.atv] = (carries.task, carries.epoch, now_s)

@@ -248,7 +248,7 @@ class Sourcing:
                 )
         else:
             self._held.pop(task.id, None)
-        if not self._held.get(task.id):
+        if not self._held.get(task.id) and not _was_fetched(task):
             # No station has set material aside for this epoch, as far as is known.
             self._ask(task.id, task.epoch, _work(task), _sources(task))
         self._life.alarm((RENEW, task.id), now_s + RENEW_S)
@@ -343,7 +343,9 @@ class Sourcing:
     def _ask(self, task: str, epoch: int, work: Transport, stations: tuple[str, ...]) -> None:
         asked = StockAsked(task=task, epoch=epoch, item=work.item, quantity=work.quantity)
         for station in stations:
-            self._life.send(station, asked)
+            # A place that knows a transport from its carrier alone may know no other source than itself.
+            if station != self._place:
+                self._life.send(station, asked)
 
     def _free(self, task: str, stations: tuple[str, ...] | list[str], *, fetched: bool = False) -> None:
         for station in stations:
@@ -366,7 +368,5 @@ def _sources(task: OpenTask) -> tuple[str, ...]:
 
 
 def _was_fetched(task: OpenTask) -> bool:
-    """Whether the load is on board by its carrier's last heartbeat."""
-    last = task.contract.detector.last if task.contract.detector is not None else None
-    brief = last.task if last is not None else None
-    return brief is not None and brief.task == task.id and brief.phase not in _NOT_YET_FETCHED
+    """Whether the load is on board by its carrier's last report: no source is needed any more."""
+    return task.contract.phase is not None and task.contract.phase not in _NOT_YET_FETCHED

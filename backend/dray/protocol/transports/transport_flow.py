@@ -110,9 +110,9 @@ class TransportFlow:
         self._life = life
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.bookings = Bookings(life)
-        visits, heard = Visits(), self.subscriptions
-        self.departures = Departures(plant.node_of(place), visits, heard, self.bookings, life)
-        self.booking_out = BookingOut(heard, self.bookings, self.departures, life)
+        visits, heard, node = Visits(), self.subscriptions, plant.node_of(place)
+        self.departures = Departures(node, visits, heard, self.bookings, life)
+        self.booking_out = BookingOut(node, heard, self.bookings, self.departures, life)
         self.door = Door(visits, self.departures, self.booking_out, ready_within_s(plant, place), life)
         self.tasks = Transports(
             place,

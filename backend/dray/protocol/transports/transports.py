@@ -26,6 +26,7 @@ from dray.messages import (
     Brief,
     Confirmed,
     Declined,
+    Phase,
     Reason,
     Resigned,
     Role,
@@ -270,7 +271,7 @@ class Transports(Coordinator):
         """Acknowledge the contract of a vehicle that names this coordinator after a restart, if it is possible."""
         task = self._open.get(brief.task)
         if task is not None and self._may_be_carried(task, brief.epoch):
-            self._bind_carrier(task, atv, brief.epoch, brief.due_s or 0.0, now_s)
+            self._bind_carrier(task, atv, brief.epoch, brief.due_s or 0.0, now_s, brief.phase)
 
     def acknowledge_unknown(self, atv: str, brief: Brief, work: Work, now_s: float) -> None:
         """Acknowledge a vehicle's contract for a task without notes."""
@@ -278,7 +279,7 @@ class Transports(Coordinator):
         auction = self._auction(brief.task, brief.epoch, work, deadline_s)
         task = self._open[brief.task] = OpenTask(brief.task, work, auction, now_s)
         task.recovered, task.witnessed = True, False
-        self._bind_carrier(task, atv, brief.epoch, deadline_s, now_s)
+        self._bind_carrier(task, atv, brief.epoch, deadline_s, now_s, brief.phase)
 
     # --- messages ---
 
@@ -424,11 +425,20 @@ class Transports(Coordinator):
         is_free = not task.primary and not task.is_offered and not task.is_held
         return is_free and least <= epoch <= task.epoch
 
-    def _bind_carrier(self, task: OpenTask, atv: str, epoch: int, promised_s: float, now_s: float) -> None:
+    def _bind_carrier(
+        self,
+        task: OpenTask,
+        atv: str,
+        epoch: int,
+        promised_s: float,
+        now_s: float,
+        phase: Phase | None = None,
+    ) -> None:
         task.auction.cancel()
         task.epoch = epoch
         self._life.cancel((PRIMARY_AUCTION, task.id))
         self._bind(task, atv, "", promised_s, now_s)
+        task.contract.phase, task.contract.phase_s = phase, now_s
         self._contracted(task, now_s)
 
     def _restore_carrier(self, task: OpenTask, memory: TaskMemory, now_s: float) -> None:

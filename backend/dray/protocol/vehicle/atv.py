@@ -213,10 +213,10 @@ class Atv(AgentBase):
         self.obstacles.start()
         state = cast(VehicleState, body)
         self._driver.take_control(state, now_s)
-        self.problems.start(state, now_s)
+        note = memory.get(WHOLE)
+        self.problems.start(state, note.problem if isinstance(note, AtvMemory) else None, now_s)
         self.link = state.link
         self._commands.stopped = state.held
-        note = memory.get(WHOLE)
         if isinstance(note, AtvMemory):
             self._commands.restore(note)
         else:
@@ -242,6 +242,7 @@ class Atv(AgentBase):
             out_of_service=self._commands.out_of_service,
             sent_to_charge=self._commands.is_sent_to_charge,
             answered=self._commands.answered,
+            problem=self.problems.memory,
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

@@ -24,7 +24,7 @@ class InServiceOnly:
         self._out: dict[str, tuple[OutOfService, float]] = {}
         """Agents that are out of service, with the kind and the beginning."""
         self._made: dict[str, int] = {}
-        """Pieces of machines since then."""
+        """Pieces of machines since then, or since they no longer finish their work."""
         self._newest: dict[str, tuple[int, int]] = {}
         """Life and number of an agent's newest heartbeat: one that neighbours pass on may be heard after a later one."""
 
@@ -60,6 +60,9 @@ class InServiceOnly:
         else:
             _, since_s = self._out.get(agent, (None, at_s))
             self._out[agent] = heartbeat.out_of_service, since_s
+            if heartbeat.out_of_service.after_work:
+                # It begins further pieces: once it no longer may, one of them is in work again.
+                self._made.pop(agent, None)
 
     def _back(self, agent: str) -> None:
         self._out.pop(agent, None)

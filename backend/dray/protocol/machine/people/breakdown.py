@@ -18,6 +18,7 @@ from collections.abc import Callable
 from typing import Any
 
 from dray.body import Broken, WorkcellState
+from dray.memory import ProblemMemory
 from dray.messages import (
     NOTHING_KNOWN,
     CommandRefusal,
@@ -34,7 +35,7 @@ from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls, PlaceCaller
 from dray.protocol.liveness.suspicion import BREAKDOWN_S
 from dray.protocol.machine.production import GoalBook
-from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_for_people
+from dray.protocol.people.patience import Experience, calls_after_s, since_s, waits_for_people
 from dray.protocol.runtime.life import Life
 
 GOAL_PATIENCE_MIN_S = 60.0
@@ -80,13 +81,22 @@ class Breakdown:
         }
         self.alarms = self.calls.alarms
 
-    def start(self, body: WorkcellState, wanted: HelpWanted | None, now_s: float) -> None:
+    def start(
+        self, body: WorkcellState, wanted: HelpWanted | None, memory: ProblemMemory | None, now_s: float
+    ) -> None:
         """Restore the body's problem and an earlier life's wait, and subscribe."""
         self._life.subscribe(self._keys.all_breakdowns)
         self.calls.listen()
         if body.broken:
             self.help = wanted
             self.on_broken(Broken(body.broken, body.about_problem, body.resettable), now_s)
+            self._since_s = since_s(memory, body.about_problem, now_s)
+            self._life.commit()
+
+    @property
+    def memory(self) -> ProblemMemory | None:
+        """The present problem's record for the next life."""
+        return ProblemMemory(self.about.kind, self._since_s) if self.problem else None
 
     def on_broken(self, report: Broken, now_s: float) -> None:
         """The machine stands: compute its goals' wait, once per problem, and ask for a person."""
@@ -130,8 +140,8 @@ class Breakdown:
         if not self.problem or not expected:
             self.calls.close(now_s)
             return
-        waits = self.about.passes is True and not self.about.needs_person
-        self.calls.open(self.about, self.problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
+        after_s = calls_after_s(self.about, now_s - self._since_s)
+        self.calls.open(self.about, self.problem, now_s, after_s=after_s)
 
     def is_over_patience(self, now_s: float) -> bool:
         """Whether its goals' wait is over."""

@@ -9,11 +9,12 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from dray.body import ProblemCleared, ProblemRaised, VehicleState
+from dray.memory import ProblemMemory
 from dray.messages import NOTHING_KNOWN, Link, Message, Problem, ProblemEnded, ProblemKind, Reason
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
-from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_for_people
+from dray.protocol.people.patience import Experience, calls_after_s, since_s, waits_for_people
 from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
@@ -120,18 +121,27 @@ class ProblemHandling:
             ProblemCleared: self._problem_cleared,
         }
 
-    def start(self, state: VehicleState, now_s: float) -> None:
-        """Restore the body's problem, and subscribe."""
+    def start(self, state: VehicleState, memory: ProblemMemory | None, now_s: float) -> None:
+        """Restore the body's problem, which an earlier life may have known, and subscribe."""
         self._life.subscribe(self._keys.all_problems)
         self._calls.listen()
         self._assistance.problem, self._assistance.about = state.problem, state.about_problem
-        self._since_s = now_s
+        self._since_s = since_s(memory, state.about_problem, now_s)
+        if state.problem:
+            self._life.commit()
+
+    @property
+    def memory(self) -> ProblemMemory | None:
+        """The present problem's record for the next life."""
+        assistance = self._assistance
+        return ProblemMemory(assistance.about.kind, self._since_s) if assistance.problem else None
 
     def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
         """Stand until the problem is over."""
         assistance = self._assistance
         if not assistance.problem or report.problem.kind is not assistance.about.kind:
             self._since_s, self._comes_after_s = now_s, self._calls.comes_after_s(now_s)
+            self._life.commit()
         assistance.problem, assistance.about = report.reason, report.problem
         if self._commands.take_back():
             self._life.commit()
@@ -175,8 +185,7 @@ class ProblemHandling:
             self._calls.close(now_s)
         elif problem:
             about = self._assistance.about
-            waits = about.passes is True and not about.needs_person
-            self._calls.open(about, problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
+            self._calls.open(about, problem, now_s, after_s=calls_after_s(about, now_s - self._since_s))
         elif self._commands.stopped_itself:
             self._calls.open(NOTHING_KNOWN, self._commands.stop_cause, now_s)
         elif not owner.is_busy and not self._commands.stopped:
@@ -204,6 +213,7 @@ class ProblemHandling:
                 self._experience.note(ended, "", now_s)
                 if self._owner.link is Link.WLAN and assistance.about != NOTHING_KNOWN:
                     self._life.publish(self._keys.problem(self._owner.id), ended)
+            self._life.commit()
         assistance.problem, assistance.about = "", NOTHING_KNOWN
         self._owner.end_trouble(now_s)
         self._owner.update_status(now_s, "problem cleared")
