@@ -25,8 +25,8 @@ from dray.messages import (
 )
 from dray.messages.base import COUNT_MAX
 from dray.messages.gate import GoalHeld, GoalOf, HeldOrder, OrderHeld
+from dray.messages.overtaken import OVERTAKES_S
 from dray.protocol.gate.gate import DeliveryGate
-from dray.protocol.liveness.overtaken import OVERTAKES_S
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 

@@ -266,7 +266,7 @@ class ZenohBus:
         self._sessions: dict[str, ZenohSession] = {}
         self.missed = 0
         self.lock = threading.Lock()
-        self.seals = None if links.identity is None else Seals(links.identity, plant)
+        self.seals = None if links.identity is None else Seals(links.identity, plant, speed=speed)
         self.letters = None if self.seals is None else Letters(self.seals)
         self.tokens = Tokens(self.keys.alive, self.seals, self.refuse)
         self.inner = links.open()

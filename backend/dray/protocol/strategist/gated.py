@@ -31,8 +31,8 @@ from dray.messages import (
 )
 from dray.messages.gate import GoalOf
 from dray.messages.keys import GATE, Keys
+from dray.messages.overtaken import Newest
 from dray.plant import Plant
-from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import (
     Commit,
@@ -83,8 +83,8 @@ class GatedStrategist(Strategist):
         self._begun = False
         self._early: BoundedMap[str, Received] = BoundedMap(ORDERS_MAX)
         """By order: releases received before the start; this strategist must know them even if another one takes them."""
-        self._gate_newest, self._gate_heard_s = (0, 0), 0.0
-        """Life and number of the gate's newest heartbeat, and when it came."""
+        self._gate_newest = Newest((0, 0), 0.0)
+        """The gate's newest heartbeat, by life and number."""
         self._gate_since = 0
         self._words = Retransmitter(WORD, self._life)
         self._alarm_handlers = {**self._alarm_handlers, WORD: self._words.wake}
@@ -246,9 +246,8 @@ class GatedStrategist(Strategist):
 
     def _on_heartbeat(self, heartbeat: StationHeartbeat, now_s: float) -> list[Effect]:
         """Detect a restart of the gate, which may have lost its orders."""
-        said = (heartbeat.incarnation, heartbeat.seq)
-        if not is_overtaken(said, self._gate_newest, self._gate_heard_s, now_s):
-            (life, _), self._gate_newest, self._gate_heard_s = self._gate_newest, said, now_s
+        life, _ = self._gate_newest.number
+        if self._gate_newest.takes((heartbeat.incarnation, heartbeat.seq), now_s):
             if self._begun and life not in (0, heartbeat.incarnation) and not self._shutdown.begun:
                 self._ask(now_s)
         return self._taken_out()
