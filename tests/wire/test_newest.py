@@ -64,6 +64,6 @@ def test_whoever_is_heard_least_lately_is_forgotten_first() -> None:
 
 def test_what_stands_since_an_earlier_life_counts_as_heard_when_this_one_began() -> None:
     newest: NewestOf[str] = NewestOf()
-    assert not newest.stands("O1", (1,), (COUNT_MAX,), 10.0)
-    assert newest.stands("O1", (1,), (COUNT_MAX,), 10.0 + OVERTAKES_S + 0.1)
-    assert newest.stands("O2", (1,), (COUNT_MAX,), 50.0, since_s=0.0)
+    assert not newest.of("O1", (COUNT_MAX,), 10.0).stands((1,), 10.0)
+    assert newest.of("O1", (COUNT_MAX,), 50.0).stands((1,), 50.0)
+    assert newest.of("O2", (COUNT_MAX,), 50.0, since_s=0.0).stands((1,), 50.0)

@@ -77,14 +77,17 @@ class NewestOf(Generic[K]):
         self._put(of, newest or Newest(number, now_s))
         return True
 
-    def stands(
-        self, of: K, number: Number, known: Number, now_s: float, since_s: float | None = None
-    ) -> bool:
-        """See `Newest.stands`.
+    def stands(self, of: K, number: Number, now_s: float) -> bool:
+        """See `Newest.stands`."""
+        newest = self._newest.get(of) or Newest(number, now_s)
+        self._put(of, newest)
+        return newest.stands(number, now_s)
+
+    def of(self, of: K, known: Number, now_s: float, since_s: float | None = None) -> Newest:
+        """The newest statement about a subject.
 
         Args:
             of: the subject.
-            number: the statement's number.
             known: the number of what stands, perhaps since an earlier life.
             now_s: the present time.
             since_s: when that counts as heard if it was not heard here; None for now.
@@ -93,7 +96,7 @@ class NewestOf(Generic[K]):
         if newest is None or newest.number != known:
             newest = Newest(known, now_s if since_s is None else since_s)
         self._put(of, newest)
-        return newest.stands(number, now_s)
+        return newest
 
     def forget(self, of: K) -> None:
         """Forget a speaker or subject; harmless for an unknown one."""

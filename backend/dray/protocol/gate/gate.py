@@ -288,7 +288,7 @@ class DeliveryGate(AgentBase):
     def _is_outdated(self, word: tuple[int, int], goal: GateGoal, now_s: float) -> bool:
         """Whether a request came after a later one about the same goal."""
         newest = (goal.incarnation, goal.number)
-        return not self._newest.stands(goal.goal, word, newest, now_s, self._begun_s)
+        return not self._newest.of(goal.goal, newest, now_s, self._begun_s).stands(word, now_s)
 
     def _admit(self, goal: GateGoal) -> None:
         """Tell the body the admitted quantity."""

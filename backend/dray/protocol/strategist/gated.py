@@ -31,7 +31,7 @@ from dray.messages import (
 )
 from dray.messages.gate import GoalOf
 from dray.messages.keys import GATE, Keys
-from dray.messages.overtaken import Newest
+from dray.messages.overtaken import Newest, NewestOf
 from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import (
@@ -98,8 +98,8 @@ class GatedStrategist(Strategist):
         self._noted: dict[str, ShutWord] = {}
         """Stored messages that the next life has to send, by the name of their note."""
         self._brought: BoundedMap[str, dict[str, int]] = BoundedMap(GOALS_KEPT)
-        self._epochs: BoundedMap[str, int] = BoundedMap(ORDERS_MAX)
-        """The highest known epoch of each order."""
+        self._epochs: NewestOf[str] = NewestOf(ORDERS_MAX)
+        """The newest report of each order's holder, by epoch."""
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """See `dray.protocol.runtime.events.Agent`."""
@@ -199,7 +199,10 @@ class GatedStrategist(Strategist):
             return self._say_admitted(instruction, now_s)
         assert isinstance(instruction, HoldOrder)  # noqa: S101 - a strategist instructs nothing else
         order = instruction.order
-        said = OrderClaimed(order, instruction.epoch, instruction.over)
+        before = self._claimed.get(order)
+        # An end that the gate has not heard of yet is not forgotten.
+        over = max(instruction.over, 0 if before is None else before.over)
+        said = OrderClaimed(order, instruction.epoch, over)
         self._claimed[order] = said
         self._words.say(f"order {order}", Send(self._gate, said), now_s)
         note = ShutWord(order=order, epoch=said.epoch, over=said.over) if said.over else None
@@ -293,9 +296,8 @@ class GatedStrategist(Strategist):
         order, is_ours = held.order, held.holder == self.id
         if not is_ours:
             effects.append(Send(self._gate, HolderAcknowledged(order, held.epoch)))
-        if held.epoch < self._epochs.get(order, 0):
+        if not self._epochs.stands(order, (held.epoch,), now_s):
             return [*effects, Ignore(OLD)]
-        self._epochs[order] = held.epoch
         claimed = self._claimed.get(order)
         if claimed is not None and (
             (is_ours and held.over >= claimed.over) or (not is_ours and held.epoch >= claimed.epoch)

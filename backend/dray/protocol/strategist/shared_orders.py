@@ -89,9 +89,9 @@ class SharedOrders:
         """The strategist was deaf for this long."""
         self._peers.excuse(span_s)
 
-    def is_judge(self, machine: str, brief: GoalBrief) -> bool:
+    def is_judge(self, machine: str, brief: GoalBrief, now_s: float) -> bool:
         """Whether this strategist holds the order of a machine's goal, and so decides; the machine is told if needed."""
-        self._holding.on_brief(machine, brief)
+        self._holding.on_brief(machine, brief, now_s)
         return self._holding.judges(brief.goal)
 
     def _beat(self, _about: None, now_s: float) -> None:

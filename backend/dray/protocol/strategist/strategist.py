@@ -290,7 +290,7 @@ class Strategist(AgentBase):
         self._parts.on_machine(heartbeat, now_s)
         for brief in heartbeat.goals:
             goal = self._book.goal(brief.goal)
-            if self._shared is not None and not self._shared.is_judge(machine, brief):
+            if self._shared is not None and not self._shared.is_judge(machine, brief, now_s):
                 continue
             if goal is None:
                 # It has not heard that its goal is closed, or was down when others got it.
