@@ -31,6 +31,7 @@ from dray.messages import Event, GoalBrief, HolderChanged, OrderCancelled, Order
 from dray.messages.base import COUNT_MAX
 from dray.messages.fact import MemoryLost, OrderDropped, OrderFulfilled, OrderReturned
 from dray.messages.gate import OrderHeld
+from dray.messages.overtaken import NewestOf
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S, Commit
 from dray.protocol.runtime.life import Change, Life
@@ -103,6 +104,8 @@ class OrderHolding:
         """By order: when the gate last reported that it is held here."""
         self._noted: dict[str, OrderNoted] = {}
         """Orders that have not ended, with any holder."""
+        self._said: NewestOf[str] = NewestOf(ORDERS_MAX)
+        """By noted order: the newest release and change."""
         self._waiting: BoundedMap[str, tuple[str, Said]] = BoundedMap(ORDERS_MAX)
         """The last unanswered message about orders that are not held here."""
         self._unwritten: dict[str, None] = {}
@@ -154,9 +157,7 @@ class OrderHolding:
             self._life.note(OrderHeard(sender, message))
             return
         noted = self._noted.get(order)
-        if isinstance(message, OrderReleased) and (
-            noted is None or (message.release, message.change) > (noted.release.release, noted.release.change)
-        ):
+        if isinstance(message, OrderReleased) and (noted is None or self._is_news(message, noted, now_s)):
             before = noted or OrderNoted(message, sender)
             self._note(order, replace(before, release=message, asker=sender))
         if order in self._held:
@@ -243,6 +244,11 @@ class OrderHolding:
         if self._book.order(order) is not None:
             return False
         return not isinstance(message, OrderCancelled) and self._book.knows(order, message.release)
+
+    def _is_news(self, message: OrderReleased, noted: OrderNoted, now_s: float) -> bool:
+        """Whether a release or change replaces the noted one: a later one, or one whose gateways do not repeat the noted one any more."""
+        said, known = (message.release, message.change), (noted.release.release, noted.release.change)
+        return self._said.of(message.order, known, now_s).stands(said, now_s) and said != known
 
     def _can_take(self, release: OrderReleased) -> bool:
         """Whether an order can be made, and there is room for it."""
