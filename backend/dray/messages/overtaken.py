@@ -98,6 +98,11 @@ class NewestOf(Generic[K]):
         self._put(of, newest)
         return newest
 
+    def heard_s(self, of: K) -> float | None:
+        """When the newest one came; None without any."""
+        newest = self._newest.get(of)
+        return None if newest is None else newest.heard_s
+
     def forget(self, of: K) -> None:
         """Forget a speaker or subject; harmless for an unknown one."""
         self._newest.pop(of, None)

@@ -130,6 +130,10 @@ class Atvs:
         self.changes.mark(atv)
         return True
 
+    def heard_s(self, atv: str) -> float | None:
+        """When the last heartbeat of one vehicle came (plant clock); None when it was never heard."""
+        return self._newest.heard_s(atv)
+
     def last(self, atv: str) -> AtvHeartbeat | None:
         """The last heartbeat of one vehicle."""
         return self._last.get(atv)
