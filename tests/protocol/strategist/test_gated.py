@@ -232,3 +232,17 @@ def test_an_end_that_the_gate_has_not_heard_of_is_said_also_when_it_is_asked_who
     claims = sent(rig.on_message("M7", mhb("M7", misled, seq=1)), OrderClaimed, to=GATE)
     assert claims in ([], [OrderClaimed("O1", 1, EVERY_RELEASE)])
     assert {each.over for each in sent(rig.run(rig.now_s + 30.0), OrderClaimed)} == {EVERY_RELEASE}
+
+
+def test_that_an_order_is_made_again_is_said_until_the_gate_has_heard_it() -> None:
+    rig = holding()
+    rig.on_message("gateway2", OrderCancelled(order="O1"))
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    effects = rig.on_message("gateway", order(pump=24))
+    assert announced(effects)
+    anew = OrderClaimed("O1", 1, again=1)
+    assert sent(effects, OrderClaimed, to=GATE) == [anew]
+    rig.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1, over=EVERY_RELEASE)))
+    assert anew in sent(rig.run(rig.now_s + 2 * ASK_AGAIN_S), OrderClaimed)
+    rig.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1)))
+    assert sent(rig.run(rig.now_s + 30.0), OrderClaimed) == []

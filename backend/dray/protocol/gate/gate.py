@@ -297,7 +297,7 @@ class DeliveryGate(AgentBase):
     # --- orders and their holders ---
 
     def _on_claimed(self, sender: str, claimed: OrderClaimed, now_s: float) -> None:
-        told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over)
+        told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over, claimed.again)
         if told.holder == sender:
             self._hand_over(claimed.order, sender)
             if loser := self._orders.loser(claimed.order):

@@ -201,8 +201,8 @@ class GatedStrategist(Strategist):
         order = instruction.order
         before = self._claimed.get(order)
         # An end that the gate has not heard of yet is not forgotten.
-        over = max(instruction.over, 0 if before is None else before.over)
-        said = OrderClaimed(order, instruction.epoch, over)
+        over = 0 if before is None or instruction.again else before.over
+        said = OrderClaimed(order, instruction.epoch, max(instruction.over, over), instruction.again)
         self._claimed[order] = said
         self._words.say(f"order {order}", Send(self._gate, said), now_s)
         note = ShutWord(order=order, epoch=said.epoch, over=said.over) if said.over else None
@@ -300,7 +300,8 @@ class GatedStrategist(Strategist):
             return [*effects, Ignore(OLD)]
         claimed = self._claimed.get(order)
         if claimed is not None and (
-            (is_ours and held.over >= claimed.over) or (not is_ours and held.epoch >= claimed.epoch)
+            (is_ours and held.over >= claimed.over and not 0 < claimed.again <= held.over)
+            or (not is_ours and held.epoch >= claimed.epoch)
         ):
             del self._claimed[order]
             self._words.settle(f"order {order}")

@@ -148,6 +148,11 @@ class OrderHolding:
         if order in self._held:
             self._life.instruct(HoldOrder(order, self._held[order], release))
 
+    def made_again(self, order: str, release: int) -> None:
+        """A release is made although it was said to have ended; the gate tells a later holder."""
+        if order in self._held:
+            self._life.instruct(HoldOrder(order, self._held[order], again=release))
+
     # --- messages ---
 
     def on_said(self, sender: str, message: Said, now_s: float) -> None:

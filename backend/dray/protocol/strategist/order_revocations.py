@@ -69,7 +69,7 @@ class OrderRevocations:
             return
         newest = self._over.of(name, over, now_s)
         if said < over and not newest.overtakes(said, now_s):
-            self._book.reopen(name)
+            self._ends.reopen(name, message.release)
 
     def on_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
         """Drop an order, and answer every request, even for an order that has not come yet."""

@@ -85,6 +85,10 @@ class SharedOrders:
         """An order has ended, up to this release."""
         self._holding.ended(order, release)
 
+    def is_made_again(self, order: str, release: int) -> None:
+        """A release is made although it was said to have ended."""
+        self._holding.made_again(order, release)
+
     def excuse(self, span_s: float) -> None:
         """The strategist was deaf for this long."""
         self._peers.excuse(span_s)
