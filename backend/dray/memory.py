@@ -167,6 +167,8 @@ class GoalMemory(Part, frozen=True):
     """Whether its strategist has confirmed the machine's acceptance."""
     held: int = 1
     """The epoch with which the machine's strategist holds the order."""
+    taken_over: bool = False
+    """Whether a strategist has said that it has taken the order over."""
     disputes: int = 0
     """Consecutive handovers of its pieces of which the gate has counted nothing."""
     by_people: bool = False

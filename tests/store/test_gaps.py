@@ -6,7 +6,9 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 from dray.messages import EventsAsked, EventsKept
+from dray.messages.base import COUNT_MAX
 from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT
+from dray.messages.overtaken import OVERTAKES_S
 from dray.store.history.gaps import AGAIN_S, ASKED_AT_ONCE, LIVES, SETTLE_S, SILENCE_S, TAIL_S, Gaps, Known
 
 
@@ -18,6 +20,11 @@ def note(gaps: Gaps, *numbers: int, agent: str = "M1", life: int = 1, now_s: flo
 
 def kept(first: int, last: int, life: int = 1, said_in: int | None = None) -> EventsKept:
     return EventsKept(incarnation=life, first=first, last=last, life=said_in or life)
+
+
+def missing(gaps: Gaps) -> set[int]:
+    """The missing numbers of M1's lives."""
+    return {number for life in gaps._tellers["M1"].lives.values() for number in life.missing}
 
 
 def asked(gaps: Gaps, now_s: float) -> list[tuple[int, int, int]]:
@@ -299,4 +306,49 @@ def test_whatever_is_lost_all_that_is_kept_arrives_in_the_end() -> None:
             if comes_through():
                 answer(question, float(now_s))
     assert arrived == {(life, number) for life, last in histories.items() for number in range(1, last + 1)}
+    assert (gaps.missing, gaps.gone) == (0, 0)
+
+
+# --- what a thief of an agent's certificate tells ----------------------------------------------------
+
+
+def test_a_life_of_the_far_future_does_not_keep_its_owners_history_out_for_ever() -> None:
+    gaps = note(Gaps(), 1, 2, life=3)
+    note(gaps, 1, life=COUNT_MAX, now_s=10.0)
+    note(gaps, 4, life=3, now_s=11.0)
+    assert gaps.missing == 0, "perhaps it came late"
+    now_s = 10.0 + OVERTAKES_S + 0.1
+    note(gaps, 6, life=3, now_s=now_s)
+    gaps.answered("M1", kept(1, 6, life=3), now_s + SETTLE_S)
+    note(gaps, 8, life=3, now_s=now_s + 2.0)
+    assert 7 in missing(gaps)
+
+
+def test_a_life_that_goes_on_is_not_replaced_by_a_late_word_of_an_earlier_one() -> None:
+    gaps = note(Gaps(), 1, life=9)
+    for now_s in (20.0, 40.0, 60.0):
+        gaps.note_alive("M1", 9, now_s)
+        note(gaps, 5, life=1, now_s=now_s)
+    note(gaps, 3, life=9, now_s=61.0)
+    assert gaps.missing == 1
+
+
+def test_a_number_of_the_far_future_does_not_hide_later_gaps_for_ever() -> None:
+    gaps = note(Gaps(), 1, 2, 3)
+    note(gaps, COUNT_MAX)
+    assert asked(gaps, SETTLE_S)
+    gaps.answered("M1", kept(1, 3), 2.0)
+    assert gaps.missing == 0
+    note(gaps, 5, now_s=3.0)
+    assert missing(gaps) == {4}
+
+
+def test_what_is_told_while_an_answer_is_under_way_is_at_worst_fetched_once_more() -> None:
+    gaps = note(Gaps(), 1, 2, 5)
+    assert asked(gaps, SETTLE_S) == [(1, 3, 4)]
+    note(gaps, 3, 4, 6, now_s=SETTLE_S)
+    gaps.answered("M1", kept(1, 5), SETTLE_S)
+    note(gaps, 7, now_s=2.0)
+    assert missing(gaps) == {6}
+    note(gaps, 6, now_s=3.0)
     assert (gaps.missing, gaps.gone) == (0, 0)

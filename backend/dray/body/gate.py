@@ -40,6 +40,8 @@ class HoldOrder(Part, frozen=True):
     epoch: int
     over: int = 0
     """Releases up to this one have ended: no later holder may make anything of them. Sent by the holder."""
+    again: int = 0
+    """This release is made although it was said to have ended; 0 for none. Sent by the holder."""
 
 
 class GoodsArrived(Part, frozen=True):

@@ -57,7 +57,7 @@ class Inbox:
 
     def receive(self, sender: str, message: Message) -> bool:
         """Hand a message on; returns whether a part awaited it."""
-        self.meter.count(message)
+        self.meter.count(message, self.plant_s())
         is_strategist = sender in STRATEGISTS
         if is_strategist:
             self.strategist_probe.heard(sender)

@@ -126,6 +126,8 @@ class OrderClaimed(Message, said_by=STRATEGISTS, frozen=True, omit_defaults=True
     epoch: Count
     over: Count = 0
     """The newest release that has ended: no later holder makes anything for it or earlier ones."""
+    again: Count = 0
+    """The release that its holder makes although it was said to have ended; 0 for none."""
 
 
 class HolderReported(Message, said_by=GATES, frozen=True):

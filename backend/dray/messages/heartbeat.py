@@ -289,7 +289,9 @@ class GoalBrief(Part, frozen=True, omit_defaults=True):
     to_begin: Count | UnsetType = UNSET
     """Pieces whose material no cycle has taken; left out when these are all pieces not made yet."""
     held: Count | UnsetType = UNSET
-    """Epoch under which the strategist that the machine obeys holds the order; left out while no takeover has happened."""
+    """Epoch under which the strategist that the machine obeys holds the order; left out while none has taken it over."""
+    holder: Id | UnsetType = UNSET
+    """That strategist; left out like `held`."""
 
 
 class Making(Part, frozen=True, omit_defaults=True):

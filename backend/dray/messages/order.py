@@ -106,7 +106,8 @@ class HolderChanged(Message, said_by=STRATEGISTS, frozen=True):
 
     order: Id
     epoch: Count
-    """Epoch under which it holds the order; one below the known epoch is ignored."""
+    """Epoch under which it holds the order. One below the known epoch, or the same of another strategist, is ignored for as long as such a
+    message may be late (`dray.messages.overtaken`)."""
 
 
 class GoalRevised(Message, said_by=STRATEGISTS, frozen=True):

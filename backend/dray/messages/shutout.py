@@ -1,7 +1,8 @@
 """Shutting out: agents whose messages are ignored, by a manager's decision.
 
 There is one list. A gateway repeats it on a key of its own, so that agents that join later learn it, too. The list with the highest
-number counts, from any gateway. Each agent keeps it and checks every message against it (`dray.messages.speakers`).
+number counts, from any gateway. Each agent keeps it and checks every message against it (`dray.messages.speakers`). It silences no
+gateway.
 """
 
 from __future__ import annotations

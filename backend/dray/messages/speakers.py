@@ -56,9 +56,9 @@ def objection(
         kind: the sender's kind; None when unknown, as on a bus without certificates.
         key: the key on which it was sent; keys for one addressee have no owner.
         message: the message.
-        shut_out: agents whose messages are all ignored.
+        shut_out: agents whose messages are all ignored, but for gateways: the list may be a thief's, and they correct it.
     """
-    if sender in shut_out:
+    if sender in shut_out and kind is not Kind.GATEWAY:
         return SHUT_OUT
     if owner_of(key) not in (None, sender):
         return FOREIGN_KEY

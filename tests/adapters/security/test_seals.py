@@ -27,6 +27,7 @@ from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.errors import SealError, SettingsError
 from dray.messages import Handover, HandoverAccepted, Message
 from dray.messages.kinds import Kind
+from dray.messages.overtaken import OVERTAKES_S
 from dray.messages.speakers import FOREIGN_KEY, FOREIGN_WORD
 
 AGENTS: Mapping[str, Kind] = {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "ATV2": Kind.ATV}
@@ -126,6 +127,17 @@ def test_what_was_said_long_ago_is_not_heard_again(folder: Path, later_s: float,
     if fresh:
         listener.examine(seal, "M1", "p/k", 1, 1, b"said")
         return
+    with pytest.raises(SealError, match="ago"):
+        listener.examine(seal, "M1", "p/k", 1, 1, b"said")
+
+
+def test_nothing_is_heard_again_that_is_older_than_numbers_overtake_it_by_a_faster_plant_clock(
+    folder: Path,
+) -> None:
+    speed, now_s = 10.0, Path(folder / "M1.pem").stat().st_mtime
+    seal = seals(folder, "M1", now_s).seal("p/k", 1, 1, b"said")
+    later_s = OVERTAKES_S / speed
+    listener = Seals(Identity.in_folder(folder, "ATV1"), "p", now_s=lambda: now_s + later_s, speed=speed)
     with pytest.raises(SealError, match="ago"):
         listener.examine(seal, "M1", "p/k", 1, 1, b"said")
 

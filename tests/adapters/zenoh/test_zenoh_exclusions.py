@@ -167,13 +167,33 @@ def test_the_next_decision_counts_whatever_number_a_thief_of_a_gateways_certific
     asyncio.run(main())
 
 
-def test_a_gateway_that_is_shut_out_readmits_nobody(folder: Path, tmp_path: Path) -> None:
+def test_a_gateway_is_heard_whatever_a_list_says(folder: Path, tmp_path: Path) -> None:
+    """Whoever has stolen a gateway's certificate shuts no other gateway out, which then decides again."""
+
     async def main() -> None:
         async with hall(folder, tmp_path) as here:
             await here.decide(5, "gateway", "M1")
-            here.row.buses[2].shut_out = frozenset()
-            await here.decide(6)
             assert here.row.buses[1].shut_out == {"gateway", "M1"}
+            here.gateway.session.send("ATV1", ShutOut(9))
+            await here.decide(6)
+            assert here.atv.heard == [ShutOut(9)], "a letter"
+            assert [bus.shut_out for bus in here.row.buses] == [frozenset()] * 3
+            assert all(not bus.refused and not bus.unsaid for bus in here.row.buses)
+
+    asyncio.run(main())
+
+
+def test_an_agent_that_calls_itself_a_gateway_stays_shut_out(folder: Path, tmp_path: Path) -> None:
+    """By its certificate it is a machine. Nothing that it says is examined."""
+
+    async def main() -> None:
+        async with hall(folder, tmp_path) as here:
+            await here.decide(5, "gateway", "M1")
+            here.row.buses[0].shut_out = frozenset()
+            here.machine.session.publish("p/shut-out", ShutOut(6))
+            await here.row.settle()
+            assert here.row.buses[1].shut_out == {"gateway", "M1"}
+            assert here.row.buses[1].refused == {SHUT_OUT: 1}
 
     asyncio.run(main())
 

@@ -19,7 +19,7 @@ from dray.gateway.http.provided import provided
 from dray.gateway.live.projection.agents.removals import REFUSED_KEPT
 from dray.gateway.live.visibility import visibility_of
 from dray.messages import Event, Message, Removal, RemovalRefusal, Removals, removed_words, reported_words
-from dray.messages.base import COUNT_MAX
+from dray.messages.base import CLOCK_WRONG_S, COUNT_MAX
 from dray.messages.fact import PlaceKept, PlacesFreed, RemovalRefused
 from dray.messages.heartbeat import FloorBrief
 from dray.store.factory.removals import FROM_CONSOLE, RemovalRow
@@ -267,6 +267,16 @@ async def test_it_ends_when_the_vehicle_is_heard_again_whose_last_heartbeat_was_
     heard(house, seq=8, ago_s=-60.0)
     await provided(house.app, Carrying).look()
     assert (await house.get("/api/atvs/ATV1"))["removal"] is None
+
+
+async def test_a_clock_that_is_ahead_makes_no_vehicle_heard_for_longer(house: House) -> None:
+    """A thief of its certificate states a time that a gateway still takes for a clock's."""
+    heard(house, ago_s=-0.9 * CLOCK_WRONG_S)
+    await say(house, "carried-away", 409, **OFF)
+    house.wall.now_s += 60.0
+    await say(house, "carried-away", **OFF)
+    await provided(house.app, Carrying).look()
+    assert (await house.get("/api/atvs/ATV1"))["removal"] is not None
 
 
 async def test_it_is_said_again_with_a_new_grant_while_the_vehicle_is_silent(house: House) -> None:

@@ -11,6 +11,7 @@ from gateway_kit import OTHER_PRODUCT, PRODUCT, House, gateway
 from heartbeats import events
 
 from dray.messages import OrderReleased, OrderTaken
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, PieceMade
 from dray.messages.keys import STRATEGIST
 
@@ -58,6 +59,17 @@ async def test_less_is_wanted_until_the_strategist_has_said_what_machines_keep(h
     after = await confirmed(house, order, 1, 4, 2)
     assert [(item["quantity"], item["wanted"]) for item in after["items"]] == [(4, None), (2, None)]
     assert after["changing"] is False
+
+
+async def test_a_change_that_nobody_has_made_answers_no_change(house: House) -> None:
+    """A thief of a gateway's certificate has told it to the strategist, which believes the gateway when it is told often enough."""
+    order = (await house.place(items=LINES))["id"]
+    await change(house, order, quantities=[3, 2])
+    after = await confirmed(house, order, COUNT_MAX, 90, 2)
+    assert [(item["quantity"], item["wanted"]) for item in after["items"]] == [(5, 3), (2, None)]
+    assert order in house.outbox._reminders
+    await confirmed(house, order, 1, 3, 2)
+    assert order not in house.outbox._reminders
 
 
 async def test_an_order_is_delivered_when_what_it_was_reduced_to_has_arrived_already(house: House) -> None:

@@ -25,8 +25,8 @@ from dray.messages import (
 )
 from dray.messages.base import COUNT_MAX
 from dray.messages.gate import GoalHeld, GoalOf, HeldOrder, OrderHeld
+from dray.messages.overtaken import OVERTAKES_S
 from dray.protocol.gate.gate import DeliveryGate
-from dray.protocol.liveness.overtaken import OVERTAKES_S
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 
@@ -290,3 +290,17 @@ def test_a_request_with_a_number_of_the_far_future_does_not_shut_out_later_ones_
     rig.run(rig.now_s + OVERTAKES_S + 1.0)
     rig.say(asked("G1", 7, 3, life=life))
     assert rig.admitted["G1"] == 7
+
+
+def test_an_order_that_is_made_again_is_over_for_no_later_holder() -> None:
+    """A thief of a gateway's certificate had cancelled it."""
+    rig = GateRig()
+    rig.say(OrderClaimed("O1", 1))
+    rig.say(OrderClaimed("O1", 1, over=EVERY_RELEASE))
+    rig.say(OrderClaimed("O1", 1, again=2), OTHER)
+    [told] = sent(rig.say(OrderClaimed("O1", 1)), HolderReported)
+    assert told.held.over == EVERY_RELEASE, "its holder alone says so"
+    [told] = sent(rig.say(OrderClaimed("O1", 1, again=2)), HolderReported)
+    assert told.held.over == 1
+    [told] = sent(rig.say(OrderClaimed("O1", 2), OTHER), HolderReported, to=OTHER)
+    assert (told.held.holder, told.held.over) == (OTHER, 1)

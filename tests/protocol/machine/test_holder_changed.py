@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from effects import remember, sent
 from m7 import FULL, m7
 from msgspec import UNSET
@@ -22,8 +23,10 @@ from dray.messages import (
     Role,
     Withdrawn,
 )
+from dray.messages.base import COUNT_MAX
+from dray.messages.overtaken import OVERTAKES_S
 
-FIRST, SECOND = "STRATEGIST", "strategist2"
+FIRST, SECOND, THIEF = "STRATEGIST", "strategist2", "strategist3"
 WORK = production()
 
 
@@ -31,6 +34,13 @@ def named(rig: MachineRig) -> dict[str, object]:
     """The goals of its newest heartbeat, and with which epoch their orders are held."""
     rig.run(rig.now_s + 1.0)
     return {brief.goal: brief.held for brief in rig.heartbeats(MachineHeartbeat)[-1].goals}
+
+
+def holder(rig: MachineRig) -> object:
+    """Whom it obeys about its goal, by its newest heartbeat."""
+    rig.run(rig.now_s + 1.0)
+    [brief] = rig.heartbeats(MachineHeartbeat)[-1].goals
+    return brief.holder
 
 
 def taken_over() -> MachineRig:
@@ -55,6 +65,35 @@ def test_a_machine_obeys_who_holds_the_order_and_nobody_who_has_held_it() -> Non
     assert named(rig) == {"G1": 2}
     rig.on_message(SECOND, over)
     assert named(rig) == {}
+
+
+@pytest.mark.parametrize("epoch", [1, 2, 3], ids=["nobody has taken it over", "lower", "the same"])
+@pytest.mark.parametrize("restarts", [False, True], ids=["this life", "the next life"])
+def test_an_epoch_of_the_far_future_does_not_keep_the_holder_out_for_ever(epoch: int, restarts: bool) -> None:
+    """A thief of a strategist's certificate has said it. The holder repeats its word while the machine names another one."""
+    rig = taken_over()
+    rig.on_message(THIEF, HolderChanged(WORK.order, 3 if epoch == 3 else COUNT_MAX))
+    if restarts:
+        again = MachineRig("M7", FULL, incarnation=2)
+        again.memory, again.now_s = remember(rig.memory, rig.all), rig.now_s
+        again.start()
+        rig = again
+    rig.on_message(SECOND, HolderChanged(WORK.order, epoch))
+    assert holder(rig) == THIEF, "perhaps it came late"
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    rig.on_message(SECOND, HolderChanged(WORK.order, epoch))
+    assert holder(rig) == SECOND
+    rig.on_message(SECOND, GoalClosed(goal="G1"))
+    assert named(rig) == {}
+
+
+def test_who_holds_an_order_and_says_so_again_is_not_replaced_by_a_lower_epoch() -> None:
+    rig = taken_over()
+    for _ in range(3):
+        rig.run(rig.now_s + 0.9 * OVERTAKES_S)
+        rig.on_message(SECOND, HolderChanged(WORK.order, 2))
+        rig.on_message(FIRST, HolderChanged(WORK.order, 1))
+        assert holder(rig) == SECOND
 
 
 def test_the_holder_of_another_order_changes_nothing() -> None:

@@ -8,6 +8,8 @@ from msgspec.structs import replace
 
 from dray.body import CallPart, DutyChanged
 from dray.messages import CallAnswer, CallAnswered, CallState, DutyStatus, HelpCall, OperatorHeartbeat
+from dray.messages.base import COUNT_MAX
+from dray.messages.overtaken import OVERTAKES_S
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.operator.commitment import AGAIN_S, GIVE_UP_S
 from dray.protocol.operator.operator import CALL_SILENCE_S, LINGER_S
@@ -227,6 +229,17 @@ def test_an_overtaken_word_changes_nothing() -> None:
     rig.on_message("ATV1", taken(5))
     rig.on_message("ATV1", call(3, asked=()))
     assert rig.agent.taken == ("ATV1-1-1", 1)
+
+
+def test_a_call_with_a_number_of_the_far_future_does_not_shut_out_its_caller_for_ever() -> None:
+    rig = on_duty()
+    rig.on_message("ATV1", call())
+    rig.on_message("ATV1", call(COUNT_MAX, state=CallState.ENDED))
+    rig.on_message("ATV1", call(2))
+    assert rig.shown == {}, "a thief has ended it"
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    rig.on_message("ATV1", call(9))
+    assert list(rig.shown) == ["ATV1-1-1"]
 
 
 def test_a_call_that_is_not_said_any_more_binds_nobody() -> None:

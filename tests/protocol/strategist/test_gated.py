@@ -6,6 +6,7 @@ from bureau import announced, contract, order
 from defaults import PLANT
 from effects import facts, instructed, remember, sent
 from rigs import Rig
+from spoken import mhb
 
 from dray.body import Admit
 from dray.body.gate import EVERY_RELEASE
@@ -17,6 +18,7 @@ from dray.messages import (
     CountAcknowledged,
     GateAsked,
     GateReported,
+    GoalBrief,
     GoodsCounted,
     HolderAcknowledged,
     HolderReported,
@@ -25,13 +27,15 @@ from dray.messages import (
     OrderTaken,
     StationHeartbeat,
 )
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import GoodsDelivered, MemoryLost, OrderFulfilled
 from dray.messages.gate import HeldOrder, OrderHeld
 from dray.messages.keys import GATE
-from dray.protocol.runtime.events import Effect, Started
+from dray.messages.overtaken import OVERTAKES_S
+from dray.protocol.runtime.events import Effect, Ignore, Started
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
-from dray.protocol.strategist.gated import GatedStrategist
-from dray.protocol.strategist.order_holding import TURN_S
+from dray.protocol.strategist.gated import OLD, GatedStrategist
+from dray.protocol.strategist.order_holding import REPORTED_S, TURN_S
 from dray.protocol.strategist.peers import PEER_SILENCE_S
 
 OTHER = "strategist2"
@@ -207,3 +211,38 @@ def test_that_an_order_has_ended_is_said_until_the_gate_has_heard_it_also_by_the
     assert ended in sent(again.told(HeldOrder("O1", 1)), OrderClaimed, to=GATE)
     again.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1, over=EVERY_RELEASE)))
     assert ended not in sent(again.run(again.now_s + 10.0), OrderClaimed)
+
+
+def test_a_report_with_an_epoch_of_the_far_future_does_not_make_the_gates_own_ones_old_for_ever() -> None:
+    """A thief of the gate's certificate has sent it."""
+    rig = holding()
+    rig.on_message(GATE, HolderReported(OrderHeld("O1", OTHER, COUNT_MAX)))
+    effects = rig.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1)))
+    assert Ignore(OLD) in effects
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    effects = rig.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1)))
+    assert sent(effects, OrderTaken, to="gateway")
+
+
+def test_an_end_that_the_gate_has_not_heard_of_is_said_also_when_it_is_asked_who_holds_the_order() -> None:
+    rig = holding()
+    rig.on_message("gateway", OrderCancelled(order="O1"))
+    misled = GoalBrief("O1s1r1-1.1", "pump-p3", 24, 0, 0, held=9, holder=OTHER)
+    rig.run(rig.now_s + REPORTED_S + 1.0)
+    claims = sent(rig.on_message("M7", mhb("M7", misled, seq=1)), OrderClaimed, to=GATE)
+    assert claims in ([], [OrderClaimed("O1", 1, EVERY_RELEASE)])
+    assert {each.over for each in sent(rig.run(rig.now_s + 30.0), OrderClaimed)} == {EVERY_RELEASE}
+
+
+def test_that_an_order_is_made_again_is_said_until_the_gate_has_heard_it() -> None:
+    rig = holding()
+    rig.on_message("gateway2", OrderCancelled(order="O1"))
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    effects = rig.on_message("gateway", order(pump=24))
+    assert announced(effects)
+    anew = OrderClaimed("O1", 1, again=1)
+    assert sent(effects, OrderClaimed, to=GATE) == [anew]
+    rig.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1, over=EVERY_RELEASE)))
+    assert anew in sent(rig.run(rig.now_s + 2 * ASK_AGAIN_S), OrderClaimed)
+    rig.on_message(GATE, HolderReported(OrderHeld("O1", "strategist", 1)))
+    assert sent(rig.run(rig.now_s + 30.0), OrderClaimed) == []

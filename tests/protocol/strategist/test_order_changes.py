@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from bureau import announced, beats, brief, contract_all, making, order, reborn, released
 from effects import facts, instructed, sent
 from msgspec.structs import replace
@@ -15,7 +16,9 @@ from dray.messages import (
     OrderReleased,
     OrderTaken,
 )
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import GoalReduced, OrderChanged, OrderFulfilled
+from dray.messages.overtaken import OVERTAKES_S
 from dray.protocol.runtime.events import Effect
 from dray.protocol.strategist.order_book import DELIVERY_S
 
@@ -115,6 +118,36 @@ def test_an_older_change_alters_nothing_and_is_answered_with_the_newer_one() -> 
     rig, _ = making(24)
     rig.on_message("gateway", changed(order(pump=40), 2))
     assert taken(rig.on_message("gateway", changed(order(pump=90), 1))) == [(2, (40,))]
+
+
+@pytest.mark.parametrize("restarts", [False, True], ids=["this life", "the next life"])
+def test_a_change_with_a_number_of_the_far_future_does_not_bind_people_for_ever(restarts: bool) -> None:
+    """A thief of a gateway's certificate has sent it. The gateway repeats what people want until it is answered so."""
+    rig, _ = making(24)
+    rig.on_message("gateway2", changed(order(pump=90), COUNT_MAX))
+    if restarts:
+        rig = reborn(rig)
+    assert taken(rig.on_message("gateway", changed(order(pump=40), 1))) == [(COUNT_MAX, (90,))]
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    assert taken(rig.on_message("gateway", changed(order(pump=40), 1))) == [(1, (40,))]
+    assert taken(rig.on_message("gateway", changed(order(pump=30), 2))) == [(2, (30,))]
+
+
+def test_an_older_change_alters_nothing_while_a_gateway_repeats_the_newer_one() -> None:
+    """Another gateway has not heard of it yet."""
+    rig, _ = making(24)
+    for _ in range(4):
+        assert taken(rig.on_message("gateway", changed(order(pump=40), 2))) == [(2, (40,))]
+        rig.run(rig.now_s + 0.9 * OVERTAKES_S)
+        assert taken(rig.on_message("gateway2", changed(order(pump=90), 1))) == [(2, (40,))]
+
+
+def test_a_change_of_an_earlier_release_alters_nothing_however_late_it_comes() -> None:
+    rig = released(changed(replace(order(pump=24), release=2), 3))
+    rig.run(rig.now_s + 2 * OVERTAKES_S)
+    rig.on_message("gateway", changed(order(pump=90), 1))
+    assert taken(rig.on_message("gateway", changed(replace(order(pump=24), release=2), 3)))[0][0] == 3
+    assert facts(rig.all, OrderChanged) == []
 
 
 def test_what_was_spared_and_is_wanted_back_is_made_by_another_goal() -> None:

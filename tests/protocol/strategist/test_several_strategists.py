@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
 from bureau import announced, beats, brief, contract, order
 from effects import facts, instructed, published, remember, sent
+from msgspec import UNSET, UnsetType
 from msgspec.structs import replace
 from rigs import StrategistRig
 from spoken import mhb
@@ -22,6 +24,7 @@ from dray.messages import (
     TaskAnnounced,
     Withdrawn,
 )
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import (
     GoalWithdrawn,
     GoodsDelivered,
@@ -33,7 +36,7 @@ from dray.messages.fact import (
 )
 from dray.messages.gate import GoalHeld, GoalOf, OrderHeld
 from dray.protocol.runtime.events import Effect
-from dray.protocol.strategist.order_holding import TURN_S
+from dray.protocol.strategist.order_holding import REPORTED_S, TURN_S
 from dray.protocol.strategist.peers import PEER_SILENCE_S
 
 US, OTHER = "strategist", "strategist2"
@@ -173,6 +176,25 @@ def test_machines_go_on_with_the_goals_of_an_order_that_is_taken_over() -> None:
     effects = rig.arrive("O1s2r1-1.1", 19)
     assert sent(effects, GoalClosed, to="M7")
     assert [fact.order for fact in facts(effects, OrderFulfilled)] == ["O1"]
+
+
+@pytest.mark.parametrize(("told", "by"), [(2, OTHER), (COUNT_MAX, OTHER), (COUNT_MAX, UNSET)])
+def test_a_machine_that_obeys_another_one_with_a_later_epoch_is_told_once_the_gate_has_said_who_holds_the_order(
+    told: int, by: str | UnsetType
+) -> None:
+    """A thief of a strategist's certificate has told the machine; or the gate has another holder, and its word is under way."""
+    rig = orphaned()
+    rig.grant("O1", 2, (5,), open_goal())
+    rig.run(rig.now_s + REPORTED_S + 1.0)
+    misled = replace(brief("O1s2r1-1.1"), held=told, holder=by)
+    effects = rig.on_message("M7", mhb("M7", misled, seq=1))
+    assert not sent(effects, HolderChanged)
+    assert instructed(effects, HoldOrder) == [HoldOrder("O1", 2)]
+    rig.report(OrderHeld("O1", US, 2, (5,), (open_goal(),)))
+    effects = rig.on_message("M7", mhb("M7", misled, seq=2))
+    assert sent(effects, HolderChanged, to="M7") == [HolderChanged("O1", 2)]
+    effects = rig.on_message("M7", mhb("M7", replace(misled, held=2, holder=US), seq=3))
+    assert not sent(effects, HolderChanged)
 
 
 def test_what_came_while_nobody_held_the_order_is_told_by_who_takes_it_over() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
 from bureau import announced, beats, brief, contract, done, making, order, reborn, released
 from effects import deeds, facts, instructed, sent
+from msgspec.structs import replace
 from rigs import StrategistRig
 from spoken import goal_bid, mhb
 
@@ -19,6 +21,7 @@ from dray.messages import (
     RevocationTaken,
     Withdrawn,
 )
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import (
     GoalLost,
     GoalWithdrawn,
@@ -27,6 +30,7 @@ from dray.messages.fact import (
     OrderFulfilled,
     OrderReturned,
 )
+from dray.messages.overtaken import OVERTAKES_S
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import NEVER_S
 
@@ -250,3 +254,68 @@ def test_the_next_life_goes_on_taking_back_and_never_opens_the_gate_again() -> N
     assert sent(last.on_message("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, (15,))]
     assert announced(last.on_message("gateway", order(pump=24))) == []
     assert len(announced(last.on_message("gateway", again(15)))) == 1
+
+
+# --- what a thief of a gateway's certificate says ----------------------------------------------------
+
+
+@pytest.mark.parametrize("restarts", [False, True], ids=["this life", "the next life"])
+def test_a_cancellation_that_no_gateway_knows_of_ends_no_order_for_ever(restarts: bool) -> None:
+    """A thief has sent it. The gateway goes on releasing the order, as its database has it."""
+    rig, goal = making()
+    rig.on_message("gateway2", OrderCancelled(order="O1"))
+    if restarts:
+        rig = reborn(rig)
+    assert announced(rig.on_message("gateway", order(pump=24))) == []
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    effects = rig.on_message("gateway", order(pump=20))
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1")]
+    [(successor, _, quantity)] = announced(effects)
+    assert (quantity, successor != goal) == (20, True)
+    contract(rig, successor, "M8")
+    rig.arrive(successor, 20)
+    assert facts(rig.all, OrderFulfilled) == [OrderFulfilled(order="O1")]
+
+
+def test_an_order_stays_cancelled_while_a_gateway_says_so() -> None:
+    rig, _ = making()
+    for _ in range(4):
+        rig.on_message("gateway", OrderCancelled(order="O1"))
+        rig.run(rig.now_s + 0.9 * OVERTAKES_S)
+        assert announced(rig.on_message("gateway2", order(pump=24))) == []
+
+
+def test_a_fulfilled_order_is_not_made_again_however_late_it_is_released() -> None:
+    rig, goal = making()
+    rig.arrive(goal, 24)
+    rig.on_message("gateway", OrderCancelled(order="O1"))
+    rig.run(rig.now_s + 2 * OVERTAKES_S)
+    effects = rig.on_message("gateway", order(pump=24))
+    assert announced(effects) == []
+    assert sent(effects, OrderTaken) == [OrderTaken(order="O1", fulfilled=True)]
+
+
+def test_a_revocation_of_a_release_of_the_far_future_does_not_end_an_order_for_ever() -> None:
+    rig = StrategistRig()
+    rig.start()
+    rig.on_message("gateway2", OrderRevoked("O1", COUNT_MAX))
+    assert announced(rig.on_message("gateway", order(pump=24))) == []
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    assert len(announced(rig.on_message("gateway", order(pump=24)))) == 1
+
+
+def test_a_release_that_was_taken_back_is_not_made_again_however_late_it_comes() -> None:
+    rig, goal = making()
+    rig.on_message("gateway", REVOKED)
+    rig.gate_answers(goal)
+    rig.run(rig.now_s + 2 * OVERTAKES_S)
+    assert announced(rig.on_message("gateway", order(pump=24))) == []
+
+
+def test_a_release_of_the_far_future_can_be_taken_back() -> None:
+    rig = released(replace(order(pump=24), release=COUNT_MAX))
+    rig.on_message("gateway", order(pump=24))
+    assert sent(rig.on_message("gateway", REVOKED), RevocationTaken) == [], "perhaps it came late"
+    rig.run(rig.now_s + OVERTAKES_S + 0.1)
+    assert sent(rig.on_message("gateway", REVOKED), RevocationTaken) == [RevocationTaken("O1", 1, (24,))]
+    assert len(announced(rig.on_message("gateway", again(24)))) == 1

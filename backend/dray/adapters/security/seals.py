@@ -33,7 +33,8 @@ from dray.errors import SealError, SettingsError
 from dray.messages.kinds import Kind
 
 FRESH_S = 30.0
-"""Maximum age of a message: the slowest link of the paper takes 5 s, and clocks agree within 0.1 s."""
+"""Maximum age of a message (s, plant clock): the slowest link of the paper takes 5 s, and clocks agree within 0.1 s. Below
+`dray.messages.overtaken.OVERTAKES_S`, which is told by the same clock."""
 
 Milliseconds = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
 """Whole milliseconds of unix time, which every language writes alike."""
@@ -67,6 +68,7 @@ class Seals:
         plant: the plant's id; certificates of other plants are refused.
         now_s: unix time, for tests.
         clock_s: a monotonic clock, for tests.
+        speed: seconds of the plant's clock per second.
 
     Attributes:
         plant: the plant's id.
@@ -87,8 +89,10 @@ class Seals:
         *,
         now_s: Callable[[], float] = time.time,
         clock_s: Callable[[], float] = time.monotonic,
+        speed: float = 1.0,
     ) -> None:
         self.plant, self.now_s = plant, now_s
+        self._fresh_s = FRESH_S / max(1.0, speed)
         try:
             own = x509.load_pem_x509_certificate(identity.certificate.read_bytes())
             self._key = read_key(identity.key.read_bytes())
@@ -162,7 +166,7 @@ class Seals:
             SealError: it is one of these.
         """
         age_s = self.now_s() - at_ms / 1000
-        if abs(age_s) > FRESH_S:
+        if abs(age_s) > self._fresh_s:
             raise SealError(f"said {age_s:.0f} s ago", data)
 
     def agree_with(self, other: Certified) -> bytes:

@@ -38,13 +38,13 @@ from dray.adapters.zenoh.tokens import NO_LIFE, Token, Tokens
 from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
+from dray.messages.kinds import Kind
 from dray.messages.speakers import SHUT_OUT, kind_in, objection
 from dray.supervision import Failures
 
 if TYPE_CHECKING:
     from dray.adapters.zenoh.links import Links
     from dray.messages import Message
-    from dray.messages.kinds import Kind
     from dray.ports import Receive
 
 log = logging.getLogger(__name__)
@@ -150,7 +150,7 @@ class ZenohSession:
 
     def _say(self, key: str, message: Message, to: str = "") -> None:
         bus = self._bus
-        if self._left or self.agent in bus.shut_out:
+        if self._left or bus.is_excluded(self.agent, bus.shut_out):
             bus.unsaid += 1
             return
         number, data = self._said[key] + 1, encode(self.agent, message, self.context)
@@ -266,7 +266,7 @@ class ZenohBus:
         self._sessions: dict[str, ZenohSession] = {}
         self.missed = 0
         self.lock = threading.Lock()
-        self.seals = None if links.identity is None else Seals(links.identity, plant)
+        self.seals = None if links.identity is None else Seals(links.identity, plant, speed=speed)
         self.letters = None if self.seals is None else Letters(self.seals)
         self.tokens = Tokens(self.keys.alive, self.seals, self.refuse)
         self.inner = links.open()
@@ -337,6 +337,13 @@ class ZenohBus:
         if self._sessions.get(session.agent) is session:
             del self._sessions[session.agent]
 
+    def is_excluded(self, agent: str, shut_out: frozenset[str]) -> bool:
+        """Whether a list excludes an agent. With certificates it excludes no gateway whose token was seen. Thread-safe."""
+        if agent not in shut_out:
+            return False
+        known = None if self.seals is None else self.seals.register.known(agent)
+        return known is None or kind_in(agent, known.agents) is not Kind.GATEWAY
+
     def read(self, key: str, sample: zenoh.Sample, shares: Shares) -> Heard | None:
         """An incoming message on `key` for one agent; None, and counted as refused, when it is not acceptable. Thread-safe."""
         shut_out = self.shut_out  # One snapshot for all checks: a readmission in between skips none.
@@ -380,13 +387,13 @@ class ZenohBus:
             return None, *decode_with_context(data)
         if not reader:
             sender, message, context = decode_with_context(data)
-            if sender in shut_out:
+            if self.is_excluded(sender, shut_out):
                 raise _ShutOutError
             shares.check(sender, key, stamp)
             kind = self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
             return kind, sender, message, context
         writer = self.letters.named(stamp.seal, data)
-        if writer in shut_out:
+        if self.is_excluded(writer, shut_out):
             raise _ShutOutError
         shares.check(writer, key, stamp)
         writer, kind, words = self.letters.read(stamp.seal, Place(reader, stamp.life, stamp.number), data)

@@ -21,7 +21,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.agents.removals import Removals as ShownRemovals
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import RemovalView
-from dray.messages import Event, Removals
+from dray.messages import AtvHeartbeat, Event, Removals
 from dray.messages.base import CLOCKS_AGREE_S
 from dray.messages.fact import AnyFact
 from dray.messages.floor.removal import MAX_REMOVALS
@@ -144,10 +144,10 @@ class Carrying(Announced):
 
         None if it is silent or was never heard.
         """
-        view = self._projection.atvs.view(atv)
-        if view is None:
+        view, last = self._projection.atvs.view(atv), self._projection.atvs.last(atv)
+        if view is None or last is None:
             return None
-        silent_s = (self._wall_s() - view.seen_at_s) * self._time.speed
+        silent_s = (self._wall_s() - self._told_at_s(last)) * self._time.speed
         return max(silent_s, 0.0) if silent_s <= view.silence.lost_after_s else None
 
     async def _put(self, atv: str, node: str, by: Principal) -> None:
@@ -220,14 +220,18 @@ class Carrying(Announced):
         last = self._projection.atvs.last(row.atv)
         if last is None:
             return False
-        told_s = self._time.to_wall_s(last.at_s)
-        return (last.incarnation, last.seq) > row.heard or told_s > row.at_s + SURELY_AFTER_S
+        return (last.incarnation, last.seq) > row.heard or self._told_at_s(last) > row.at_s + SURELY_AFTER_S
+
+    def _told_at_s(self, last: AtvHeartbeat) -> float:
+        """When a vehicle has told its last heartbeat (wall clock): not after it came, however far its clock is ahead."""
+        came_s = self._projection.atvs.heard_s(last.atv)
+        return self._time.to_wall_s(last.at_s if came_s is None else min(last.at_s, came_s))
 
     def _view(self, row: RemovalRow) -> RemovalView:
         last = self._projection.atvs.last(row.atv)
         believed_s = row.at_s
         if last is not None:
-            believed_s = max(believed_s, self._time.to_wall_s(last.at_s + gone_s(interval_s(last))))
+            believed_s = max(believed_s, self._told_at_s(last) + gone_s(interval_s(last)) / self._time.speed)
         return RemovalView(
             number=row.number, by=row.by, at_s=row.at_s, believed_at_s=believed_s, node=row.node
         )

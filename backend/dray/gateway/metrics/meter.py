@@ -25,6 +25,7 @@ from dray.messages.fact import (
     PrimarySuspected,
     TookOver,
 )
+from dray.messages.overtaken import NewestOf
 
 AGENTS = 10_000
 """Maximum agents remembered: ten times those of the largest plant. It bounds invented ids."""
@@ -56,8 +57,8 @@ class Meter:
     """
 
     def __init__(self, registry: CollectorRegistry) -> None:
-        self._last: dict[str, tuple[int, int]] = {}
-        """Per agent, incarnation and number of its newest counted fact."""
+        self._newest: NewestOf[str] = NewestOf(AGENTS)
+        """Per agent, its newest counted fact, by incarnation and number."""
         self._orders: dict[tuple[type[AnyFact], str], None] = {}
         """Order facts already counted, since several strategists may report them."""
         self._arrived: dict[str, int] = {}
@@ -83,29 +84,22 @@ class Meter:
             OrderFulfilled: counter("orders_fulfilled", "Orders of which everything is delivered."),
         }
 
-    def count(self, message: Message) -> None:
-        """Count a message."""
+    def count(self, message: Message, now_s: float) -> None:
+        """Count a message that came at this time of the plant's clock."""
         self._messages.labels(type(message).__name__).inc()
         match message:
             case AtvHeartbeat(link=link):
                 self._heartbeats.labels("atv", link.value).inc()
             case MachineHeartbeat():
                 self._heartbeats.labels("machine", Link.WLAN.value).inc()
-            case Event() if self._is_new(message):
+            case Event(agent=agent) if self._newest.takes(
+                agent, (message.incarnation, message.number), now_s
+            ):
                 self._facts.labels(type(message.fact).__name__).inc()
                 self._count(message.fact)
                 self._auctions.count(message)
             case _:
                 pass
-
-    def _is_new(self, event: Event) -> bool:
-        number = (event.incarnation, event.number)
-        if number <= self._last.get(event.agent, (0, 0)):
-            return False
-        if event.agent not in self._last and len(self._last) >= AGENTS:
-            return False
-        self._last[event.agent] = number
-        return True
 
     def _count(self, fact: AnyFact) -> None:
         match fact:

@@ -84,6 +84,10 @@ class Completions:
             order = await work.orders.get(answer.order)
         if order is not None:
             self._projection.orders.put(order, goals)
+            if isinstance(answer, OrderTaken) and not answer.fulfilled and answer.change > order.change:
+                # Nobody has made this change: a thief of a gateway's certificate has stated it. The strategist believes the order's own
+                # change when it was repeated for long enough.
+                return
         self._outbox.answered(answer)
 
     async def _settle(self, work: Work, answer: OrderTaken, now_s: float) -> list[Goal]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.messages import DutyStatus, OperatorHeartbeat
-from dray.protocol.liveness.overtaken import is_overtaken
+from dray.messages.overtaken import NewestOf
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s, gone_s
 from dray.protocol.runtime.bounded_map import BoundedMap
 
@@ -22,15 +22,13 @@ class OnDuty:
 
     def __init__(self) -> None:
         self._heard: BoundedMap[str, tuple[OperatorHeartbeat, float]] = BoundedMap(KNOWN_MAX)
+        self._newest: NewestOf[str] = NewestOf(KNOWN_MAX)
 
     def note(self, heartbeat: OperatorHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False if a newer one has overtaken it."""
         operator = heartbeat.operator
-        if (before := self._heard.get(operator)) is not None:
-            newest, heard_s = before
-            said = (heartbeat.incarnation, heartbeat.seq)
-            if is_overtaken(said, (newest.incarnation, newest.seq), heard_s, now_s):
-                return False
+        if not self._newest.takes(operator, (heartbeat.incarnation, heartbeat.seq), now_s):
+            return False
         # The operator heard last is forgotten last.
         self._heard.pop(operator, None)
         self._heard[operator] = heartbeat, now_s

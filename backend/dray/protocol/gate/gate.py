@@ -42,10 +42,10 @@ from dray.messages import (
 )
 from dray.messages.heartbeat import GOALS_TOLD, GoalToCome
 from dray.messages.keys import GATE, Keys
+from dray.messages.overtaken import NewestOf
 from dray.plant import Plant
 from dray.protocol.gate.admissions import KEPT_GOALS, Admissions
 from dray.protocol.gate.order_holders import OrderHolders
-from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
@@ -93,8 +93,8 @@ class DeliveryGate(AgentBase):
         self._since = incarnation
         self._goals = Admissions(kept)
         self._orders = OrderHolders(self._goals)
-        self._asked_s: BoundedMap[str, float] = BoundedMap(kept)
-        """By goal: when its newest request came in this life."""
+        self._newest: NewestOf[str] = NewestOf(kept)
+        """By goal: its newest request in this life."""
         self._begun_s = 0.0
         """When this life began."""
         self._obeyed: BoundedMap[str, int] = BoundedMap(kept)
@@ -260,6 +260,8 @@ class DeliveryGate(AgentBase):
                 self._life.send(sender, HolderReported(refusal))
                 return
         word = (asked.incarnation, asked.number)
+        if goal is None or goal.asker != sender:
+            self._newest.forget(asked.goal)
         if goal is None:
             goal = GateGoal(asked.goal, sender, asked.quantity, *word, of=of)
         elif goal.asker == sender and self._is_outdated(word, goal, now_s):
@@ -277,7 +279,7 @@ class DeliveryGate(AgentBase):
                 of=of,
                 brought=goal.brought,
             )
-        self._asked_s[goal.goal] = now_s
+        self._newest.takes(goal.goal, word, now_s)
         if self._goals.get(goal.goal) != goal:
             self._goals.put(goal)
         self._obeyed.pop(goal.goal, None)
@@ -286,9 +288,7 @@ class DeliveryGate(AgentBase):
     def _is_outdated(self, word: tuple[int, int], goal: GateGoal, now_s: float) -> bool:
         """Whether a request came after a later one about the same goal."""
         newest = (goal.incarnation, goal.number)
-        return word < newest and is_overtaken(
-            word, newest, self._asked_s.get(goal.goal, self._begun_s), now_s
-        )
+        return not self._newest.of(goal.goal, newest, now_s, self._begun_s).stands(word, now_s)
 
     def _admit(self, goal: GateGoal) -> None:
         """Tell the body the admitted quantity."""
@@ -297,7 +297,7 @@ class DeliveryGate(AgentBase):
     # --- orders and their holders ---
 
     def _on_claimed(self, sender: str, claimed: OrderClaimed, now_s: float) -> None:
-        told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over)
+        told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over, claimed.again)
         if told.holder == sender:
             self._hand_over(claimed.order, sender)
             if loser := self._orders.loser(claimed.order):

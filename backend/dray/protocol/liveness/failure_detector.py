@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dray.messages import AtvHeartbeat, AtvStatus, Reason
+from dray.messages.overtaken import Newest
 from dray.messages.people.command import PROMISE_MAX_S
-from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S, ArrivalStatistics, bound_s, silence_bound_s
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
@@ -36,7 +36,7 @@ class FailureDetector:
         "_arrivals",
         "_deaf_s",
         "_help_until_s",
-        "_last",
+        "_newest",
         "_prior",
         "begun_s",
         "bound_s",
@@ -57,7 +57,7 @@ class FailureDetector:
         """The newest heartbeat; None before the first."""
         self._arrivals = ArrivalStatistics(self._prior)
         self.bound_s = bound_s(interval_s, self._arrivals.loss_frac, self._arrivals.deviation_s)
-        self._last = (0, 0)
+        self._newest = Newest((0, 0), now_s)
         self._help_until_s = NEVER_S
         self._deaf_s = self._prior.deaf_s
         """Time for which the observer had been deaf when it last heard the subject (s)."""
@@ -79,15 +79,13 @@ class FailureDetector:
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False if a newer one has overtaken it."""
-        order = (heartbeat.incarnation, heartbeat.seq)
-        if is_overtaken(order, self._last, self.heard_s, now_s):
+        life, seq = self._newest.number
+        if not self._newest.takes((heartbeat.incarnation, heartbeat.seq), now_s):
             return False
-        same_life = order[0] == self._last[0]
-        missed = order[1] - self._last[1] - 1 if same_life else 0
+        missed = heartbeat.seq - seq - 1 if heartbeat.incarnation == life else 0
         delay_s = now_s - heartbeat.at_s
         self._arrivals.note(missed, delay_s)
         self._prior.note(missed, delay_s)
-        self._last = order
         self.last = heartbeat
         self.heard_s, self._deaf_s = now_s, self._prior.deaf_s
         self.bound_s = silence_bound_s(heartbeat, self._arrivals)

@@ -45,6 +45,7 @@ class Goal:
         "promised_s",
         "stranded",
         "strategist",
+        "taken_over",
         "work",
     )
 
@@ -65,6 +66,8 @@ class Goal:
         self.number = number
         self.held = 1
         """Epoch with which `strategist` holds its order; it rises with each takeover of the order."""
+        self.taken_over = False
+        """Whether a strategist has said that it has taken the order over."""
         self.promised_s = 0.0
         """The promised finish that holds now (plant clock); 0 if unknown. Only `promises` moves it."""
         self.came_before = 0
@@ -194,7 +197,8 @@ class Goal:
             deadline_s=self.deadline_s,
             offered=True if self.is_offered(now_s) else UNSET,
             to_begin=UNSET if to_begin == self.work.quantity - self.reported_made else to_begin,
-            held=UNSET if self.held == 1 else self.held,
+            held=self.held if self.taken_over else UNSET,
+            holder=self.strategist if self.taken_over else UNSET,
         )
 
     @property
@@ -215,6 +219,7 @@ class Goal:
             number=self.number,
             confirmed=self.confirmed,
             held=self.held,
+            taken_over=self.taken_over,
             disputes=self.disputes,
             by_people=self.by_people,
             promised_s=self.promised_s,

@@ -23,6 +23,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractEnded, ContractTaken
+from dray.messages.overtaken import NewestOf
 from dray.protocol.contract_net.replies import Refusals, decline, offer
 from dray.protocol.contract_net.trust.probation import ON_PROBATION, Probation
 from dray.protocol.machine.production import Goal, GoalBook
@@ -66,6 +67,8 @@ class GoalBidder:
         self._refusals = Refusals(life)
         self._quoted_s: BoundedMap[str, float] = BoundedMap(QUOTES_KEPT)
         """By goal: the promised finish."""
+        self._holders: NewestOf[str] = NewestOf(GOALS_MAX)
+        """By order: the epoch with which its strategist holds it."""
         self._unconfirmed = Retransmitter(CONFIRM, life)
         """Acceptances, repeated until their strategist has confirmed the goal or released the machine."""
         self.alarms = {CONFIRM: self._unconfirmed.wake}
@@ -123,7 +126,8 @@ class GoalBidder:
             self._life.do(decline(sender, award, reason))
             return False
         goal = Goal(award.task, work, award.deadline_s, sender, award.epoch, award.number)
-        goal.held = max((each.held for each in self._of_order(work.order)), default=1)
+        for each in self._of_order(work.order):
+            goal.held, goal.taken_over = max(goal.held, each.held), goal.taken_over or each.taken_over
         goal.promised_s = self._quoted_s[goal.id]
         self._goals.add(goal)
         self._life.commit()
@@ -197,14 +201,25 @@ class GoalBidder:
         return self._end(goal, message.reason)
 
     def on_holder_changed(self, sender: str, message: HolderChanged, now_s: float) -> None:
-        """Another strategist takes over the goals of an order, unless a later one already has."""
-        taken = [goal for goal in self._of_order(message.order) if goal.held < message.epoch]
-        for goal in taken:
-            goal.strategist, goal.held = sender, message.epoch
-            if goal.id in self._unconfirmed:
+        """Another strategist takes over the goals of an order, unless a later one already has.
+
+        A lower epoch counts once no late message can have it: then a thief of a strategist's certificate has told the higher one.
+        """
+        goals = self._of_order(message.order)
+        if not goals:
+            return
+        held = max(goal.held for goal in goals)
+        newest, said = self._holders.of(message.order, (held,), now_s), (message.epoch,)
+        is_known = all(goal.strategist == sender for goal in goals)
+        if not (newest.stands(said, now_s) if is_known else newest.takes(said, now_s)):
+            self._life.ignore("a strategist that a later one has replaced")
+            return
+        for goal in goals:
+            is_news = (goal.strategist, goal.held) != (sender, message.epoch)
+            goal.strategist, goal.held, goal.taken_over = sender, message.epoch, True
+            if is_news and goal.id in self._unconfirmed:
                 self.ask(goal, now_s)
-        if taken:
-            self._life.commit()
+        self._life.commit()
 
     def on_closed(self, message: GoalClosed) -> Goal | None:
         """The gate has counted all of a goal. Returns the goal, if it was known."""

@@ -85,7 +85,7 @@ class GoalBook:
             memory.goal, memory.work, memory.deadline_s, memory.strategist, memory.epoch, memory.number
         )
         goal.confirmed, goal.held, goal.disputes = memory.confirmed, memory.held, memory.disputes
-        goal.by_people = memory.by_people
+        goal.taken_over, goal.by_people = memory.taken_over or memory.held > 1, memory.by_people
         goal.promised_s, goal.came_before = memory.promised_s, memory.came_before
         goal.made, goal.delivered, goal.lost_in_transit = (
             memory.made,

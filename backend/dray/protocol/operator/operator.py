@@ -20,6 +20,7 @@ from dray.messages import (
     OperatorHeartbeat,
 )
 from dray.messages.keys import Keys
+from dray.messages.overtaken import NewestOf
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.operator.commitment import Commitment
 from dray.protocol.runtime.agent import AgentBase
@@ -66,6 +67,7 @@ class Operator(AgentBase):
         """End of the time without the tablet (s)."""
         self._calls: BoundedMap[tuple[str, str], tuple[HelpCall, float]] = BoundedMap(CALLS_MAX)
         """By subject: the newest message, and when it was heard."""
+        self._newest: NewestOf[tuple[str, str]] = NewestOf(CALLS_MAX)
         self._declined: BoundedMap[str, bool] = BoundedMap(ANSWERED_MAX)
         """Calls that the person has declined or given back, and whether the caller has yet to hear that."""
         self._commitment = Commitment()
@@ -144,8 +146,7 @@ class Operator(AgentBase):
     # --- calls -----------------------------------------------------------------------------------------
 
     def _on_call(self, _sender: str, call: HelpCall, now_s: float) -> None:
-        before = self._calls.get(call.subject)
-        if before is not None and _order(call) <= _order(before[0]):
+        if not self._newest.takes(call.subject, (call.incarnation, call.number), now_s):
             self._life.ignore(OVERTAKEN)
             return
         self._calls.pop(call.subject, None)
@@ -277,7 +278,3 @@ class Operator(AgentBase):
     def _answer(self, call: str, caller: str, answer: CallAnswer, wait_s: float | None = None) -> None:
         said = CallAnswered(call=call, operator=self.id, answer=answer, wait_s=wait_s)
         self._life.send(caller, said)
-
-
-def _order(call: HelpCall) -> tuple[int, int]:
-    return call.incarnation, call.number

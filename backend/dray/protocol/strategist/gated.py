@@ -31,8 +31,8 @@ from dray.messages import (
 )
 from dray.messages.gate import GoalOf
 from dray.messages.keys import GATE, Keys
+from dray.messages.overtaken import Newest, NewestOf
 from dray.plant import Plant
-from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import (
     Commit,
@@ -83,8 +83,8 @@ class GatedStrategist(Strategist):
         self._begun = False
         self._early: BoundedMap[str, Received] = BoundedMap(ORDERS_MAX)
         """By order: releases received before the start; this strategist must know them even if another one takes them."""
-        self._gate_newest, self._gate_heard_s = (0, 0), 0.0
-        """Life and number of the gate's newest heartbeat, and when it came."""
+        self._gate_newest = Newest((0, 0), 0.0)
+        """The gate's newest heartbeat, by life and number."""
         self._gate_since = 0
         self._words = Retransmitter(WORD, self._life)
         self._alarm_handlers = {**self._alarm_handlers, WORD: self._words.wake}
@@ -98,8 +98,8 @@ class GatedStrategist(Strategist):
         self._noted: dict[str, ShutWord] = {}
         """Stored messages that the next life has to send, by the name of their note."""
         self._brought: BoundedMap[str, dict[str, int]] = BoundedMap(GOALS_KEPT)
-        self._epochs: BoundedMap[str, int] = BoundedMap(ORDERS_MAX)
-        """The highest known epoch of each order."""
+        self._epochs: NewestOf[str] = NewestOf(ORDERS_MAX)
+        """The newest report of each order's holder, by epoch."""
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """See `dray.protocol.runtime.events.Agent`."""
@@ -199,7 +199,10 @@ class GatedStrategist(Strategist):
             return self._say_admitted(instruction, now_s)
         assert isinstance(instruction, HoldOrder)  # noqa: S101 - a strategist instructs nothing else
         order = instruction.order
-        said = OrderClaimed(order, instruction.epoch, instruction.over)
+        before = self._claimed.get(order)
+        # An end that the gate has not heard of yet is not forgotten.
+        over = 0 if before is None or instruction.again else before.over
+        said = OrderClaimed(order, instruction.epoch, max(instruction.over, over), instruction.again)
         self._claimed[order] = said
         self._words.say(f"order {order}", Send(self._gate, said), now_s)
         note = ShutWord(order=order, epoch=said.epoch, over=said.over) if said.over else None
@@ -246,9 +249,8 @@ class GatedStrategist(Strategist):
 
     def _on_heartbeat(self, heartbeat: StationHeartbeat, now_s: float) -> list[Effect]:
         """Detect a restart of the gate, which may have lost its orders."""
-        said = (heartbeat.incarnation, heartbeat.seq)
-        if not is_overtaken(said, self._gate_newest, self._gate_heard_s, now_s):
-            (life, _), self._gate_newest, self._gate_heard_s = self._gate_newest, said, now_s
+        life, _ = self._gate_newest.number
+        if self._gate_newest.takes((heartbeat.incarnation, heartbeat.seq), now_s):
             if self._begun and life not in (0, heartbeat.incarnation) and not self._shutdown.begun:
                 self._ask(now_s)
         return self._taken_out()
@@ -294,12 +296,12 @@ class GatedStrategist(Strategist):
         order, is_ours = held.order, held.holder == self.id
         if not is_ours:
             effects.append(Send(self._gate, HolderAcknowledged(order, held.epoch)))
-        if held.epoch < self._epochs.get(order, 0):
+        if not self._epochs.stands(order, (held.epoch,), now_s):
             return [*effects, Ignore(OLD)]
-        self._epochs[order] = held.epoch
         claimed = self._claimed.get(order)
         if claimed is not None and (
-            (is_ours and held.over >= claimed.over) or (not is_ours and held.epoch >= claimed.epoch)
+            (is_ours and held.over >= claimed.over and not 0 < claimed.again <= held.over)
+            or (not is_ours and held.epoch >= claimed.epoch)
         ):
             del self._claimed[order]
             self._words.settle(f"order {order}")

@@ -12,9 +12,9 @@ from msgspec import UNSET
 from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus, Production, Reason
 from dray.messages.fact import MachineFailure
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
+from dray.messages.overtaken import Newest
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.plant import Plant
-from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S, ArrivalStatistics
 from dray.protocol.runtime.events import NEVER_S
 
@@ -26,8 +26,8 @@ class _LastHeard:
 
     def __init__(self, heard_s: float) -> None:
         self.heard_s = heard_s
-        self.newest = (0, 0)
-        """Incarnation and number of the newest heartbeat."""
+        self.newest = Newest((0, 0), heard_s)
+        """The newest heartbeat, by incarnation and number."""
         self.broken_s: float | None = None
         """Since when it reports a breakdown; None while it works."""
         self.waits_s = 0.0
@@ -68,13 +68,14 @@ class MachineMonitor:
     def on_heartbeat(self, heartbeat: MachineHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False if it is older than the last one, or from no machine here."""
         heard = self._heard.get(heartbeat.machine) or self._welcome(heartbeat, now_s)
-        order = (heartbeat.incarnation, heartbeat.seq)
-        if heard is None or is_overtaken(order, heard.newest, heard.heard_s, now_s):
+        if heard is None:
             return False
-        is_same_life = heartbeat.incarnation == heard.newest[0]
-        missed = heartbeat.seq - heard.newest[1] - 1 if is_same_life else 0
+        life, seq = heard.newest.number
+        if not heard.newest.takes((heartbeat.incarnation, heartbeat.seq), now_s):
+            return False
+        missed = heartbeat.seq - seq - 1 if heartbeat.incarnation == life else 0
         self.arrivals.note(missed, now_s - heartbeat.at_s)
-        heard.newest, heard.heard_s = order, now_s
+        heard.heard_s = now_s
         heard.is_out = heartbeat.out_of_service is not UNSET
         if heartbeat.help is not UNSET and heartbeat.help.promised_by:
             # The remaining time counts, because the end is told by another clock.

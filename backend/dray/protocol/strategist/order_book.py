@@ -273,6 +273,12 @@ class OrderBook:
         self._forget_oldest(self._returned)
         return returned
 
+    def reopen(self, order: str) -> None:
+        """Forget how an order has ended: its next release is taken."""
+        self._ended.pop(order, None)
+        self._returned.pop(order, None)
+        self._unwritten[order] = None
+
     def close_order(self, order: str, *, fulfilled: bool = False) -> OrderInWork | None:
         """Forget an order and its goals, and accept none of this id any more.
 

@@ -14,9 +14,10 @@ from msgspec.structs import replace
 from dray.body import Admit
 from dray.messages import GoalBrief, GoalRevised, GoalRevisionTaken, OrderItem, OrderReleased, OrderTaken
 from dray.messages.fact import GoalReduced
+from dray.messages.overtaken import NewestOf
 from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.goal_auctions import GoalAuctions
-from dray.protocol.strategist.order_book import DELIVERY_S, OpenGoal, OrderBook, OrderInWork
+from dray.protocol.strategist.order_book import DELIVERY_S, ORDERS_MAX, OpenGoal, OrderBook, OrderInWork
 from dray.protocol.strategist.order_ends import OrderEnds
 
 
@@ -37,15 +38,31 @@ class OrderChanges:
         life: Life,
     ) -> None:
         self._book, self._auctions, self._ends, self._life = book, auctions, ends, life
+        self._said: NewestOf[str] = NewestOf(ORDERS_MAX)
+        """By order in work: its newest change."""
         self._askers: dict[str, str] = {}
         """By order: the agent that waits for the end of a change; an unknown one asks again."""
 
-    def on_changed(self, sender: str, message: OrderReleased, order: OrderInWork, now_s: float) -> None:
-        """An order in work is sent again; a newer change applies from now on. The answer follows when that is done."""
+    def on_released(self, sender: str, message: OrderReleased, order: OrderInWork, now_s: float) -> bool:
+        """An order in work is sent again; another change applies from now on, and the answer follows when that is done.
+
+        A lower change of the same release counts once nobody repeats the higher one: a thief of a gateway's certificate has stated that.
+
+        Returns:
+            Whether it concerns a change.
+        """
+        newest = self._said.of(order.id, (order.change,), now_s)
+        if message.release == order.release:
+            counts = newest.stands((message.change,), now_s) and message.change != order.change
+        else:
+            counts = message.change > order.change
+        if not counts and not order.wanted:
+            return False
         self._askers[order.id] = sender
-        if message.change > order.change:
+        if counts:
             self._begin(message, order)
         self.settle(order, now_s)
+        return True
 
     def _begin(self, message: OrderReleased, order: OrderInWork) -> None:
         order.change = message.change

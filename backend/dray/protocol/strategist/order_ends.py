@@ -68,6 +68,12 @@ class OrderEnds:
             changed = OrderChanged(order.id, order.release, order.change, order.quantities)
             self._life.record(changed)
 
+    def reopen(self, order: str, release: int) -> None:
+        """Forget how an order has ended: this release of it is made."""
+        self._book.reopen(order)
+        if self._shared is not None:
+            self._shared.is_made_again(order, release)
+
     def tell(self, order: str, release: int) -> None:
         """Have the gate told, for later holders, that an order has ended, up to this release."""
         if self._shared is not None:

@@ -28,16 +28,21 @@ from dray.body import HoldOrder
 from dray.body.gate import EVERY_RELEASE
 from dray.memory import Memory, OrderNoted
 from dray.messages import Event, GoalBrief, HolderChanged, OrderCancelled, OrderReleased, OrderRevoked
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import MemoryLost, OrderDropped, OrderFulfilled, OrderReturned
 from dray.messages.gate import OrderHeld
+from dray.messages.overtaken import NewestOf
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.runtime.events import Commit
+from dray.protocol.runtime.events import NEVER_S, Commit
 from dray.protocol.runtime.life import Change, Life
 from dray.protocol.strategist.order_book import ENDED_KEPT, ORDERS_MAX, OrderBook
 from dray.protocol.strategist.peers import Peers
 
 TURN_S = 1.0
 """Delay of a claim per lower bidder (s): by then that one has asked the gate."""
+
+REPORTED_S = 10.0
+"""Time in which a machine is told who holds an order by the gate's last report (s): two heartbeats of an idle machine."""
 
 CLAIM = "claim"
 """Alarm of a claim, by order."""
@@ -95,8 +100,12 @@ class OrderHolding:
         self._agent, self._peers, self._life, self._book = life.agent, peers, life, book
         self._held: BoundedMap[str, int] = BoundedMap(ENDED_KEPT)
         """Epochs of the orders that this strategist holds, including ended ones."""
+        self._reported_s: BoundedMap[str, float] = BoundedMap(ENDED_KEPT)
+        """By order: when the gate last reported that it is held here."""
         self._noted: dict[str, OrderNoted] = {}
         """Orders that have not ended, with any holder."""
+        self._said: NewestOf[str] = NewestOf(ORDERS_MAX)
+        """By noted order: the newest release and change."""
         self._waiting: BoundedMap[str, tuple[str, Said]] = BoundedMap(ORDERS_MAX)
         """The last unanswered message about orders that are not held here."""
         self._unwritten: dict[str, None] = {}
@@ -139,6 +148,11 @@ class OrderHolding:
         if order in self._held:
             self._life.instruct(HoldOrder(order, self._held[order], release))
 
+    def made_again(self, order: str, release: int) -> None:
+        """A release is made although it was said to have ended; the gate tells a later holder."""
+        if order in self._held:
+            self._life.instruct(HoldOrder(order, self._held[order], again=release))
+
     # --- messages ---
 
     def on_said(self, sender: str, message: Said, now_s: float) -> None:
@@ -148,9 +162,7 @@ class OrderHolding:
             self._life.note(OrderHeard(sender, message))
             return
         noted = self._noted.get(order)
-        if isinstance(message, OrderReleased) and (
-            noted is None or (message.release, message.change) > (noted.release.release, noted.release.change)
-        ):
+        if isinstance(message, OrderReleased) and (noted is None or self._is_news(message, noted, now_s)):
             before = noted or OrderNoted(message, sender)
             self._note(order, replace(before, release=message, asker=sender))
         if order in self._held:
@@ -175,11 +187,19 @@ class OrderHolding:
             self._waiting.pop(fact.order, None)
             self._life.cancel((CLAIM, fact.order))
 
-    def on_brief(self, machine: str, brief: GoalBrief) -> None:
-        """A machine names a goal: tell it the holder if it obeys another strategist."""
+    def on_brief(self, machine: str, brief: GoalBrief, now_s: float) -> None:
+        """A machine names a goal: tell it the holder if it obeys another strategist.
+
+        If it obeys one with as high an epoch, the gate is asked first: it may have another holder, or a thief has spoken.
+        """
         order = GOAL_NAME.sub("", brief.goal)
-        if self._held.get(order, 1) > (1 if brief.held is UNSET else brief.held):
-            self._life.send(machine, HolderChanged(order, self._held[order]))
+        ours, told = self._held.get(order), 1 if brief.held is UNSET else brief.held
+        if ours is None or (told == ours and brief.holder in (UNSET, self._agent)):
+            return
+        if told < ours or now_s - self._reported_s.get(order, -NEVER_S) <= REPORTED_S:
+            self._life.send(machine, HolderChanged(order, ours))
+        else:
+            self._life.instruct(HoldOrder(order, ours))
 
     def look(self, now_s: float) -> None:
         """Take a turn for the orders of silent strategists."""
@@ -195,11 +215,11 @@ class OrderHolding:
             return
         if noted is not None and noted.holder:
             if self._peers.is_silent(noted.holder, now_s):
-                self._life.instruct(HoldOrder(order, noted.epoch + 1))
+                self._life.instruct(HoldOrder(order, _next(noted.epoch)))
         elif noted is not None or order in self._waiting:
-            self._life.instruct(HoldOrder(order, 1 if noted is None else noted.epoch + 1))
+            self._life.instruct(HoldOrder(order, 1 if noted is None else _next(noted.epoch)))
 
-    def on_held(self, report: OrderHeld, _now_s: float) -> None:
+    def on_held(self, report: OrderHeld, now_s: float) -> None:
         """The gate reports the holder of an order."""
         order, noted = report.order, self._noted.get(report.order)
         if noted is not None and (noted.holder, noted.epoch) != (report.holder, report.epoch):
@@ -209,6 +229,7 @@ class OrderHolding:
             if self._held.pop(order, None) is not None:
                 self._life.note(OrderLost(order))
             return
+        self._reported_s[order] = now_s
         if self._held.get(order) != report.epoch:
             self._held[order] = report.epoch
             self._life.note(OrderGranted(report, None if noted is None else noted.release))
@@ -228,6 +249,11 @@ class OrderHolding:
         if self._book.order(order) is not None:
             return False
         return not isinstance(message, OrderCancelled) and self._book.knows(order, message.release)
+
+    def _is_news(self, message: OrderReleased, noted: OrderNoted, now_s: float) -> bool:
+        """Whether a release or change replaces the noted one: a later one, or one whose gateways do not repeat the noted one any more."""
+        said, known = (message.release, message.change), (noted.release.release, noted.release.change)
+        return self._said.of(message.order, known, now_s).stands(said, now_s) and said != known
 
     def _can_take(self, release: OrderReleased) -> bool:
         """Whether an order can be made, and there is room for it."""
@@ -249,3 +275,8 @@ class OrderHolding:
         if not self._life.awaits((CLAIM, order)):
             before = self._peers.before(order, now_s)
             self._life.alarm((CLAIM, order), now_s + before * TURN_S)
+
+
+def _next(epoch: int) -> int:
+    """The epoch with which an order is claimed; a thief of the gate's certificate may have reported the last one."""
+    return min(epoch + 1, COUNT_MAX)

@@ -7,11 +7,19 @@ from __future__ import annotations
 
 from dray.body import Admit
 from dray.body.gate import EVERY_RELEASE
-from dray.messages import CancellationTaken, OrderCancelled, OrderRevoked, Reason, RevocationTaken
+from dray.messages import (
+    CancellationTaken,
+    OrderCancelled,
+    OrderReleased,
+    OrderRevoked,
+    Reason,
+    RevocationTaken,
+)
 from dray.messages.fact import GoalWithdrawn, OrderDropped
+from dray.messages.overtaken import NewestOf
 from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.goal_auctions import GoalAuctions
-from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
+from dray.protocol.strategist.order_book import ENDED_KEPT, ORDERS_MAX, OpenGoal, OrderBook, OrderInWork
 from dray.protocol.strategist.order_ends import OrderEnds
 from dray.protocol.strategist.part_goals import PartGoals
 
@@ -36,12 +44,39 @@ class OrderRevocations:
     ) -> None:
         self._book, self._auctions, self._parts = book, auctions, parts
         self._ends, self._life = ends, life
+        self._releases: NewestOf[str] = NewestOf(ORDERS_MAX)
+        """By order in work: its release."""
+        self._over: NewestOf[str] = NewestOf(ENDED_KEPT)
+        """By order that was cancelled or taken back: the last release that has ended by that."""
+
+    def on_released(self, message: OrderReleased, now_s: float) -> None:
+        """An order is released: forget an end of it that its gateways do not know of.
+
+        Gateways release no order that people have cancelled, nor an earlier release than was taken back. If one still does when no late message
+        can say so, a thief of a gateway's certificate has ended the order.
+        """
+        name, said = message.order, (message.release,)
+        order, returned = self._book.order(name), self._book.returned(name)
+        if order is not None:
+            if message.release == order.release:
+                self._releases.of(name, said, now_s).stands(said, now_s)
+            return
+        if returned is not None:
+            over = (returned.release,)
+        elif self._book.is_over(name) and not self._book.ended(name).fulfilled:
+            over = (EVERY_RELEASE,)
+        else:
+            return
+        newest = self._over.of(name, over, now_s)
+        if said < over and not newest.overtakes(said, now_s):
+            self._ends.reopen(name, message.release)
 
     def on_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
         """Drop an order, and answer every request, even for an order that has not come yet."""
         order = self._book.close_order(message.order)
         if order is not None:
             self._drop(order, now_s)
+        self._over.of(message.order, (EVERY_RELEASE,), now_s).stands((EVERY_RELEASE,), now_s)
         self._ends.tell(message.order, EVERY_RELEASE)
         self._life.send(sender, CancellationTaken(order=message.order))
 
@@ -58,9 +93,19 @@ class OrderRevocations:
     def on_revoked(self, sender: str, message: OrderRevoked, now_s: float) -> None:
         """Take an order back, and answer every request when the gate is shut for all of it."""
         order = self._book.order(message.order)
+        said = (message.release,)
         if order is None:
             self._answer(sender, message)
-        elif message.release != order.release:
+            if (
+                returned := self._book.returned(message.order)
+            ) is not None and returned.release == message.release:
+                self._over.of(message.order, said, now_s).stands(said, now_s)
+            return
+        newest = self._releases.of(order.id, (order.release,), now_s)
+        if message.release < order.release and not newest.overtakes(said, now_s):
+            # Nobody releases the later one any more: a thief of a gateway's certificate has stated it.
+            order.release = message.release
+        if message.release != order.release:
             self._life.ignore("a revocation of another release of an order")
         elif not order.revoked_by:
             self._book.revoke(order, sender)

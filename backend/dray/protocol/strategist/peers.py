@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dray.messages import StrategistHeartbeat
 from dray.messages.keys import Keys
-from dray.protocol.liveness.overtaken import is_overtaken
+from dray.messages.overtaken import NewestOf
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, WORKING_INTERVAL_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
@@ -34,8 +34,8 @@ class Peers:
         self._agent, self._keys, self._life = life.agent, keys, life
         self._book = book
         self._heard_s = dict.fromkeys(others, 0.0)
-        self._newest = dict.fromkeys(others, (0, 0))
-        """Incarnation and number of the newest heartbeat."""
+        self._newest: NewestOf[str] = NewestOf()
+        """The newest heartbeats, by incarnation and number."""
         self._load = dict.fromkeys(others, 0)
 
     def start(self, now_s: float) -> None:
@@ -56,12 +56,9 @@ class Peers:
 
     def on_heartbeat(self, sender: str, heartbeat: StrategistHeartbeat, now_s: float) -> None:
         """Note a peer's heartbeat."""
-        newest = (heartbeat.incarnation, heartbeat.seq)
-        if sender not in self._heard_s:
-            return
-        if not is_overtaken(newest, self._newest[sender], self._heard_s[sender], now_s):
-            self._newest[sender], self._heard_s[sender] = newest, now_s
-            self._load[sender] = heartbeat.orders
+        number = (heartbeat.incarnation, heartbeat.seq)
+        if sender in self._heard_s and self._newest.takes(sender, number, now_s):
+            self._heard_s[sender], self._load[sender] = now_s, heartbeat.orders
 
     def excuse(self, span_s: float) -> None:
         """The strategist's own process was held up for this long: peers' silence in that time does not count."""

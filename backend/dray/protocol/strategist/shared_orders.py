@@ -85,13 +85,17 @@ class SharedOrders:
         """An order has ended, up to this release."""
         self._holding.ended(order, release)
 
+    def is_made_again(self, order: str, release: int) -> None:
+        """A release is made although it was said to have ended."""
+        self._holding.made_again(order, release)
+
     def excuse(self, span_s: float) -> None:
         """The strategist was deaf for this long."""
         self._peers.excuse(span_s)
 
-    def is_judge(self, machine: str, brief: GoalBrief) -> bool:
+    def is_judge(self, machine: str, brief: GoalBrief, now_s: float) -> bool:
         """Whether this strategist holds the order of a machine's goal, and so decides; the machine is told if needed."""
-        self._holding.on_brief(machine, brief)
+        self._holding.on_brief(machine, brief, now_s)
         return self._holding.judges(brief.goal)
 
     def _beat(self, _about: None, now_s: float) -> None:

@@ -197,13 +197,14 @@ class Strategist(AgentBase):
         if not all(self._book.can_be_made(item) for item in message.items):
             self._life.ignore("an order for a product that no machine makes")
             return
+        if self._shared is None or self._book.held_with(message.order):
+            self._revocations.on_released(message, now_s)
         in_work = self._book.order(message.order)
         if in_work is not None and in_work.release < message.release:
             # The order was never answered as taken back, so its missing pieces are still unknown.
             self._life.ignore("a later release of an order that is in work")
             return
-        if in_work is not None and (message.change > in_work.change or in_work.wanted):
-            self._changes.on_changed(sender, message, in_work, now_s)
+        if in_work is not None and self._changes.on_released(sender, message, in_work, now_s):
             return
         if not self._book.knows(message.order, message.release):
             if self._book.is_full:
@@ -290,7 +291,7 @@ class Strategist(AgentBase):
         self._parts.on_machine(heartbeat, now_s)
         for brief in heartbeat.goals:
             goal = self._book.goal(brief.goal)
-            if self._shared is not None and not self._shared.is_judge(machine, brief):
+            if self._shared is not None and not self._shared.is_judge(machine, brief, now_s):
                 continue
             if goal is None:
                 # It has not heard that its goal is closed, or was down when others got it.

@@ -27,8 +27,8 @@ from msgspec.structs import replace
 from dray.body import CloseDock
 from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Phase
+from dray.messages.overtaken import NewestOf
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.liveness.overtaken import is_overtaken
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
@@ -66,8 +66,8 @@ class Departures:
         self._subscriptions, self._bookings, self._life = subscriptions, bookings, life
         self._leaving: dict[str, DepartureMemory] = {}
         """By vehicle: the load that it may have moved."""
-        self._newest: BoundedMap[str, tuple[tuple[int, int], float]] = BoundedMap(HEARD_KEPT)
-        """By vehicle: incarnation and number of its newest heartbeat, and when it came."""
+        self._newest: NewestOf[str] = NewestOf(HEARD_KEPT)
+        """By vehicle: its newest heartbeat, by incarnation and number."""
         self._at_task: BoundedMap[str, tuple[str, int, float]] = BoundedMap(HEARD_KEPT)
         """By vehicle: the task and epoch of its last heartbeat, and when it came."""
 
@@ -127,11 +127,8 @@ class Departures:
 
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """Handle a vehicle's heartbeat."""
-        said = (heartbeat.incarnation, heartbeat.seq)
-        newest = self._newest.get(heartbeat.atv)
-        if newest is not None and is_overtaken(said, *newest, now_s):
+        if not self._newest.takes(heartbeat.atv, (heartbeat.incarnation, heartbeat.seq), now_s):
             return
-        self._newest[heartbeat.atv] = said, now_s
         load, carries = self._leaving.get(heartbeat.atv), heartbeat.task
         if load is not None:
             names = carries is not None and (

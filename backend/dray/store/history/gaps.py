@@ -22,6 +22,7 @@ import msgspec
 
 from dray.messages import EventsAsked, EventsKept
 from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT
+from dray.messages.overtaken import OVERTAKES_S
 
 LIVES = 4
 """Maximum lives of one agent that are followed, the last ones. More starts during a historian's absence are a worse problem
@@ -75,6 +76,8 @@ class _Teller(msgspec.Struct, gc=False):
 
     heard_s: float
     due_s: float
+    newest_s: float
+    """When it was last heard in its newest life."""
     lives: dict[int, _Life] = msgspec.field(default_factory=dict)
     pause_s: float = AGAIN_S[0]
     waiting: bool = False
@@ -102,7 +105,7 @@ class Gaps:
         self.gone = 0
         self._tellers: dict[str, _Teller] = {}
         for one in known:
-            teller = self._tellers.setdefault(one.agent, _Teller(heard_s=now_s, due_s=now_s))
+            teller = self._tellers.setdefault(one.agent, _Teller(heard_s=now_s, due_s=now_s, newest_s=now_s))
             self._begin_life(teller, one.incarnation)
             life = teller.lives[one.incarnation]
             life.last = one.last
@@ -111,7 +114,7 @@ class Gaps:
         for agent in agents:
             if agent not in self._tellers:
                 # Its answer tells its present life.
-                self._tellers[agent] = teller = _Teller(heard_s=now_s, due_s=now_s)
+                self._tellers[agent] = teller = _Teller(heard_s=now_s, due_s=now_s, newest_s=now_s)
                 self._begin_life(teller, 1)
 
     # --- what is heard ---------------------------------------------------------------------------
@@ -155,6 +158,12 @@ class Gaps:
         if (life := teller.lives.get(kept.incarnation)) is not None:
             over = kept.incarnation < kept.life
             found |= kept.last > life.last or life.open
+            if kept.first <= kept.last < life.last:
+                # It has told no later ones: they are a thief's, or on their way, and then they are fetched once more.
+                self.missing -= len(life.missing)
+                life.missing = {number for number in life.missing if number <= kept.last}
+                self.missing += len(life.missing)
+                life.last = kept.last
             if kept.last > life.last:
                 self._miss(life, life.last + 1, kept.last + 1)
                 life.last = kept.last
@@ -192,14 +201,23 @@ class Gaps:
     def _heard(self, agent: str, incarnation: int, now_s: float) -> _Teller:
         teller = self._tellers.get(agent)
         if teller is None:
-            teller = self._tellers[agent] = _Teller(heard_s=now_s, due_s=now_s + SETTLE_S)
+            teller = self._tellers[agent] = _Teller(heard_s=now_s, due_s=now_s + SETTLE_S, newest_s=now_s)
         elif now_s > teller.heard_s + SILENCE_S:
             teller.pause_s, teller.waiting = AGAIN_S[0], False
             self._ask_by(teller, now_s + SETTLE_S)
         teller.heard_s = now_s
-        if incarnation > next(reversed(teller.lives), 0):
+        newest = next(reversed(teller.lives), 0)
+        if incarnation not in teller.lives and incarnation < newest and now_s - teller.newest_s > OVERTAKES_S:
+            # Nobody speaks in that life any more: a thief of its certificate has named it.
+            for life in teller.lives.values():
+                self._give_up(life, life.last + 1)
+            teller.lives.clear()
+            newest = 0
+        if incarnation > newest:
             self._begin_life(teller, incarnation)
             self._ask_by(teller, now_s + SETTLE_S)
+        if incarnation >= newest:
+            teller.newest_s = now_s
         return teller
 
     def _begin_life(self, teller: _Teller, incarnation: int) -> None:

@@ -36,6 +36,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import TRANSPORT_ENDED, Event, TransportState
 from dray.messages.fact import TransportProgressed
+from dray.messages.overtaken import OVERTAKES_S
 from dray.store.database.counting import total_of
 from dray.store.database.searching import Sought
 from dray.store.history.clocks import ToWall
@@ -311,11 +312,15 @@ class Transports:
 
 
 def progressed(row: TransportRow, event: Event, fact: TransportProgressed, to_wall_s: ToWall) -> TransportRow:
-    """A transport after its destination's event; an outdated event changes nothing."""
-    is_new = (event.incarnation, event.number) > (row.incarnation, row.number)
-    if row.has_ended or not is_new:
-        return row
+    """A transport after its destination's event; an outdated event changes nothing.
+
+    An event with a lower number is outdated, unless it was told so much later that no late one can be: then a thief of the
+    destination's certificate has told the number of the far future.
+    """
     at_s = to_wall_s(event.at_s)
+    is_new = (event.incarnation, event.number) > (row.incarnation, row.number)
+    if row.has_ended or not (is_new or at_s > row.updated_at_s + OVERTAKES_S):
+        return row
     return msgspec.structs.replace(
         row,
         status=fact.state,

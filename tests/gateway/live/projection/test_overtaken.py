@@ -13,7 +13,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.agents.people import People
 from dray.messages import DutyStatus, OperatorHeartbeat, StrategistHeartbeat
 from dray.messages.base import COUNT_MAX
-from dray.protocol.liveness.overtaken import OVERTAKES_S
+from dray.messages.overtaken import OVERTAKES_S
 
 MACHINE, STORAGE = PLANT.machines[0].id, PLANT.storages[0].id
 

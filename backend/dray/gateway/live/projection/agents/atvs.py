@@ -22,8 +22,8 @@ from dray.gateway.live.views import (
     ProbationView,
 )
 from dray.messages import AtvHeartbeat, Brief, Heartbeat
+from dray.messages.overtaken import NewestOf
 from dray.plant.model import Charging, VehicleSpec, VehicleType
-from dray.protocol.liveness.overtaken import is_overtaken
 from dray.store.history.clocks import Clocks, ToWall
 
 ANY_MUST_CHARGE_FRAC = Charging().must_below_frac
@@ -88,8 +88,7 @@ class Atvs:
         }
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
-        self._heard_s: dict[str, float] = {}
-        """When the last one came (plant clock)."""
+        self._newest: NewestOf[str] = NewestOf()
         self._shown: dict[str, tuple[AtvHeartbeat, AtvView]] = {}
         """The view made of the heartbeat beside it; dropped when anything else about the vehicle changes."""
         self.changes = Changes("atv")
@@ -117,11 +116,8 @@ class Atvs:
                     self.strangers += 1
                     return False
                 self._joined += 1
-        elif is_overtaken(
-            (heartbeat.incarnation, heartbeat.seq), (last.incarnation, last.seq), self._heard_s[atv], now_s
-        ):
+        if not self._newest.takes(atv, (heartbeat.incarnation, heartbeat.seq), now_s):
             return False
-        self._heard_s[atv] = now_s
         if last is None or last.status is not heartbeat.status:
             self.by_status[heartbeat.status.value] += 1
             if last is not None:
@@ -133,6 +129,10 @@ class Atvs:
         self._last[atv] = heartbeat
         self.changes.mark(atv)
         return True
+
+    def heard_s(self, atv: str) -> float | None:
+        """When the last heartbeat of one vehicle came (plant clock); None when it was never heard."""
+        return self._newest.heard_s(atv)
 
     def last(self, atv: str) -> AtvHeartbeat | None:
         """The last heartbeat of one vehicle."""

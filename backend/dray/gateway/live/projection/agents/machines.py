@@ -28,7 +28,7 @@ from dray.messages import (
     TaskBrief,
 )
 from dray.messages.heartbeat_stock import with_stock
-from dray.protocol.liveness.overtaken import is_overtaken
+from dray.messages.overtaken import NewestOf
 from dray.store.history.clocks import Clocks, ToWall
 
 MAKING, STARVED, IDLE, BROKEN, DOWN, RESTING = "making", "starved", "idle", "broken", "down", "resting"
@@ -72,8 +72,7 @@ class Machines:
         self._site = site
         self._to_wall_s = to_wall_s
         self._last: dict[str, MachineHeartbeat] = {}
-        self._heard_s: dict[str, float] = {}
-        """When the last one came (plant clock)."""
+        self._newest: NewestOf[str] = NewestOf()
         self._since_s: dict[str, float] = {}
         """Per machine, the time since which it has had its status (plant clock)."""
         self.use = TimeUse(DOINGS)
@@ -97,15 +96,12 @@ class Machines:
                     self.strangers += 1
                     return False
                 self._joined += 1
+        if not self._newest.takes(heartbeat.machine, (heartbeat.incarnation, heartbeat.seq), now_s):
+            return False
+        if last is None or last.status is not heartbeat.status:
             self.by_status[heartbeat.status.value] += 1
-        else:
-            said, newest = (heartbeat.incarnation, heartbeat.seq), (last.incarnation, last.seq)
-            if is_overtaken(said, newest, self._heard_s[heartbeat.machine], now_s):
-                return False
-            if last.status is not heartbeat.status:
-                self.by_status[heartbeat.status.value] += 1
+            if last is not None:
                 self.by_status[last.status.value] -= 1
-        self._heard_s[heartbeat.machine] = now_s
         heartbeat = with_stock(heartbeat, last)
         if last is None or last.status is not heartbeat.status:
             self._since_s[heartbeat.machine] = heartbeat.at_s

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TypeVar
 
 from dray.messages import CallState, HelpCall, OperatorHeartbeat
-from dray.protocol.liveness.overtaken import is_overtaken
+from dray.messages.overtaken import NewestOf
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s
 
 PEOPLE_MAX, CALLS_MAX = 256, 2_000
@@ -27,27 +27,23 @@ class People:
         self._operators: dict[str, tuple[OperatorHeartbeat, float]] = {}
         self._calls: dict[tuple[str, str], tuple[HelpCall, float]] = {}
         """Calls by their subject."""
+        self._newest: NewestOf[str] = NewestOf(PEOPLE_MAX)
+        self._newest_calls: NewestOf[tuple[str, str]] = NewestOf(CALLS_MAX)
 
     def fold(self, message: OperatorHeartbeat | HelpCall, now_s: float) -> bool:
         """Note a message; False when a newer one came before."""
         if isinstance(message, HelpCall):
             return self._on_call(message, now_s)
-        if message.operator in self._operators:
-            last, heard_s = self._operators[message.operator]
-            said, newest = (message.incarnation, message.seq), (last.incarnation, last.seq)
-            if is_overtaken(said, newest, heard_s, now_s):
-                return False
+        if not self._newest.takes(message.operator, (message.incarnation, message.seq), now_s):
+            return False
         self._operators.pop(message.operator, None)
         self._operators[message.operator] = message, now_s
         _forget_oldest(self._operators, PEOPLE_MAX)
         return True
 
     def _on_call(self, call: HelpCall, now_s: float) -> bool:
-        if call.subject in self._calls:
-            last, heard_s = self._calls[call.subject]
-            said, newest = (call.incarnation, call.number), (last.incarnation, last.number)
-            if is_overtaken(said, newest, heard_s, now_s):
-                return False
+        if not self._newest_calls.takes(call.subject, (call.incarnation, call.number), now_s):
+            return False
         self._calls.pop(call.subject, None)
         self._calls[call.subject] = call, now_s
         _forget_oldest(self._calls, CALLS_MAX)

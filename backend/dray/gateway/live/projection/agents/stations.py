@@ -14,8 +14,8 @@ from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import StationView, StockView, ToComeView
 from dray.messages import StationHeartbeat, StockLevel
 from dray.messages.keys import GATE
+from dray.messages.overtaken import NewestOf
 from dray.plant.model import Storage
-from dray.protocol.liveness.overtaken import is_overtaken
 from dray.store.history.clocks import Clocks, ToWall
 
 
@@ -43,8 +43,7 @@ class Stations:
         self._to_wall_s = to_wall_s
         self._outsiders, self._clocks, self._silence = outsiders, clocks, silence
         self._last: dict[str, StationHeartbeat] = {}
-        self._heard_s: dict[str, float] = {}
-        """When the last one came (plant clock)."""
+        self._newest: NewestOf[str] = NewestOf()
         self.changes = Changes("station")
         self.product_of: Callable[[str], str] = lambda _goal: ""
         """The product of a goal; empty where it is not known."""
@@ -57,12 +56,8 @@ class Stations:
         """
         if heartbeat.station not in self._storages and heartbeat.station != GATE:
             return False
-        last = self._last.get(heartbeat.station)
-        if last is not None:
-            said, newest = (heartbeat.incarnation, heartbeat.seq), (last.incarnation, last.seq)
-            if is_overtaken(said, newest, self._heard_s[heartbeat.station], now_s):
-                return False
-        self._heard_s[heartbeat.station] = now_s
+        if not self._newest.takes(heartbeat.station, (heartbeat.incarnation, heartbeat.seq), now_s):
+            return False
         self._last[heartbeat.station] = heartbeat
         self.changes.mark(heartbeat.station)
         return True

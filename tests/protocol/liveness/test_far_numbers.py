@@ -10,14 +10,13 @@ from effects import instructed
 from msgspec.structs import replace
 from spoken import mhb, rhb
 
-from dray.adapters.security.seals import FRESH_S
 from dray.body import CloseDock
 from dray.memory import DepartureMemory
 from dray.messages import DutyStatus, OperatorHeartbeat, StrategistHeartbeat
-from dray.messages.base import CLOCKS_AGREE_S, COUNT_MAX
+from dray.messages.base import COUNT_MAX
+from dray.messages.overtaken import OVERTAKES_S
 from dray.protocol.calls.on_duty import OnDuty
 from dray.protocol.liveness.failure_detector import FailureDetector, HeartbeatSubscriptions
-from dray.protocol.liveness.overtaken import OVERTAKES_S, is_overtaken
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.machine_monitor import MachineMonitor
@@ -97,15 +96,3 @@ def test_a_heartbeat_of_the_far_future_does_not_shut_out_its_owner_for_ever(
     assert hears(life, 40, 101.0 + OVERTAKES_S + 0.1)
     assert hears(life, 41, 101.0 + OVERTAKES_S + 1.1)
     assert not hears(life, 41, 101.0 + OVERTAKES_S + 1.2)
-
-
-def test_no_message_that_is_played_again_counts_as_a_new_one() -> None:
-    """A bus with certificates passes a message on for `FRESH_S`, by another clock."""
-    assert OVERTAKES_S > FRESH_S + 2 * CLOCKS_AGREE_S
-
-
-@pytest.mark.parametrize("gap_s", [0.0, OVERTAKES_S])
-def test_within_that_time_only_a_higher_number_counts(gap_s: float) -> None:
-    old = [(1, 7), (1, 6), (0, COUNT_MAX)]
-    assert all(is_overtaken(said, (1, 7), 10.0, 10.0 + gap_s) for said in old)
-    assert not any(is_overtaken(said, (1, 7), 10.0, 10.0 + gap_s) for said in [(1, 8), (2, 1)])
