@@ -208,8 +208,8 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
         SettingsError: the mapping is missing or unusable.
     """
     settings, clock = surroundings.settings, surroundings.clock
-    items = {line.material for line in spec.stocks}
-    real = RealController.of(settings, lambda mapping: mapping.check_store(items))
+    room = {line.material: line.capacity for line in spec.stocks}
+    real = RealController.of(settings, lambda mapping: mapping.check_store(room))
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
