@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import secrets
 import threading
 from collections.abc import Callable, Coroutine, Iterable
 from concurrent.futures import Future
@@ -93,13 +94,14 @@ class ControllerServer:
 
     Attributes:
         url: where it is.
+        life: its name among all such servers: counters begin anew with each.
         loop: of its thread; for links to it, too.
     """
 
     def __init__(
         self, machines: Iterable[str], folder: Path, stores: Iterable[StorageSpec] = (), *, gate: bool = False
     ) -> None:
-        self.url = ""
+        self.url, self.life = "", secrets.token_hex(4)
         self.folder = folder
         self.loop = asyncio.new_event_loop()
         self._types: dict[str, Types[Any]] = dict.fromkeys(machines, NODES)
