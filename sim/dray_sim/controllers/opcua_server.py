@@ -166,6 +166,7 @@ class ControllerServer:
         asyncio.set_event_loop(self.loop)
         try:
             self.loop.run_forever()
+            self.loop.run_until_complete(_cancel_others())
         finally:
             self.loop.close()
 
@@ -231,3 +232,11 @@ class ControllerServer:
                 name, signal = next(iter(self._unshown))
                 value = self._unshown.pop((name, signal))
                 await self._nodes[name, signal].write_value(shown(signal, value, self._types[name]))
+
+
+async def _cancel_others() -> None:
+    """Cancel all other tasks of the loop: a server that stops leaves those of clients that are still connected."""
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for each in others:
+        each.cancel()
+    await asyncio.gather(*others, return_exceptions=True)

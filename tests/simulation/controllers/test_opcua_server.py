@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import queue
 from pathlib import Path
 
@@ -99,6 +100,30 @@ def test_a_mapping_file_has_the_life_of_its_floor_and_another_floor_another_one(
             mapping = load_mapping(tmp_path / f"{name}.yaml", OpcUaMapping)
             assert f", life {server.life}" in mapping.source(Signal.PIECES)
     assert len(set(lives)) == len(lives)
+
+
+class Ear:
+    """Hears what it has subscribed to."""
+
+    def datachange_notification(self, *_: object) -> None:
+        """Anything."""
+
+
+def test_a_server_that_ends_while_a_client_is_connected_leaves_no_task(tmp_path: Path) -> None:
+    async def story() -> None:
+        server = ControllerServer(["M8"], tmp_path)
+        await asyncio.to_thread(server.__enter__)
+        client = Client(server.url)
+        await client.connect()
+        subscription = await client.create_subscription(100.0, Ear())
+        await subscription.subscribe_data_change([client.get_node("ns=2;s=M8.pieces")])
+        await asyncio.to_thread(server.__exit__)
+        assert asyncio.all_tasks(server.loop) == set()
+        with contextlib.suppress(Exception):
+            await client.disconnect()
+        client.disconnect_socket()
+
+    asyncio.run(asyncio.wait_for(story(), 3 * PATIENCE_S))
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
