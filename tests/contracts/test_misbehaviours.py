@@ -24,7 +24,7 @@ def rows() -> list[tuple[str, str]]:
 
 
 def test_each_misbehaviour_that_is_written_down_has_its_test() -> None:
-    from test_signalled_workcell import ODD  # noqa: PLC0415  It is found by the line above.
+    from odd_controllers import ODD  # noqa: PLC0415  It is found by the line above.
 
     odd = {each.name for each in ODD}
     tests = {

@@ -134,6 +134,11 @@ def lacking(spec: Spec, mapping: SignalMapping) -> tuple[str, ...]:
             )
     if not isinstance(spec, GateSpec) and Signal.DOCK_READY not in mapping.signals:
         found.append("no `dock_ready`: vehicles are let in as soon as they stand there")
+    switches = [item for item, tag in mapping.levels.items() if tag.at_least is not None]
+    if switches:
+        found.append(
+            f"no count, but a switch: {', '.join(switches)}; what people bring or take is known by its bound only"
+        )
     return tuple(found)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import msgspec
 
@@ -59,9 +60,7 @@ class OpcUaControllers:
         self.controllers[machine] = controller
         self._connect(machine, controller)
         tags = {signal: Tag(node_id(machine, signal)) for signal in NODES}
-        return self._write(
-            machine, OpcUaMapping(url=self._server.url, signals=tags, stock=workcell.sense().stock)
-        )
+        return self._write(machine, self._mapping(signals=tags, stock=workcell.sense().stock))
 
     def build_store(self, storage: Storage) -> OpcUaMapping:
         """Give a storage or source warehouse its controller, and write down where that is.
@@ -74,9 +73,7 @@ class OpcUaControllers:
         tags = {signal: Tag(node_id(store, signal)) for signal in AT_A_DOCK}
         levels = {item: Tag(node_id(store, LEVEL + item)) for item in storage.stock}
         stock = dict(storage.stock)
-        return self._write(
-            store, OpcUaMapping(url=self._server.url, signals=tags, levels=levels, stock=stock)
-        )
+        return self._write(store, self._mapping(signals=tags, levels=levels, stock=stock))
 
     def build_gate(self, gate: Gate) -> OpcUaMapping:
         """Give the gate its controller, and write down where that is.
@@ -86,7 +83,7 @@ class OpcUaControllers:
         """
         self._connect(GATE, GateController(gate, self._clock, self._show(GATE), still_s=self._still_s))
         tags = {signal: Tag(node_id(GATE, signal)) for signal in GATE_NODES}
-        return self._write(GATE, OpcUaMapping(url=self._server.url, signals=tags))
+        return self._write(GATE, self._mapping(signals=tags))
 
     def end(self) -> None:
         """Hear nothing any more; the loop may be closed then."""
@@ -104,6 +101,9 @@ class OpcUaControllers:
         for signal, value in controller.shows.items():
             self._server.show(name, signal, value)
         self._server.connect(name, on_write)
+
+    def _mapping(self, **parts: Any) -> OpcUaMapping:
+        return OpcUaMapping(url=self._server.url, life=self._server.life, **parts)
 
     def _write(self, name: str, mapping: OpcUaMapping) -> OpcUaMapping:
         (self._server.folder / f"{name}.yaml").write_bytes(msgspec.yaml.encode(mapping))

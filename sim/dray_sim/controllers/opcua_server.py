@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import secrets
 import threading
 from collections.abc import Callable, Coroutine, Iterable
 from concurrent.futures import Future
@@ -93,13 +94,14 @@ class ControllerServer:
 
     Attributes:
         url: where it is.
+        life: its name among all such servers: counters begin anew with each.
         loop: of its thread; for links to it, too.
     """
 
     def __init__(
         self, machines: Iterable[str], folder: Path, stores: Iterable[StorageSpec] = (), *, gate: bool = False
     ) -> None:
-        self.url = ""
+        self.url, self.life = "", secrets.token_hex(4)
         self.folder = folder
         self.loop = asyncio.new_event_loop()
         self._types: dict[str, Types[Any]] = dict.fromkeys(machines, NODES)
@@ -164,6 +166,7 @@ class ControllerServer:
         asyncio.set_event_loop(self.loop)
         try:
             self.loop.run_forever()
+            self.loop.run_until_complete(_cancel_others())
         finally:
             self.loop.close()
 
@@ -229,3 +232,11 @@ class ControllerServer:
                 name, signal = next(iter(self._unshown))
                 value = self._unshown.pop((name, signal))
                 await self._nodes[name, signal].write_value(shown(signal, value, self._types[name]))
+
+
+async def _cancel_others() -> None:
+    """Cancel all other tasks of the loop: a server that stops leaves those of clients that are still connected."""
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for each in others:
+        each.cancel()
+    await asyncio.gather(*others, return_exceptions=True)

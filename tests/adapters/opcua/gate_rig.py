@@ -38,14 +38,14 @@ class GateRig:
         self.clock, self.reports = HandClock(), list[Report]()
         self.kept: KeptSignals | None = None
         self.shown: Value = first
-        self.label = ""
+        self.label = self.broker = ""
         self.begin()
         for goal in (SHAFTS, GEARS):
             self.body.instruct(Admit(goal, 10))
         self.reports.clear()
 
     def begin(self) -> None:
-        self.body = SignalledGate(self.mapping, self.clock, self, self.kept)
+        self.body = SignalledGate(self.mapping, self.clock, self, self.kept, broker=self.broker)
         self.body.attach(self.reports.append)
         self.link()
 

@@ -73,7 +73,7 @@ class Rig:
     ) -> None:
         self.mapping = SignalMapping(signals or COUNTER, PLENTY if stock is None else stock)
         self.clock, self.kept, self.reports = HandClock(), None, list[Report]()
-        self.writes = 0
+        self.writes, self.broker = 0, ""
         self.begin()
         if linked:
             self.tell(Signal.PIECES, 0)
@@ -82,7 +82,9 @@ class Rig:
 
     def begin(self) -> None:
         """Another life of its agent: of the last one only what was remembered is left."""
-        self.body = SignalledWorkcell(SPEC, PLANT, self.mapping, self.clock, self, self.kept)
+        self.body = SignalledWorkcell(
+            SPEC, PLANT, self.mapping, self.clock, self, self.kept, broker=self.broker
+        )
         self.body.attach(self.reports.append)
 
     # --- a world ---

@@ -131,6 +131,50 @@ def test_the_same_node_of_another_server_is_another_counter() -> None:
     assert topics.source("pieces") == "press/1 good"
 
 
+def test_the_same_node_in_another_life_of_a_simulated_floor_is_another_counter() -> None:
+    rig = Rig(TWO_BITS, ALL)
+    nodes = {str(name): tag for name, tag in TWO_BITS.items()}
+    for life in ("", "one", "two"):
+        rig.mapping = msgspec.structs.replace(by_opcua(PRESS, **nodes), life=life, stock=ALL)
+        rig.begin()
+        rig.tell(Signal.PIECES, 1)
+        rig.body.on_link()
+        assert (made(rig), f"life {life}" in rig.state.broken) == ([], bool(life))
+        rig.body.instruct(ResetFault())
+        rig.clock.pass_s(60.0)
+        rig.tell(Signal.PIECES, 2)
+        assert len(made(rig)) == 1
+
+
+BROKERS = "mqtt://north:1883", "mqtt://south:1883"
+
+
+def test_the_same_topic_of_another_broker_is_another_counter_of_a_machine() -> None:
+    rig = Rig(TWO_BITS | {Signal.PIECES: Tag(topic="press/1", path="good")}, ALL)
+    # The first life is of an older version, which did not know of its broker.
+    for broker, pieces in ((BROKERS[0], 1), (BROKERS[0], 2), (BROKERS[1], 0)):
+        rig.broker = broker
+        rig.begin()
+        rig.clock.pass_s(60.0)
+        rig.tell(Signal.PIECES, pieces)
+        rig.body.on_link()
+        assert len(made(rig)) == bool(pieces)
+    assert f"is read from press/1 good of {BROKERS[1]}, and was read from press/1 good of {BROKERS[0]}" in (
+        rig.state.broken
+    )
+
+
+def test_the_same_topic_of_another_broker_is_another_counter_of_the_gate() -> None:
+    rig = GateRig()
+    rig.broker = BROKERS[0]
+    rig.begin()
+    rig.show(SHAFTS)
+    rig.broker = BROKERS[1]
+    rig.begin()
+    assert BROKERS[0] in rig.body.away
+    assert BROKERS[1] in rig.body.away
+
+
 @pytest.mark.parametrize("product", [None, Tag(topic="press/1/order")])
 def test_a_product_that_another_controller_has_confirmed_is_no_product_of_this_one(
     product: Tag | None,

@@ -338,7 +338,10 @@ def test_the_agent_of_a_machine_with_simple_sensors(tmp_path: Path) -> None:
         for good in (7, 9):
             await rig.say("press/counts", counts(good))
             await rig.until(lambda: kept.exists() and read(kept).pieces.value == good)  # type: ignore[union-attr]  # noqa: B023
-        assert read(kept).stock[PRODUCT] == 2
+        remembered = read(kept)
+        assert remembered.stock[PRODUCT] == 2
+        assert remembered.pieces is not None
+        assert remembered.pieces.broker == str(broker)
         process.terminate()
         _, told = await process.communicate()
         assert process.returncode == 0, told.decode()

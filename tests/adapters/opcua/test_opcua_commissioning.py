@@ -206,10 +206,10 @@ STORE = PLANT.storages["S1"]
 ITEM = STORE.stocks[0].material
 
 
-def of_a_store(url: str, folder: Path, wanted: Wanted, level: Signal) -> Commissioning:
-    """Of a storage whose controller tells a level where it tells another signal."""
+def of_a_store(url: str, folder: Path, wanted: Wanted, level: Signal, **form: int) -> Commissioning:
+    """Of a storage whose controller tells a level where it tells another signal, in a form."""
     at_a_dock = mapping((Signal.DOCK_READY, Signal.DOCK_PERMIT, Signal.DOCK_VEHICLE))
-    said = {"url": url, "signals": at_a_dock, "levels": {ITEM: mapping((level,))[level.value]}}
+    said = {"url": url, "signals": at_a_dock, "levels": {ITEM: mapping((level,))[level.value] | form}}
     clock = SystemClock(asyncio.get_running_loop())
     return Commissioning(msgspec.convert(said, OpcUaMapping), folder, "", STORE, PLANT, clock, wanted)
 
@@ -246,6 +246,27 @@ def test_a_level_that_is_no_number_fails_the_check_of_a_storage(tmp_path: Path) 
         assert steps[LEVEL + ITEM][0] is False
         assert "that is no number of pieces" in steps[LEVEL + ITEM][1]
         assert "dock" not in steps
+
+    asyncio.run(story())
+
+
+@pytest.mark.parametrize(
+    ("level", "form", "said"),
+    [
+        (Signal.FAULT, {"at_least": 20}, ""),
+        (Signal.FAULT, {}, "of a switch say how many lie there `at_least`"),
+        (Signal.PRODUCT, {"at_least": 20}, "that is neither yes nor no"),
+    ],
+)
+def test_a_level_is_a_number_or_a_switch_as_its_mapping_says(
+    tmp_path: Path, level: Signal, form: dict[str, int], said: str
+) -> None:
+    async def story() -> None:
+        async with Plc() as plc:
+            done = of_a_store(plc.url, tmp_path, Wanted(), level, **form)
+            passed, seen_there = (await seen(done))[LEVEL + ITEM]
+        assert (passed, said in seen_there) == (not said, True)
+        assert (f"a switch: {ITEM}" in done.report()) is bool(form)
 
     asyncio.run(story())
 

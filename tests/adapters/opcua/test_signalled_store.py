@@ -19,7 +19,8 @@ from dray.body import Book, CloseDock, DockReady, OpenDock, Refill, Report, Stoc
 
 SPEC = PLANT.storages["S1"]
 ITEM = SPEC.stocks[0].material
-ITEMS = frozenset(line.material for line in SPEC.stocks)
+ROOM = {line.material: line.capacity for line in SPEC.stocks}
+ITEMS = frozenset(ROOM)
 DOCK = {
     Signal.DOCK_PERMIT: Tag("permit"),
     Signal.DOCK_READY: Tag("ready"),
@@ -266,16 +267,113 @@ def test_nobody_is_let_in_by_a_controller_that_is_away() -> None:
         (SignalMapping({Signal.PIECES: Tag("x")}), "signals.pieces: a storage has dock_ready"),
         (SignalMapping({}, {"gold": 1}), "stock.gold: this is not kept there"),
         (SignalMapping({}, levels={"gold": Tag("x")}), "levels.gold: this is not kept there"),
+        (SignalMapping({}, levels={ITEM: Tag("x", at_least=9999)}), "no more than .* fit in there"),
     ],
 )
 def test_a_mapping_that_is_no_storages_is_refused(said: SignalMapping, why: str) -> None:
     with pytest.raises(ValueError, match=why):
-        said.check_store(ITEMS)
+        said.check_store(ROOM)
 
 
-def test_a_level_is_no_pulse() -> None:
-    with pytest.raises(ValueError, match="a level has no edge"):
-        SignalMapping({}, levels={ITEM: Tag("x", edge=Edge.RISING)})
+@pytest.mark.parametrize(
+    ("tag", "why"),
+    [
+        (Tag("x", edge=Edge.RISING), "a level has no edge"),
+        (Tag("x", invert=True), "is not inverted"),
+        (Tag("x", at_least=20, scale=0.45), "a switch .* is on or off, and not scaled"),
+    ],
+)
+def test_a_level_is_no_pulse_and_a_switch_no_number(tag: Tag, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        SignalMapping({}, levels={ITEM: tag})
+
+
+def test_only_a_level_is_a_switch_of_so_many_pieces() -> None:
+    with pytest.raises(ValueError, match="only a switch of `levels`"):
+        SignalMapping({Signal.DOCK_PERMIT: Tag("x", at_least=20)})
+
+
+def switched(kept: KeptStore | None = None, *, at_least: int = 120, invert: bool = False) -> StoreRig:
+    """A storage with 100 pieces, as it is kept, and a switch."""
+    rig = StoreRig(**{ITEM: Tag("switch", at_least=at_least, invert=invert)})
+    if kept is not None:
+        rig.kept = kept
+        rig.begin()
+    return rig
+
+
+@pytest.mark.parametrize(
+    ("at_least", "value", "stock"),
+    [(120, True, 120), (120, False, 100), (60, True, 100), (60, False, 59), (1, 0, 0), (120, 1, 120)],
+)
+def test_a_switch_bounds_the_stock_and_leaves_it_where_it_agrees(
+    at_least: int, value: Value, stock: int
+) -> None:
+    rig = switched(at_least=at_least)
+    rig.tell(LEVEL + ITEM, value)
+    rig.clock.pass_s(RESTS_S)
+    assert rig.stock == stock
+    changed = [StockChanged(item=ITEM, change=stock - 100, seq=1)] if stock != 100 else []
+    assert rig.heard() == changed
+
+
+def test_a_switch_that_is_on_while_little_lies_there_is_inverted() -> None:
+    rig = switched(at_least=60, invert=True)
+    rig.tell(LEVEL + ITEM, False)
+    rig.clock.pass_s(RESTS_S)
+    assert rig.stock == 100
+    rig.tell(LEVEL + ITEM, True)
+    rig.clock.pass_s(RESTS_S)
+    assert rig.stock == 59
+
+
+def test_a_switch_that_flickers_counts_nothing_and_one_that_rests_again_does() -> None:
+    rig = switched()
+    for second in range(int(4 * RESTS_S)):
+        rig.tell(LEVEL + ITEM, second % 2 == 0)
+        rig.clock.pass_s(1.0)
+    assert rig.heard() == []
+    rig.tell(LEVEL + ITEM, True)
+    rig.clock.pass_s(RESTS_S)
+    assert rig.stock == 120
+
+
+def test_a_switch_counts_nothing_while_a_vehicle_is_at_the_dock_and_is_looked_at_after_it() -> None:
+    rig = switched(at_least=90)
+    rig.tell(LEVEL + ITEM, True)
+    rig.clock.pass_s(RESTS_S)
+    rig.body.instruct(OpenDock("ATV1", ITEM, 40))
+    rig.tell(Signal.DOCK_READY, True)
+    rig.tell(LEVEL + ITEM, False)
+    rig.clock.pass_s(3 * RESTS_S)
+    assert rig.stock == 100
+    rig.body.instruct(out())
+    rig.tell(Signal.DOCK_READY, False)
+    rig.clock.pass_s(RESTS_S)
+    assert rig.stock == 60
+    rig.tell(LEVEL + ITEM, True)
+    rig.clock.pass_s(RESTS_S)
+    assert rig.stock == 90
+
+
+def test_a_bound_is_no_count_of_what_nobody_has_counted_but_an_empty_place_is() -> None:
+    rig = switched(DAMAGED_STORE)
+    for value in (True, False):
+        rig.tell(LEVEL + ITEM, value)
+        rig.clock.pass_s(RESTS_S)
+    assert (rig.heard(), ITEM in rig.body.sense().uncounted) == ([], True)
+    rig = switched(DAMAGED_STORE, at_least=1)
+    rig.tell(LEVEL + ITEM, False)
+    rig.clock.pass_s(RESTS_S)
+    assert (rig.stock, ITEM in rig.body.sense().uncounted) == (0, False)
+
+
+@pytest.mark.parametrize("value", [47, 1.0, "ON", -1])
+def test_what_is_neither_yes_nor_no_is_no_switch(value: Value) -> None:
+    rig = switched()
+    rig.tell(LEVEL + ITEM, value)
+    rig.clock.pass_s(RESTS_S)
+    assert (rig.stock, rig.heard()) == (100, [])
 
 
 def test_the_station_of_a_real_storage_begins_and_takes_its_level_and_ends_when_it_is_away(

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import queue
 from pathlib import Path
 
 import pytest
 from asyncua import Client, ua
 
+from dray.adapters.mapping_file import load_mapping
+from dray.adapters.opcua.mapping_file import OpcUaMapping
 from dray.adapters.signals.signal import LEVEL, Signal, Value
+from dray.adapters.system_clock import SystemClock
 from dray.errors import UnavailableError
 from dray.plant import default_plant
+from dray_sim.bodies.floor import Floor
 from dray_sim.controllers import local_server as module
 from dray_sim.controllers.local_server import local_server
+from dray_sim.controllers.opcua_controllers import OpcUaControllers
 from dray_sim.controllers.opcua_server import ControllerServer
 
 PATIENCE_S = 60.0
@@ -73,6 +79,51 @@ def test_a_storage_shows_its_levels_and_has_nothing_but_a_dock(tmp_path: Path) -
         server.connect("S1", lambda *said: heard.put(said))
         asyncio.run(use(server))
         assert heard.get(timeout=PATIENCE_S) == (Signal.DOCK_VEHICLE, "ATV1")
+
+
+def test_a_mapping_file_has_the_life_of_its_floor_and_another_floor_another_one(tmp_path: Path) -> None:
+    plant = default_plant()
+
+    async def begin(server: ControllerServer) -> None:
+        clock = SystemClock(asyncio.get_running_loop())
+        floor, controllers = Floor(plant, clock, seed=1), OpcUaControllers(clock, server, 1.0)
+        controllers.build_machine(floor.workcells["M8"])
+        controllers.build_gate(floor.gate)
+        controllers.end()
+
+    lives = []
+    for _ in range(2):
+        with local_server(["M8"], tmp_path, gate=True) as server:
+            asyncio.run(begin(server))
+            lives.append(server.life)
+        for name in ("M8", "gate"):
+            mapping = load_mapping(tmp_path / f"{name}.yaml", OpcUaMapping)
+            assert f", life {server.life}" in mapping.source(Signal.PIECES)
+    assert len(set(lives)) == len(lives)
+
+
+class Ear:
+    """Hears what it has subscribed to."""
+
+    def datachange_notification(self, *_: object) -> None:
+        """Anything."""
+
+
+def test_a_server_that_ends_while_a_client_is_connected_leaves_no_task(tmp_path: Path) -> None:
+    async def story() -> None:
+        server = ControllerServer(["M8"], tmp_path)
+        await asyncio.to_thread(server.__enter__)
+        client = Client(server.url)
+        await client.connect()
+        subscription = await client.create_subscription(100.0, Ear())
+        await subscription.subscribe_data_change([client.get_node("ns=2;s=M8.pieces")])
+        await asyncio.to_thread(server.__exit__)
+        assert asyncio.all_tasks(server.loop) == set()
+        with contextlib.suppress(Exception):
+            await client.disconnect()
+        client.disconnect_socket()
+
+    asyncio.run(asyncio.wait_for(story(), 3 * PATIENCE_S))
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:

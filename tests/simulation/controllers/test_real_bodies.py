@@ -150,6 +150,6 @@ def test_an_order_is_delivered_and_every_piece_is_counted_once(tmp_path: Path) -
         assert mapping.url == url
     for store in plant.stores.values():
         mapping = load_mapping(tmp_path / f"{store.id}.yaml", OpcUaMapping)
-        mapping.check_store({line.material for line in store.stocks})
+        mapping.check_store({line.material: line.capacity for line in store.stocks})
         assert {*mapping.levels} == {line.material for line in store.stocks}
     load_mapping(tmp_path / "gate.yaml", OpcUaMapping).check_gate()

@@ -11,7 +11,7 @@ from dray.adapters.machine_acts import LINK_S, Spec, Wanted, after, lacking_line
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.mqtt.values import sample_of
-from dray.adapters.signals.signal import TEXTS, Quality, Signal, Tag, is_told
+from dray.adapters.signals.signal import LEVEL, TEXTS, Quality, Signal, Tag, is_told, no_level
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink
 from dray.plant import Plant
 from dray.ports import Clock
@@ -132,7 +132,10 @@ def _heard(name: str, tag: Tag, ear: _Ear, hear_s: float) -> Step:
     sample = sample_of(ear.said[tag.topic], tag.path, text=name in TEXTS)
     if sample.quality is not Quality.GOOD:
         return Step(name, False, f"{where}: {sample.reason}")
-    return Step(name, True, f"{where}, shows {sample.value!r}")
+    shown = f"{where}, shows {sample.value!r}"
+    if name.startswith(LEVEL) and (reason := no_level(sample.value, tag)):
+        return Step(name, False, f"{shown}: {reason}")
+    return Step(name, True, shown)
 
 
 async def _within(event: asyncio.Event, span_s: float) -> bool:

@@ -6,7 +6,6 @@ The first steps only read: nothing moves without being asked for. The findings b
 from __future__ import annotations
 
 import asyncio
-import math
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -30,6 +29,7 @@ from dray.adapters.signals.signal import (
     Tag,
     brief,
     is_told,
+    no_level,
 )
 from dray.plant import Plant
 from dray.plant.model import Storage as StorageSpec
@@ -169,10 +169,8 @@ class Commissioning:
             return Step(name, False, f"{tag.node}, {kind.name}: {sample.reason}")
         if not is_told(name) and ua.AccessLevel.CurrentWrite not in access:
             return Step(name, False, f"{shown}, and may not be written by {self.mapping.user or 'us'}")
-        if name.startswith(LEVEL) and (
-            isinstance(sample.value, bool | str) or not math.isfinite(sample.value) or sample.value < 0
-        ):
-            return Step(name, False, f"{shown}: that is no number of pieces")
+        if name.startswith(LEVEL) and (reason := no_level(sample.value, tag)):
+            return Step(name, False, f"{shown}: {reason}")
         if (
             name == Signal.SPEED
             and not isinstance(sample.value, bool | str)

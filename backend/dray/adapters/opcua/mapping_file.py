@@ -28,6 +28,9 @@ class OpcUaMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_
     server: str = ""
     """The controller's certificate, which proves its identity."""
 
+    life: str = ""
+    """The life of a simulated controller, whose counters begin anew with each. Empty for a real one."""
+
     def __post_init__(self) -> None:
         super().__post_init__()
         for name, tag in self.tags.items():
@@ -44,4 +47,5 @@ class OpcUaMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_
 
     def address(self, tag: Tag) -> str:
         """See `SignalMapping.address`."""
-        return f"{tag.node} of {self.url}"
+        life = f", life {self.life}" if self.life else ""
+        return f"{tag.node} of {self.url}{life}"

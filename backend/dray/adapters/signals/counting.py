@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from dray.adapters.signals.signal import UP_TO, Edge, brief
 
@@ -42,6 +43,8 @@ class CounterState(Struct, frozen=True):
     at_s: float
     of: str = ""
     """What shows it, in words: its address, form and end. Empty in the memory of an older version."""
+    broker: str = ""
+    """The address of its broker by MQTT. Empty by OPC UA, and in the memory of an older version."""
 
 
 def doubt_of_another(last: CounterState, now: CounterState, verb: str) -> str:
@@ -52,7 +55,9 @@ def doubt_of_another(last: CounterState, now: CounterState, verb: str) -> str:
         now: the present reading.
         verb: what is done with pieces, in words.
     """
-    if last.of in ("", now.of) or now.of.startswith(f"{last.of}{UP_TO}"):
+    if "" not in (last.broker, now.broker) and last.broker != now.broker:
+        last, now = (replace(each, of=f"{each.of} of {each.broker}") for each in (last, now))
+    elif last.of in ("", now.of) or now.of.startswith(f"{last.of}{UP_TO}"):
         return ""  # The same one, or it is known by now where it ends.
     return f"is read from {brief(now.of)}, and was read from {brief(last.of)}: pieces {verb} in between may be missing"
 

@@ -122,6 +122,7 @@ class SignalledGate:
         kept: the last life's memory; None for the first one.
         settle_s: the time for which a label must have been shown.
         kept_goals: maximum goals remembered.
+        broker: the address of its controller's broker; empty by OPC UA.
 
     Attributes:
         outputs: the wanted outputs, by signal; a link writes the differences.
@@ -140,7 +141,9 @@ class SignalledGate:
         *,
         settle_s: float = SETTLE_S,
         kept_goals: int = KEPT_GOALS,
+        broker: str = "",
     ) -> None:
+        self._broker = broker
         self._mapping, self._tags, self._clock, self._world = mapping, mapping.signals, clock, world
         self._settle_s, self._most = settle_s, kept_goals
         self._kept = kept or KeptSignals()
@@ -285,7 +288,7 @@ class SignalledGate:
         edge = self._tags[Signal.PIECES].edge
         last, gap, self._gap = self._kept.pieces, self._gap, False
         left, source = self._kept.left, self._mapping.source(Signal.PIECES, self._moduli)
-        now = CounterState(number, self._clock.now_s(), source)
+        now = CounterState(number, self._clock.now_s(), source, self._broker)
         if last is None:
             reading = Reading()
         elif another := doubt_of_another(last, now, "let in"):
@@ -299,7 +302,7 @@ class SignalledGate:
         else:
             # A counter that is reset at a shut gate has lost nothing.
             reading = grown(last.value, number, left, self._moduli, gap=gap and left > 0, verb="let in")
-        if last is not None and (last.value, last.of) == (number, source) and not reading.doubt:
+        if last is not None and replace(last, at_s=now.at_s) == now and not reading.doubt:
             return None
         kept = replace(self._kept, pieces=now)
         if reading.doubt and not kept.doubt:

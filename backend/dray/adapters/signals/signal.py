@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+import math
+from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Protocol
 
@@ -100,6 +101,9 @@ class Tag(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """The counting change of a pulse. None for a counter."""
     rolls_over_at: Annotated[int, Meta(ge=2, le=2**62)] | None = None
     """The number at which a counter rolls over; None where its type defines it."""
+    at_least: Annotated[int, Meta(ge=1, le=COUNT_MAX)] | None = None
+    """For a level that is a switch: the pieces that lie there at least while it is on; fewer lie there while it is off. None for a
+    level in numbers."""
 
 
 class LinkListener(Protocol):
@@ -168,7 +172,7 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
     stock: dict[str, Count] = field(default_factory=dict)
     """Pieces at the first start of its agent. Later starts use the memory."""
     levels: dict[str, Tag] = field(default_factory=dict)
-    """For a storage: the level of each material at its controller."""
+    """For a storage: the level of each material at its controller, or its switch (`at_least`)."""
     checked: Checked | None = None
     """For the gate: people's count after a doubt."""
 
@@ -183,6 +187,8 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
                 raise ValueError(
                     f"signals.{signal}: to count at the other change of a pulse, say `edge: falling`"
                 )
+            if tag.at_least is not None:
+                raise ValueError(f"signals.{signal}: only a switch of `levels` has `at_least`")
             if signal in OF_A_GATE and (tag.invert or tag.scale != 1.0):
                 raise ValueError(f"signals.{signal}: it is neither inverted nor scaled")
         if Signal.DOCK_READY in self.signals and Signal.DOCK_PERMIT not in self.signals:
@@ -190,10 +196,12 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
                 "signals: `dock_ready` needs `dock_permit`: the controller must hear that somebody waits"
             )
         for item, tag in self.levels.items():
-            if tag.edge or tag.rolls_over_at or tag.invert:
+            if tag.edge or tag.rolls_over_at or (tag.invert and tag.at_least is None):
                 raise ValueError(
                     f"levels.{item}: a level has no edge, does not roll over, and is not inverted"
                 )
+            if tag.at_least is not None and tag.scale != 1.0:
+                raise ValueError(f"levels.{item}: a switch (`at_least`) is on or off, and not scaled")
 
     @property
     def tags(self) -> dict[str, Tag]:
@@ -237,8 +245,11 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
                 "levels: a machine's stock is reckoned; only a storage's controller tells levels"
             )
 
-    def check_store(self, items: Container[str]) -> None:
+    def check_store(self, room: Mapping[str, int]) -> None:
         """Check that it is that of a storage with these materials.
+
+        Args:
+            room: the most pieces of each material.
 
         Raises:
             ValueError: it is not.
@@ -249,8 +260,13 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
         self._check_no_gate("a storage")
         for where in ("stock", "levels"):
             for item in getattr(self, where):
-                if item not in items:
+                if item not in room:
                     raise ValueError(f"{where}.{item}: this is not kept there")
+        for item, tag in self.levels.items():
+            if tag.at_least is not None and tag.at_least > room[item]:
+                raise ValueError(
+                    f"levels.{item}: `at_least` is {tag.at_least}, and no more than {room[item]} fit in there"
+                )
 
     def check_gate(self) -> None:
         """Check that it is the gate's.
@@ -283,6 +299,29 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
         for signal in OF_A_GATE:
             if signal in self.signals:
                 raise ValueError(f"signals.{signal}: only the gate has it, and this is {what}")
+
+
+def bounds(value: Value, tag: Tag) -> tuple[int, int] | None:
+    """The fewest and the most pieces that lie there, by a level or its switch; None for an invalid value."""
+    if tag.at_least is None:
+        if isinstance(value, bool | str) or not math.isfinite(value) or value < 0:
+            return None
+        pieces = min(round(value / tag.scale), COUNT_MAX)
+        return pieces, pieces
+    if isinstance(value, float | str) or value not in (0, 1):
+        return None
+    return (tag.at_least, COUNT_MAX) if bool(value) is not tag.invert else (0, tag.at_least - 1)
+
+
+def no_level(value: Value, tag: Tag) -> str:
+    """Why a value is no level, in words; empty where it is one."""
+    if bounds(value, tag) is not None:
+        return ""
+    if tag.at_least is not None:
+        return "that is neither yes nor no: a level in numbers has no `at_least`"
+    if isinstance(value, bool):
+        return "that is no number of pieces: of a switch say how many lie there `at_least` while it is on"
+    return "that is no number of pieces"
 
 
 BRIEF = 200

@@ -5,11 +5,13 @@ difference at rest, with no vehicle at the dock, was moved by somebody else.
 
 A level is at rest when all its values within a time of the plant's clock (`RESTS_S`) lie in a band of `BAND_PIECES`. A sensor may jitter there
 for ever. The stock stays as it is while it lies between the lowest and the highest of these values; otherwise it becomes their middle.
+
+A level may also be a switch (`Tag.at_least`). It is at rest when it has not changed for that time. It bounds the stock and counts nothing: a
+stock beyond its bound becomes the bound.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import partial
 from typing import Protocol
@@ -18,7 +20,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from dray.adapters.signals.dock import DockHandshake, DockState
-from dray.adapters.signals.signal import LEVEL, Quality, Sample, Signal, SignalMapping, Value
+from dray.adapters.signals.signal import LEVEL, Quality, Sample, Signal, SignalMapping, Value, bounds
 from dray.adapters.vehicles_words import name_of, with_word
 from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock, Report, StockChanged, StorageState
 from dray.messages import THING
@@ -55,7 +57,7 @@ DAMAGED_STORE = KeptStore({}, damaged=True)
 
 
 class Range(Struct, frozen=True):
-    """The range of a level since its observation began."""
+    """The range of a level since its observation began, or the bounds by its switch."""
 
     low: int
     high: int
@@ -106,11 +108,11 @@ class SignalledStore:
         self._stock = {line.material: 0 for line in spec.stocks} | self._kept.stock
         if self._kept.damaged:
             self._kept = replace(self._kept, damaged=False, uncounted=tuple(self._stock))
-        self._told: dict[str, int] = {}
-        """The controller's last level by material; absent without a good value."""
+        self._told: dict[str, tuple[int, int]] = {}
+        """The fewest and the most pieces by material, by the controller's last value; absent without a good one."""
         self._turn = 0
         self._ranges: dict[str, Range] = {}
-        """The observed range of a level by material; absent for levels that rest at one number."""
+        """The observed range of a level by material; absent for levels that rest at one value."""
         self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
         self._told_ready = ""
         self._report: Callable[[Report], None] = nobody_hears
@@ -197,7 +199,7 @@ class SignalledStore:
             )
         elif name.startswith(LEVEL):
             item = name.removeprefix(LEVEL)
-            self._hear_level(item, _level(sample.value, self._levels[item].scale) if is_good else None)
+            self._hear_level(item, bounds(sample.value, self._levels[item]) if is_good else None)
         self._settle()
 
     # --- what lies there ---
@@ -221,8 +223,8 @@ class SignalledStore:
     def _watch(self, item: str) -> None:
         """Observe a level from now on."""
         self._turn += 1
-        level = self._told[item]
-        self._ranges[item] = Range(level, level, self._turn)
+        low, high = self._told[item]
+        self._ranges[item] = Range(low, high, self._turn)
         self._clock.call_at(self._clock.now_s() + self._rests_s, partial(self._compare, item, self._turn))
 
     def _watch_all(self) -> None:
@@ -230,7 +232,7 @@ class SignalledStore:
         for item in self._told:
             self._watch(item)
 
-    def _hear_level(self, item: str, level: int | None) -> None:
+    def _hear_level(self, item: str, level: tuple[int, int] | None) -> None:
         if level == self._told.get(item):
             return
         if level is None:
@@ -240,8 +242,8 @@ class SignalledStore:
         self._told[item] = level
         seen = self._ranges.get(item)
         if seen is not None:
-            seen = replace(seen, low=min(seen.low, level), high=max(seen.high, level))
-        if seen is None or seen.high - seen.low > BAND_PIECES:
+            seen = replace(seen, low=min(seen.low, level[0]), high=max(seen.high, level[1]))
+        if seen is None or self._is_switch(item) or seen.high - seen.low > BAND_PIECES:
             self._watch(item)
         else:
             self._ranges[item] = seen
@@ -255,15 +257,21 @@ class SignalledStore:
             self._watch(item)  # A vehicle at the dock reports its own transfer.
             return
         self._take_level(item, seen)
-        if seen.low == seen.high:
+        if (seen.low, seen.high) == self._told[item]:
             del self._ranges[item]
         else:
             self._watch(item)
 
     def _take_level(self, item: str, seen: Range) -> None:
-        """Correct the stock by the level, within the sensor's precision."""
+        """Correct the stock by the level, within the sensor's precision. What nobody has counted stays so by a mere bound."""
         stock, counted = self._stock.get(item, 0), item in self._kept.uncounted
-        change = 0 if seen.low <= stock <= seen.high else (seen.low + seen.high) // 2 - stock
+        if not self._is_switch(item):
+            right = (seen.low + seen.high) // 2
+        elif counted and seen.low != seen.high:
+            return
+        else:
+            right = min(max(stock, seen.low), seen.high)
+        change = 0 if seen.low <= stock <= seen.high else right - stock
         if not change and not counted:
             return
         self._move(item, change)
@@ -271,6 +279,9 @@ class SignalledStore:
         self._kept = replace(self._kept, uncounted=left)
         self._keep()
         self._report(StockChanged(item=item, change=change, seq=self._kept.seq, counted=counted))
+
+    def _is_switch(self, item: str) -> bool:
+        return self._levels[item].at_least is not None
 
     # --- what follows ---
 
@@ -298,10 +309,3 @@ class SignalledStore:
 def rests_s(speed: float) -> float:
     """The time of rest after which a level counts, at this speed of the plant's clock."""
     return max(RESTS_S, REST_WALL_S * speed)
-
-
-def _level(value: Value, scale: float) -> int | None:
-    """Pieces; None for an invalid level."""
-    if isinstance(value, bool | str) or not math.isfinite(value) or value < 0:
-        return None
-    return min(round(value / scale), COUNT_MAX)

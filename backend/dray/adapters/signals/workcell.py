@@ -128,6 +128,7 @@ class SignalledWorkcell:
         clock: the plant's.
         world: the disk and the link.
         kept: the last life's memory; None for the first one.
+        broker: the address of its controller's broker; empty by OPC UA.
 
     Attributes:
         outputs: the wanted outputs, by signal; a link writes the differences.
@@ -141,7 +142,10 @@ class SignalledWorkcell:
         clock: Clock,
         world: World,
         kept: Kept | None = None,
+        *,
+        broker: str = "",
     ) -> None:
+        self._broker = broker
         self._mapping, self._tags, self._clock, self._world = mapping, mapping.signals, clock, world
         self._moduli: dict[Signal, tuple[int, ...]] = {
             signal: (tag.rolls_over_at,)
@@ -357,7 +361,7 @@ class SignalledWorkcell:
         is_bad, gap = signal is Signal.BAD, signal in self._gaps
         self._gaps.discard(signal)
         last = self._kept.bad if is_bad else self._kept.pieces
-        now = CounterState(number, self._clock.now_s(), self._mapping.source(signal, moduli))
+        now = CounterState(number, self._clock.now_s(), self._mapping.source(signal, moduli), self._broker)
         if last is None:
             reading = Reading()
         elif another := doubt_of_another(last, now, "made"):

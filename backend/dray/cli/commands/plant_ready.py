@@ -33,9 +33,7 @@ def ready(
     ] = None,
     mappings: Annotated[
         Path | None,
-        typer.Option(
-            help="The folder of the controllers' mapping files, called as M8.yaml, for their docks."
-        ),
+        typer.Option(help="The folder of the controllers' mapping files, called as M8.yaml or gate.yaml."),
     ] = None,
     db: Annotated[
         str | None,

@@ -110,8 +110,8 @@ async def commission_machine(
     if (store := plant.stores.get(name)) is not None:
         if cycle:
             raise SettingsError("--cycle", f"{name} is a storage: it makes nothing")
-        items = {line.material for line in store.stocks}
-        controller = RealController.of(where.settings, lambda mapping: mapping.check_store(items))
+        room = {line.material: line.capacity for line in store.stocks}
+        controller = RealController.of(where.settings, lambda mapping: mapping.check_store(room))
     elif name == GATE:
         if cycle:
             raise SettingsError("--cycle", "the gate makes nothing")

@@ -130,6 +130,11 @@ class RealController:
         password = self.settings.opcua_password
         return "" if password is None else password.get_secret_value()
 
+    @property
+    def broker(self) -> str:
+        """The address of its broker; empty by OPC UA."""
+        return str(broker_of(self.settings)) if isinstance(self.mapping, MqttMapping) else ""
+
     def link(self, client: str) -> SignalsLink:
         """A link that is not running yet.
 
@@ -180,7 +185,15 @@ def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embo
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
         link, world, kept = real.surroundings(name, "workcell", Kept, DAMAGED_WORKCELL)
-        body = SignalledWorkcell(spec, surroundings.plant, real.mapping, surroundings.clock(), world, kept)
+        body = SignalledWorkcell(
+            spec,
+            surroundings.plant,
+            real.mapping,
+            surroundings.clock(),
+            world,
+            kept,
+            broker=real.broker,
+        )
         running = asyncio.create_task(link.run(body))
         try:
             await _first(running, link)
@@ -208,8 +221,8 @@ def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -
         SettingsError: the mapping is missing or unusable.
     """
     settings, clock = surroundings.settings, surroundings.clock
-    items = {line.material for line in spec.stocks}
-    real = RealController.of(settings, lambda mapping: mapping.check_store(items))
+    room = {line.material: line.capacity for line in spec.stocks}
+    real = RealController.of(settings, lambda mapping: mapping.check_store(room))
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
@@ -241,7 +254,7 @@ def gate_by_signals(surroundings: Surroundings, name: str) -> Embody:
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
         link, world, kept = real.surroundings(name, "signals", KeptSignals, DAMAGED_SIGNALS, always=True)
         now, rest_s = clock(), settle_s(settings.plant_speed)
-        body = SignalledGate(real.mapping, now, world, kept, settle_s=rest_s)
+        body = SignalledGate(real.mapping, now, world, kept, settle_s=rest_s, broker=real.broker)
         running = asyncio.create_task(link.run(body))
         log = _AwayLog(name, asyncio.get_running_loop().time)
 
