@@ -314,7 +314,7 @@ DRIVER = (
     ("unwilling.py", "problem"),
     ("orders.py", "overlong"),
     ("charge_watch.py", "look"),
-    ("fruitless.py", "problem"),
+    ("undriven_orders.py", "problem"),
     ("on_board.py", "lose_track"),
     ("on_board.py", "on_state"),
     ("work.py", "drive"),
