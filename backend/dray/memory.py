@@ -62,6 +62,8 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     """Answered commands that must not be executed again, the oldest first: those whose grant was still valid when the last
     one came."""
     problem: ProblemMemory | None = None
+    node: str = ""
+    """The last node that it had passed then, for people who look for it; empty where it is not known."""
 
 
 class ClosuresMemory(Part, tag_field="kind", tag="closures", frozen=True):

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "adapters"))
+sys.path[:0] = (str(Path(__file__).parent / "kits"), str(Path(__file__).parents[1] / "adapters"))
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -14,6 +14,7 @@ from typing import Any, get_args, get_type_hints
 
 import pytest
 from msgspec.structs import fields
+from problem_kinds import OF_PROGRAMS, problem_kinds
 
 from dray.gateway.access.principal import Over, Role
 from dray.gateway.http.fault_codes import CODES
@@ -77,32 +78,6 @@ COSTS = (TransportCost, ProductionCost)
 PRICE_PARTS = {each.name.removesuffix("_s") for cost in COSTS for each in fields(cost)} | {"reliability"}
 """Of a bid: what its bidder reckons, and what its coordinator adds."""
 
-GATEWAY = Path(__file__).parents[2] / "backend" / "dray" / "gateway"
-
-OF_PROGRAMS = frozenset(
-    {
-        # What no panel does: it sends JSON under known addresses, with versions, keys of its own and parameters that there are.
-        *("command-name-used", "key-used", "method-not-allowed", "no-rule", "no-version", "not-called-form"),
-        *("not-called-json", "not-found", "not-json", "not-ready", "odd-precondition", "unknown-host"),
-        "unknown-parameter",
-        # Told by the server's own pages, or with times and fields that the kind alone does not tell.
-        *("not-logged-in", "too-late", "too-many-logins", "too-many-tries", "tracking-link-ended"),
-        *("unusable-fields", "wrong-login"),
-    }
-)
-
-
-def problem_kinds() -> set[str]:
-    """Kinds of problems that the gateway names, but those that no panel tells in its own words."""
-    texts = [path.read_text(encoding="utf-8") for path in GATEWAY.rglob("*.py")]
-    # Parsing all of the gateway would take half a second of each of pytest's processes.
-    trees = [ast.parse(text) for text in texts if "Problem(" in text]
-    calls = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call)]
-    named = [call for call in calls if isinstance(call.func, ast.Name) and call.func.id == "Problem"]
-    second = [call.args[1] for call in named if len(call.args) > 1]
-    return {str(each.value) for each in second if isinstance(each, ast.Constant)} - OF_PROGRAMS
-
-
 SHOWN: Mapping[str, Iterable[str]] = {
     "alertLog.is": literals(AlertKind),
     "carry.refused": of(RemovalRefusalView, "reason"),
@@ -111,7 +86,7 @@ SHOWN: Mapping[str, Iterable[str]] = {
     "machine": of(MachineView, "status") | {"lost"},
     "order": of(OrderView, "status"),
     "priority": of(OrderView, "priority"),
-    "problem": problem_kinds() | {AWAY, "unknown"},
+    "problem": problem_kinds() - OF_PROGRAMS | {AWAY, "unknown"},
     "rowFault": CODES,
     "state": of(TaskView, "state"),
     "phase": literals(Phase),

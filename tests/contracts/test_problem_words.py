@@ -35,6 +35,7 @@ from dray.adapters.vda5050.control.vehicle_order import NOBODY_LOADS, ONLY_WAITS
 from dray.body import Admit
 from dray.cli.runtime.bodies.embodied import BY_CONTROLLER, BY_PEOPLE, BY_SIGNALS, with_doubt
 from dray.protocol.contract_net.trust.probation import ON_PROBATION
+from dray.protocol.vehicle.unplaced import LAST_AT, NEVER_TOLD
 
 TEXT = Path(__file__).parents[2] / "frontend/src/text"
 
@@ -313,7 +314,7 @@ DRIVER = (
     ("unwilling.py", "problem"),
     ("orders.py", "overlong"),
     ("charge_watch.py", "look"),
-    ("fruitless.py", "problem"),
+    ("undriven_orders.py", "problem"),
     ("on_board.py", "lose_track"),
     ("on_board.py", "on_state"),
     ("work.py", "drive"),
@@ -429,6 +430,17 @@ OF_THE_VEHICLE = (
 )
 
 
+@pytest.mark.parametrize(
+    "said",
+    [
+        NEVER_TOLD.format("the broker is away: no route to host"),
+        LAST_AT.format("n7", "the vehicle has not said where it is"),
+    ],
+)
+def test_a_call_of_a_vehicle_that_tells_no_place_has_words(said: str) -> None:
+    assert [part for part in unknown(said) if part != "no route to host"] == []
+
+
 def test_what_a_vehicle_says_before_its_first_state_has_words() -> None:
     assert unknown("the vehicle has not said anything yet that can be used: 3 times not JSON") == []
 
@@ -498,7 +510,7 @@ def unknown(said: str) -> list[str]:
             groups = found.groupdict()
             if key.startswith("why."):
                 assert english[key].replace("\u00a0", " ").format(**groups) == said
-            inner = [groups[name] for name in ("why", "what", "theirs", "ours") if name in groups]
+            inner = [groups[name] for name in ("why", "what", "theirs", "ours", "missing") if name in groups]
             return [part for each in inner for part in unknown(each)]
     return [] if said in THEIRS or f"why.{said}" in english or f"failure.{said}" in english else [said]
 

@@ -10,7 +10,7 @@ from dray.body.any_body import BodyState, Report
 from dray.body.gate import GateProblem, GateState
 from dray.body.operator import DutyChanged, DutyState
 from dray.body.storage import StorageState
-from dray.body.vehicle import ActionFailed, NodePassed, ProblemRaised, VehicleState
+from dray.body.vehicle import ActionFailed, NodePassed, ProblemRaised, UnplacedVehicle, VehicleState
 from dray.body.workcell import Broken, CycleFailed, WorkcellState
 from dray.messages.base import COUNT_MAX, HEADING_MAX_RAD, LONGEST_S, METRES_MAX, SPEED_MAX_MPS, encodable
 from dray.messages.heartbeat import BodyWait, Pose
@@ -43,6 +43,8 @@ def bounded(said: Said) -> Said:
                 problem=_words(said.problem),
                 wait=said.wait and _wait(said.wait),
             )
+        case UnplacedVehicle():
+            return msgspec.structs.replace(said, why=_words(said.why))
         case ProblemRaised() | ActionFailed() | CycleFailed() | Broken():
             return msgspec.structs.replace(said, reason=_words(said.reason))
         case NodePassed():

@@ -145,6 +145,13 @@ _OnTheWay = NodePassed | WayDone | WayBlocked | WayFree
 VehicleReport = _OnTheWay | ActionDone | ActionFailed | ProblemRaised | ProblemCleared | LinkNoticed
 
 
+class UnplacedVehicle(Part, frozen=True):
+    """The state of a vehicle that has not told a place since its agent was started."""
+
+    why: str
+    """What is missing, as a text for people; not empty."""
+
+
 class VehicleState(Part, frozen=True):
     """The vehicle's state at one moment."""
 

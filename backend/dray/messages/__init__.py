@@ -109,7 +109,7 @@ from dray.messages.order import (
     RevocationTaken,
     StrategistHeartbeat,
 )
-from dray.messages.people.call import CallAnswer, CallAnswered, CallState, HelpCall
+from dray.messages.people.call import CallAnswer, CallAnswered, CallPlace, CallState, HelpCall
 from dray.messages.people.command import (
     CommandAnswered,
     CommandKind,
@@ -181,6 +181,7 @@ __all__ = [
     "BufferLevel",
     "CallAnswer",
     "CallAnswered",
+    "CallPlace",
     "CallState",
     "CancellationTaken",
     "Closure",

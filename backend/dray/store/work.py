@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from sqlalchemy import text
 from sqlalchemy.ext.asyncio import AsyncConnection
 
+from dray.store.access.addresses import Addresses
 from dray.store.access.api_keys import ApiKeys
 from dray.store.access.audit import Audit
 from dray.store.access.lockouts import Lockouts
@@ -93,6 +94,7 @@ class Work:
         self.lockouts = Lockouts(connection)
         self.audit = Audit(connection)
         self.kept = Kept(connection)
+        self.addresses = Addresses(connection)
         self.secrets = Secrets(connection)
         self.signing_keys = SigningKeys(connection)
 

@@ -35,6 +35,8 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
       return t("alerts.what.part_lost", { age: format.age(nowS - (seen_at_s ?? nowS)), agents: format.list(alert.agents.map(vehicleName)) });
     case "atv_awaited":
       return t("alerts.what.atv_awaited", { keepers: format.list(alert.keepers) });
+    case "atv_unplaced":
+      return t("alerts.what.atv_unplaced", { age: format.age(nowS - (seen_at_s ?? nowS)) });
     case "atv_unheard":
       return t("alerts.what.atv_unheard", { agents: format.list(alert.agents.map(vehicleName)) });
     case "station_lost":

@@ -30,6 +30,8 @@ const FILLED = [
   { says: /^its count is in doubt: (?<why>.+)$/, key: "failure.doubt" },
   { says: /^its count is in doubt \((?<number>\d+)\): (?<why>.+)$/, key: "failure.doubtOf" },
   { says: /^the broker is away: (?<why>.+)$/, key: "failure.brokerAway" },
+  { says: /^it has not told any place yet: (?<missing>.+)$/, key: "failure.neverTold" },
+  { says: /^it does not tell its place, and was last at (?<node>\S+): (?<missing>.+)$/, key: "failure.lastAt" },
   { says: /^the vehicle is not there: (?<state>\w+)$/, key: "failure.vehicleAway" },
   { says: /^the vehicle says nothing, for (?<time>\d+) s and more$/, key: "failure.saysNothing" },
   { says: /^emergency stop \((?<stop>\w+)\)$/, key: "failure.emergencyStop" },
@@ -137,6 +139,7 @@ function filled(sentences: typeof FILLED | typeof WHY | typeof UNTIL, said: stri
 
 function inWords(name: string, text: string): string {
   if (FIGURES.has(name)) return format.count(Number(text.replaceAll(",", "")));
+  if (name === "missing") return failureText(text);
   return INNER.has(name) ? whyText(text) : text;
 }
 

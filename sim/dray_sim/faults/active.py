@@ -169,6 +169,8 @@ class Faults:
             FaultError: its agent does not exist, or there is nothing that could fail.
         """
         self.cast.check(fault)
+        if isinstance(fault, LaneBlocked):
+            fault = self.cast.as_driven(fault)
         if len(self._active) >= MAX_ACTIVE:
             raise FaultError("fault", f"{MAX_ACTIVE} faults are active; end some first")
         self._do(fault)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
+
+from msgspec.structs import replace
 
 from dray.errors import InputError
 from dray.messages.keys import GATE, STRATEGIST
 from dray.plant import Plant
+from dray.plant.layout import name_after, name_before
 from dray_sim.faults.kinds import (
     ClockSet,
     Crashed,
@@ -53,7 +57,7 @@ class Cast:
         vehicles, machines: agents with a body.
         others: agents of the factory whose body, if any, cannot fail: the strategist, the stations of storages, and the gate's agent.
         access_points: of the WLAN.
-        lanes: by their ends, in either direction.
+        lanes: as vehicles drive them, by their ends, in either direction.
         doors: of the plant file.
     """
 
@@ -83,6 +87,30 @@ class Cast:
         """All agents with a process in the factory."""
         return (*self.machines, *self.vehicles, *self.others)
 
+    @staticmethod
+    def _ends(start: str, end: str) -> Iterator[tuple[str, str]]:
+        """A lane of the plant file as it may be driven: its ends are stop points where a road has two lanes."""
+        return product((start, name_after(start, end)), (end, name_before(start, end)))
+
+    def as_driven(self, fault: LaneBlocked) -> LaneBlocked:
+        """A blocked lane of the plant file as the lane that vehicles drive; as it is, where there is none."""
+        driven = (ends for ends in self._ends(fault.start, fault.end) if ends in self.lanes)
+        start, end = next(driven, (fault.start, fault.end))
+        return replace(fault, start=start, end=end)
+
+    def _lane_advice(self, fault: LaneBlocked) -> str:
+        """What to name instead of a lane that nothing can lie on."""
+        stop = name_after(fault.start, fault.end)
+        over = sorted(f"{start} to {end}" for start, end in self.lanes if stop in (start, end))
+        if not over:
+            return (
+                "give two nodes that a lane of the plant file joins, in the direction in which it is driven"
+            )
+        return (
+            f"this road is so short that vehicles stop once on it, at {stop}, and drive from there over a crossing; "
+            f"give one of the lanes that meet there: {', '.join(over)}"
+        )
+
     def check(self, fault: Fault, where: str = "fault") -> None:
         """Check that a fault names an existing agent or thing.
 
@@ -106,9 +134,12 @@ class Cast:
                 _find(machine, self.machines, f"{where}.machine", "machine")
             case VehicleBroken(atv=atv) | LoadShifted(atv=atv) | LoadDropped(atv=atv):
                 _find(atv, self.vehicles, f"{where}.atv", "vehicle")
-            case LaneBlocked(start, end):
-                if (start, end) not in self.lanes:
-                    reason = f"no lane leads from {start!r} to {end!r}; give two nodes that are joined by one"
+            case LaneBlocked():
+                lane = self.as_driven(fault)
+                if (lane.start, lane.end) not in self.lanes:
+                    reason = (
+                        f"no lane leads from {fault.start!r} to {fault.end!r}; {self._lane_advice(fault)}"
+                    )
                     raise FaultError(f"{where}.end", reason)
             case DoorFailed(door):
                 _find(door, self.doors, f"{where}.door", "door")

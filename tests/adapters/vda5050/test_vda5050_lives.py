@@ -18,6 +18,7 @@ from dray.body import (
     Drive,
     NodePassed,
     ProblemCleared,
+    UnplacedVehicle,
     VehicleState,
     WayDone,
 )
@@ -329,3 +330,12 @@ class Agent:
 
     def order_is_loaded(self, state: VehicleState) -> bool:
         return state.load == "shaft"
+
+
+def test_a_vehicle_that_has_not_told_a_place_has_a_state_that_says_what_is_missing() -> None:
+    rig = Rig(linked=False)
+    assert rig.body.sense() == UnplacedVehicle("the broker has not answered yet")
+    rig.link()
+    assert rig.body.sense() == UnplacedVehicle("the vehicle has not said anything yet")
+    rig.run(1.0)
+    assert isinstance(rig.body.sense(), VehicleState)

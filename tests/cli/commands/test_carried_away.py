@@ -133,3 +133,36 @@ def test_off_the_floor_needs_the_name_of_the_vehicle(dray: Run, database: str) -
     assert code != 0
     assert "name the vehicle" in error
     assert look(database) == ([], [])
+
+
+# --- put back ---------------------------------------------------------------------------------------
+
+
+def test_a_place_is_asked_for_where_the_vehicle_is_put_back(dray: Run, database: str) -> None:
+    dray("ATV3", "--off-the-floor")
+    (before,), _ = look(database)
+    code, out, _ = dray("ATV3", "--put-back", "P2")
+    assert code == 0
+    assert "p2 is asked for, for ATV3" in out
+    (row,), lines = look(database)
+    assert (row.atv, row.node, row.by) == ("ATV3", "p2", "maria")
+    assert row.number > before.number
+    assert {line.action for line in lines} == {"vehicle.carry_away", "vehicle.put_back"}
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("ATV3", "--put-back", "P2"), "nobody has said that ATV3 was carried away"),
+        (("ATV3", "--put-back", "nowhere"), "no node or place"),
+        (("ATV3", "--put-back", "P2", "--off-the-floor"), "first"),
+        (("--put-back", "P2"), "name the vehicle"),
+    ],
+)
+def test_a_place_that_cannot_be_kept_for_it_is_refused(
+    dray: Run, database: str, args: tuple[str, ...], said: str
+) -> None:
+    code, _, error = dray(*args)
+    assert code != 0
+    assert said in " ".join(error.split())
+    assert look(database) == ([], [])

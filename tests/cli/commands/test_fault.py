@@ -51,8 +51,9 @@ def test_what_is_wrong_is_listed_with_its_id(run: Run, gateway: FakeGateway) -> 
 def test_a_fault_is_begun_however_its_kind_is_spelt(run: Run, gateway: FakeGateway, kind: str) -> None:
     body = {"kind": "vehicle_broken", "atv": "ATV3", "reason": "the way is blocked"}
     gateway.answers["POST /api/faults"] = (201, fault(**body))
-    code, out, _ = run("begin", kind, "ATV3", "--set", "reason=the way is blocked", "--url", gateway.url)
+    code, out, err = run("begin", kind, "ATV3", "--set", "reason=the way is blocked", "--url", gateway.url)
     assert (code, out) == (0, "F1\n")
+    assert err == "vehicle_broken of ATV3 (reason=the way is blocked) has begun, until `dray fault end F1`\n"
     assert gateway.asked[-1] == ("POST", "/api/faults", body)
 
 
@@ -62,9 +63,21 @@ def test_numbers_are_sent_as_numbers(run: Run, gateway: FakeGateway) -> None:
     assert gateway.asked[-1][2] == {"kind": "link_trouble", "latency_s": 2.5}
 
 
+def test_a_person_on_a_lane_goes_on_by_themselves_and_that_is_said(run: Run, gateway: FakeGateway) -> None:
+    kinds = [{"kind": "lane_blocked", "what": "", "fields": ["start", "end"], "optional": ["thing"]}]
+    gateway.answers["GET /api/faults"] = (200, {"items": [], "kinds": kinds})
+    body = {"kind": "lane_blocked", "start": "a1", "end": "b1", "thing": "person"}
+    gateway.answers["POST /api/faults"] = (201, fault(**body) | {"agents": []})
+    given = [part for name in ("start", "end", "thing") for part in ("--set", f"{name}={body[name]}")]
+    _, out, err = run("begin", "lane-blocked", *given, "--url", gateway.url)
+    assert out == "F1\n"
+    assert err.startswith("lane_blocked (start=a1 end=b1 thing=person) has begun, until the person goes on")
+
+
 def test_a_fault_is_ended(run: Run, gateway: FakeGateway) -> None:
     gateway.answers["DELETE /api/faults/F1"] = (200, fault(kind="wlan_cut", agent="ATV3"))
-    assert run("end", "F1", "--url", gateway.url)[0] == 0
+    code, out, _ = run("end", "F1", "--url", gateway.url)
+    assert (code, out) == (0, "wlan_cut of ATV3 has ended; it began at 00:00:01 UTC\n")
     assert gateway.asked == [("DELETE", "/api/faults/F1", None)]
 
 
@@ -139,7 +152,10 @@ def test_a_vehicle_of_a_running_factory_is_switched_off_and_on(
     dray = start_dray("--speed", "20", "--no-demand")
     asked = ("--url", dray.url, "--token", dray.token)
     code, out, err = run("begin", "powered-off", "ATV3", *asked)
-    assert (code, err) == (0, "")
+    assert (code, err) == (
+        0,
+        f"powered_off of ATV3 has begun, until `dray fault end {out.strip()}`\n",
+    )
     assert out.strip() in run("list", *asked)[1]
     code, _, err = run("begin", "load-shifted", "ATV1", *asked)
     assert code == 2

@@ -170,3 +170,22 @@ def test_what_is_not_there_is_named(dray, args: tuple[str, ...], told: str) -> N
     assert code == 2
     assert out == ""
     assert told in err
+
+
+def test_without_an_address_a_link_leads_to_the_gateway_that_was_started_last(
+    dray, database, monkeypatch
+) -> None:
+    assert dray("create", "O-1")[1].startswith("http://127.0.0.1:8000/track/"), "before any was started"
+
+    async def start() -> None:
+        store = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
+        async with store.write() as work:
+            await work.addresses.put("gateway", "http://127.0.0.1:8123", 2.0)
+            await work.addresses.put("gateway", "http://127.0.0.1:8077", 3.0)
+            await work.addresses.put("spare", "http://10.0.0.7:8000", 1.0)
+        await store.close()
+
+    asyncio.run(start())
+    assert dray("create", "O-1")[1].startswith("http://127.0.0.1:8077/track/")
+    monkeypatch.setenv("DRAY_PUBLIC_URL", "https://dray.example.com")
+    assert dray("create", "O-1")[1].startswith("https://dray.example.com/track/")

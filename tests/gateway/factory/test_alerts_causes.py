@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import msgspec
 import pytest
 from alerts_kit import alerts, the_alert
 from facts_kit import SPEED, wall_s
@@ -13,7 +14,7 @@ from wall_clock import NOW_S
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.alerting.causes import gathered
 from dray.gateway.live.views.alert import AlertKind, CallKind, Condition
-from dray.messages import CallState, HelpCall, Link, LostWlan, MachineStatus
+from dray.messages import CallPlace, CallState, HelpCall, Link, LostWlan, MachineStatus
 
 pytestmark = pytest.mark.anyio
 
@@ -141,3 +142,29 @@ def test_where_the_plant_is_behind_no_clock_is_to_be_set() -> None:
     ahead = Condition(kind="clock_wrong", agent="ATV4", clock_ahead_s=400)
     assert gathered_kinds(behind, late, ahead) == [("plant_behind", ""), ("clock_wrong", "ATV4")]
     assert gathered_kinds(late) == [("clock_wrong", "ATV3")]
+
+
+# --- vehicles that tell no place --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("state", [CallState.ASKING, CallState.TAKEN, CallState.RESTING])
+def test_a_vehicle_that_tells_no_place_is_an_alert_for_as_long_as_it_calls(
+    projection: Projection, state: CallState
+) -> None:
+    call = msgspec.structs.replace(help_call("ATV1", 1), state=state, place=CallPlace.UNTOLD)
+    projection.people.fold(call, 2.0)
+    alert = the_alert(projection, 1.0)
+    assert (alert.kind, alert.agent) == ("atv_unplaced", "ATV1")
+    assert alert.call == ("call_unanswered" if state is CallState.RESTING else None)
+    projection.people.fold(msgspec.structs.replace(call, number=2, state=CallState.ENDED), 2.0)
+    assert not alerts(projection, 1.0)
+
+
+def test_its_silence_since_its_last_life_is_no_alert_of_its_own(projection: Projection) -> None:
+    projection.fold(atv_heartbeat("ATV1", 1))
+    for seq in range(2, 90):
+        projection.fold(machine_heartbeat("M1", seq))
+    assert the_alert(projection, 89.0).kind == "atv_lost"
+    call = msgspec.structs.replace(help_call("ATV1", 1), state=CallState.ASKING, place=CallPlace.LAST)
+    projection.people.fold(call, 89.0)
+    assert the_alert(projection, 89.0).kind == "atv_unplaced"

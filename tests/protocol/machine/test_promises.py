@@ -6,10 +6,20 @@ import pytest
 from effects import committed, facts, sent
 from m7 import FULL, NO_HOUSINGS, m7
 from rigs import MachineRig
+from seals import granted
 from spoken import production
 
 from dray.body import Broken, Repaired
-from dray.messages import Accepted, Confirmed, GoalRevised, HolderChanged, Reason, Withdrawn
+from dray.messages import (
+    Accepted,
+    Confirmed,
+    GoalRevised,
+    HolderChanged,
+    MachineCommand,
+    MachineCommandKind,
+    Reason,
+    Withdrawn,
+)
 from dray.messages.fact import PromiseMoved
 
 CYCLE_S = 50.0
@@ -133,3 +143,43 @@ def test_a_confirmation_or_another_holder_moves_nothing(stock: dict[str, int]) -
     rig.on_message("STRATEGIST", Confirmed(task="G1", epoch=1, arrived=0))
     rig.on_message("STRATEGIST2", HolderChanged("O1", 2))
     assert moved(rig) == []
+
+
+# --- a speed that a person sets ---------------------------------------------------------------------
+
+
+def set_speed(rig: MachineRig, speed_frac: float) -> list[PromiseMoved]:
+    """A person sets the machine's speed; which promises that has moved."""
+    command = MachineCommand(
+        command=f"C{len(rig.all)}",
+        kind=MachineCommandKind.SET_SPEED,
+        speed_frac=speed_frac,
+        issued_by="Maria",
+    )
+    return facts(rig.on_message("gateway", granted("M7", command)), PromiseMoved)
+
+
+def test_a_speed_that_a_person_sets_moves_the_promises_of_all_its_goals_and_back() -> None:
+    rig = busy()
+    urgent(rig, "G2")
+    assert set_speed(rig, 0.5) == [
+        PromiseMoved("G2", 2.0 * 6 * CYCLE_S, 0),
+        PromiseMoved("G1", 2.0 * (GOAL_S + 6 * CYCLE_S), 1),
+    ]
+    assert set_speed(rig, 0.5) == []
+    assert [each.finish_s for each in set_speed(rig, 1.0)] == [6 * CYCLE_S, GOAL_S + 6 * CYCLE_S]
+
+
+def test_a_speed_that_is_set_a_little_lower_moves_no_promise() -> None:
+    assert set_speed(busy(), 0.97) == []
+
+
+def test_the_next_life_knows_that_the_speed_was_set_before() -> None:
+    rig = busy()
+    assert set_speed(rig, 0.5)
+    rig.now_s = 400.0
+    next_life = MachineRig("M7", rig.stock, incarnation=2)
+    next_life.memory, next_life.now_s = committed(rig.all), rig.now_s
+    next_life.start()
+    assert urgent(next_life, "G2", quantity=1, deadline_s=7200.0) == []
+    assert moved(next_life) == []

@@ -146,7 +146,7 @@ def test_a_task_whose_load_is_not_on_board_is_given_back_and_it_waits_to_be_reli
     assert newest(rig).task is None
     [ended] = facts(rig.all, ContractEnded)
     assert (ended.task, ended.reason) == ("M8-1", Reason.GRACEFUL_SHUTDOWN)
-    assert committed(rig.all[-8:]) == {WHOLE: AtvMemory()}
+    assert committed(rig.all[-8:]) == {WHOLE: AtvMemory(node=rig.node)}
 
 
 def test_it_says_so_until_it_was_heard() -> None:

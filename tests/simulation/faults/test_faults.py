@@ -13,6 +13,7 @@ from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import (
     AccessPointDown,
+    Cast,
     ClockSet,
     CoverageHole,
     Crashed,
@@ -272,3 +273,24 @@ def test_each_kind_can_begin_and_end_in_a_real_factory() -> None:
     assert not left
     assert not away
     assert factory.bus.relayed > 0
+
+
+# --- lanes by the names of the plant file -----------------------------------------------------------
+
+
+def test_a_lane_of_the_plant_file_is_blocked_where_vehicles_drive_it() -> None:
+    world = FakeWorld()
+    world.lanes = frozenset({("a1.to-b1", "b1.from-a1")})
+    Faults(world).begin(LaneBlocked("a1", "b1"))
+    assert world.done == ["pallet from a1.to-b1 to b1.from-a1"]
+
+
+def test_a_road_with_one_stop_point_is_refused_with_the_lanes_that_meet_there() -> None:
+    cast = Cast.of_plant(PLANT)
+    with pytest.raises(
+        FaultError, match=r"stop once on it, at ch2-lane.to-e1, .*ch2-lane.to-e1 to e1.to-m12"
+    ):
+        cast.check(LaneBlocked("ch2-lane", "e1"))
+    cast.check(LaneBlocked("ch2-lane.to-e1", "e1.to-m12-lane"))
+    with pytest.raises(FaultError, match="a lane of the plant file"):
+        cast.check(LaneBlocked("a1", "f5"))

@@ -26,7 +26,7 @@ from dray.adapters.vda5050.events import (
     kind_of,
 )
 from dray.adapters.vda5050.profile import Profile
-from dray.body import Instruction, Report, VehicleInstruction, VehicleState, bounded
+from dray.body import Instruction, Report, UnplacedVehicle, VehicleInstruction, VehicleState, bounded
 from dray.ports import Clock, nobody_hears
 from dray.supervision import Failures
 
@@ -103,9 +103,10 @@ class VehicleBody:
         if isinstance(instruction, VehicleInstruction):
             self._handle(Instructed(instruction))
 
-    def sense(self) -> VehicleState:
-        """See `dray.ports.Body`: the last reported state. Not before `control.is_known`."""
-        return bounded(self.control.sense())
+    def sense(self) -> VehicleState | UnplacedVehicle:
+        """See `dray.ports.Body`: the last reported state."""
+        control = self.control
+        return bounded(control.sense() if control.is_known else UnplacedVehicle(control.why_unknown))
 
     def attach(self, report: Callable[[Report], None]) -> None:
         """See `dray.ports.Body`."""

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager, closing
 
 from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.zenoh.modem import Modem
-from dray.body import VehicleState
+from dray.body import UnplacedVehicle, VehicleState
 from dray.cli.runtime.bodies.embodied import Embodied, Embody
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.signals import asked_by_signals
@@ -55,7 +55,7 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent, embo
         with closing(journal), traced(settings) as tracing:
             async with embody(bus, journal) as embodied:
                 body = embodied.body
-                drives = body is not None and isinstance(body.sense(), VehicleState)
+                drives = body is not None and isinstance(body.sense(), VehicleState | UnplacedVehicle)
                 clock = surroundings.clock()
                 worker = Worker(
                     make(journal.incarnation),

@@ -17,6 +17,8 @@ class Fault(msgspec.Struct, frozen=True):
     kind: str
     fault: dict[str, Any]
     agents: tuple[str, ...]
+    began_at_s: float
+    """Wall clock."""
 
 
 class Kind(msgspec.Struct, frozen=True):

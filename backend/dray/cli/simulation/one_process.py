@@ -27,6 +27,7 @@ from dray.cli.runtime.gateway.service import (
     Service,
     greeting_of,
     historian_of,
+    note_address,
     serve,
     with_admin_token,
     with_stop_port,
@@ -131,6 +132,7 @@ async def run_service(
                     service, store, authority, factory, inside, incarnation, (stops, port), player, wall
                 )
                 url = address_of(listener, settings.host)
+                await note_address(service, store, url, wall.now_s())
                 greeting = greeting_of(
                     service, url, token, await welcome(store, service.plant.file, wall.now_s())
                 )

@@ -17,7 +17,7 @@ class MachineStatusChanged(Fact, told_by=MACHINES, frozen=True):
 
 
 class PromiseMoved(Fact, told_by=MACHINES, frozen=True):
-    """The machine will finish a goal at another time than promised, because the goals before it have changed.
+    """The machine will finish a goal at another time than promised, because the goals before it or its set speed have changed.
 
     The first promise stands in `GoalContracted`. This is the one that holds now.
     """

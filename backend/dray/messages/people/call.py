@@ -45,6 +45,16 @@ class CallAnswer(StrEnum):
     """Not at all: this call does not ask the operator again."""
 
 
+class CallPlace(StrEnum):
+    """How well a caller knows the place that it names."""
+
+    PRESENT = "present"
+    LAST = "last"
+    """The caller was there when it last knew; it may have been moved since."""
+    UNTOLD = "untold"
+    """The caller has never known: the position is its start in the plant file, if it has one there."""
+
+
 class HelpCall(Message, said_by=BIDDERS | STATIONS, signed="caller", radio=True, frozen=True):
     """The state of a call, which its caller publishes."""
 
@@ -63,6 +73,8 @@ class HelpCall(Message, said_by=BIDDERS | STATIONS, signed="caller", radio=True,
     x_m: Metres = 0.0
     y_m: Metres = 0.0
     """The position where help is needed."""
+    place: CallPlace = CallPlace.PRESENT
+    """How well the caller knows that position."""
     round: Count = 1
     """Number of this round of questions; each reaches farther."""
     asked: Annotated[tuple[Id, ...], Meta(max_length=ASKED_MAX)] = ()

@@ -18,6 +18,7 @@ from msgspec.structs import replace
 from dray.messages import (
     CallAnswer,
     CallAnswered,
+    CallPlace,
     CallState,
     DutyStatus,
     HelpCall,
@@ -59,9 +60,10 @@ class Call:
         reason: str,
         now_s: float,
         place_m: tuple[float, float] | None,
+        place: CallPlace,
     ) -> None:
         self.name, self.goods, self.since_s = name, goods, now_s
-        self.problem, self.reason, self.place_m = problem, reason, place_m
+        self.problem, self.reason, self.place_m, self.place = problem, reason, place_m, place
         # It rests before the first operator is asked.
         self.states = States("a call", TRANSITIONS, CallState.RESTING)
         self.said = False
@@ -143,6 +145,7 @@ class HelpCalls:
         keys = Keys(plant.id)
         self._heartbeats, self._key = keys.all_operator_heartbeats, keys.call(caller.id)
         self._duty = OnDuty()
+        self._listens = False
         self._calls: dict[str, Call] = {}
         """By goods: the open calls, at most one for each transport of the agent."""
         self._ended: dict[str, EndedCall] = {}
@@ -177,7 +180,9 @@ class HelpCalls:
 
     def listen(self) -> None:
         """Subscribe to operators' heartbeats, at the begin of the agent's life."""
-        self._life.subscribe(self._heartbeats)
+        if not self._listens:
+            self._listens = True
+            self._life.subscribe(self._heartbeats)
 
     def open(
         self,
@@ -188,6 +193,7 @@ class HelpCalls:
         after_s: float = 0.0,
         goods: str = "",
         place_m: tuple[float, float] | None = None,
+        place: CallPlace = CallPlace.PRESENT,
     ) -> None:
         """Open a call for help, or update an open one.
 
@@ -198,14 +204,15 @@ class HelpCalls:
             after_s: delay before the first operator is asked; the problem may pass by itself.
             goods: the transport whose goods wait; empty for the agent itself.
             place_m: the place (x, y) in m, if not the agent's.
+            place: how well that place is known.
         """
         call = self._calls.get(goods)
         if call is not None:
-            call.problem, call.reason, call.place_m = problem, reason, place_m
+            call.problem, call.reason, call.place_m, call.place = problem, reason, place_m, place
             return
         self._opened += 1
         name = f"{self._caller.id}-{self._caller.incarnation}-{self._opened}"
-        self._calls[goods] = call = Call(name, goods, problem, reason, now_s, place_m)
+        self._calls[goods] = call = Call(name, goods, problem, reason, now_s, place_m, place)
         self._ended.pop(goods, None)
         if after_s > 0.0:
             self._life.alarm((CALL, goods), now_s + after_s)
@@ -410,6 +417,7 @@ class HelpCalls:
             reason=call.reason,
             x_m=x_m,
             y_m=y_m,
+            place=call.place,
             round=call.round,
             asked=call.asked,
             until_s=call.until_s,

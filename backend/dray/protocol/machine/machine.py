@@ -254,10 +254,10 @@ class Machine(AgentBase):
             # The machine goes on with them: the strategist may be away, and the gate knows what may still
             # come in.
             self._bidder.ask(self._goals.restore(booked), now_s)
-        self._promises.note()
         self._supply.goals_changed()
         self._flow.restore(memory, notes, now_s)
         self._commands.restore(memory)
+        self._promises.note()
         # Tasks without a carrier have a higher epoch now, which no later life may reuse.
         self._life.commit()
 
@@ -340,7 +340,10 @@ class Machine(AgentBase):
         self._changed(now_s)
 
     def _on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
+        speed_frac = self.speed_frac
         self._commands.on_command(sender, command, self._plant.position_of(self.id), now_s)
+        if self.speed_frac != speed_frac:
+            self._promises.review(now_s)
         self._changed(now_s)
 
     def _changed(self, now_s: float) -> None:

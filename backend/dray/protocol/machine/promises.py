@@ -1,9 +1,10 @@
-"""When a machine's goals will be done, as promised, and moved when the goals before one of them change.
+"""When a machine's goals will be done, as promised, and moved when the goals before one of them change, or its speed is set.
 
 A bid promises a finish after all more urgent goals that the machine has then. Later ones may come, and others are
 withdrawn, given back, or changed. Then the machine computes the promises of all goals behind the change anew, and
-tells those that have moved by more than `MOVES_S` and `MOVES_FRAC`. A machine that is slow, starved or broken moves
-no promise by that: it is late, and is shown as late.
+tells those that have moved by more than `MOVES_S` and `MOVES_FRAC`. When a person sets its speed, it does so for all
+its goals. A machine that is slow by itself, starved or broken moves no promise by that: it is late, and is shown as
+late.
 """
 
 from __future__ import annotations
@@ -47,21 +48,27 @@ class Promises:
         self._goals = goals
         self._supply = supply
         self._life = life
+        self._speed_frac = goals.speed_frac
+        """The set speed at the last review."""
         self._seen: dict[str, _Seen] = {}
         """By goal; as many as the machine has."""
 
     def note(self) -> None:
-        """Take the present goals as known, without moving a promise: an earlier life has done so."""
+        """Take the present goals and speed as known, without moving a promise: an earlier life has done so."""
+        self._speed_frac = self._goals.speed_frac
         self._seen = {
             goal.id: _Seen(goal, (goal.deadline_s, goal.id), goal.work.quantity, goal.given_back_s is None)
             for goal in self._goals.confirmed()
         }
 
     def review(self, now_s: float) -> None:
-        """Move the promises behind a change of the goals since the last review, where they move by enough."""
-        before = self._seen
+        """Move the promises behind a change of the goals since the last review, or all after a change of the set speed."""
+        before, speed_frac = self._seen, self._speed_frac
         self.note()
-        first = min(_changes(before, self._seen), default=None)
+        changes = _changes(before, self._seen)
+        if self._speed_frac != speed_frac:
+            changes += [each.key for each in self._seen.values()]
+        first = min(changes, default=None)
         if first is None:
             return
         came = [each for each in self._seen.values() if _came(before.get(each.goal.id), each)]

@@ -24,6 +24,8 @@ from dray.body import (
     BodyState,
     LinkNoticed,
     NodePassed,
+    Report,
+    UnplacedVehicle,
     VehicleState,
     WayDone,
 )
@@ -51,6 +53,7 @@ from dray.protocol.contract_net.trust.disbelief import DisbeliefHandling
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
+from dray.protocol.runtime.events import Received
 from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
@@ -75,6 +78,7 @@ from dray.protocol.vehicle.people.assistance import Assistance
 from dray.protocol.vehicle.people.command_handling import DENIED, CommandHandling
 from dray.protocol.vehicle.people.problem_handling import ProblemHandling
 from dray.protocol.vehicle.status_report import StatusReport
+from dray.protocol.vehicle.unplaced import LOOK, UNPLACED, Unplaced
 
 
 class CellSubscription:
@@ -160,6 +164,8 @@ class Atv(AgentBase):
         self.obstacles = ObstacleHandling(
             self, plant, self._driver, self._contracts, self._idle, self.problems, self._life
         )
+        self._unplaced: Unplaced | None = None
+        """The wait for its place; None when its body has told one."""
         self.link = Link.WLAN
         self._status = AtvStatus.IDLE
         self.battery_frac, self.battery_reckoned = 1.0, False
@@ -189,6 +195,7 @@ class Atv(AgentBase):
             **self._closures.alarms,
             **self.problems.alarms,
             **self.obstacles.alarms,
+            LOOK: lambda _about, now_s: self._look_for_place(now_s),
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
@@ -207,6 +214,14 @@ class Atv(AgentBase):
     # --- the beginning, and time passing ---
 
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
+        if isinstance(body, UnplacedVehicle):
+            self._unplaced = Unplaced(self.id, self.floor, self.problems.calls, self._life)
+            self._unplaced.start(body, memory, now_s)
+        else:
+            self._begin(body, memory, now_s)
+
+    def _begin(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
+        """Begin its life at the place that its body has told."""
         self._sense(body, now_s)
         self._cells.move(*self._driver.position_m)
         self._closures.start(memory, now_s)
@@ -243,9 +258,20 @@ class Atv(AgentBase):
             sent_to_charge=self._commands.is_sent_to_charge,
             answered=self._commands.answered,
             problem=self.problems.memory,
+            node=self._driver.node,
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
+        unplaced = self._unplaced
+        if isinstance(body, UnplacedVehicle):
+            if unplaced is not None:
+                unplaced.sense(body)
+            return
+        if unplaced is not None:
+            self._unplaced = None
+            unplaced.stop()
+            self._begin(body, unplaced.memory, now_s)
+            return
         if not isinstance(body, VehicleState):
             raise ProtocolViolation(f"{self.id}: a vehicle needs a vehicle's body, not {body!r}")
         self._driver.sense(body)
@@ -273,6 +299,9 @@ class Atv(AgentBase):
     # --- the end ---
 
     def _prepare_to_leave(self, now_s: float) -> None:
+        if self._unplaced is not None:
+            self._unplaced.leave(now_s)
+            return
         self._contracts.standby.resign(Reason.GRACEFUL_SHUTDOWN)
         if self._contracts.job is None:
             self._idle.stay(now_s)
@@ -281,13 +310,35 @@ class Atv(AgentBase):
         self._life.beat_soon(now_s)
 
     def _is_held(self) -> bool:
+        if self._unplaced is not None:
+            return False
         job = self._contracts.job
         if self._is_stuck:
             return job is not None and job.is_given_back
         return job is not None or bool(self._driver.way)
 
     def _take_leave(self, now_s: float) -> None:
-        self._say_status(now_s)
+        if self._unplaced is None:
+            self._say_status(now_s)
+
+    # --- while its body has told no place ---
+
+    def _on_message(self, received: Received, now_s: float) -> None:
+        if self._unplaced is None:
+            super()._on_message(received, now_s)
+        elif (handle := self._unplaced.message_handlers.get(type(received.message))) is not None:
+            handle(received.sender, received.message, now_s)
+        else:
+            self._life.ignore(UNPLACED)
+
+    def _look_for_place(self, now_s: float) -> None:
+        if self._unplaced is not None:
+            self._unplaced.look(now_s)
+
+    def _on_report(self, report: Report, now_s: float) -> None:
+        # Its next state says the same.
+        if self._unplaced is None:
+            super()._on_report(report, now_s)
 
     # --- the body reports ---
 

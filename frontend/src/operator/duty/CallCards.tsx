@@ -71,6 +71,7 @@ function CallCard({ call }: { call: CallView }) {
       </header>
       <p>{wrongText(call)}</p>
       <p>{whereText(call)}</p>
+      {call.place !== "present" && <p>{t(`call.place.${call.place}`)}</p>}
       {call.elsewhere && <p class="muted">{t("call.elsewhere")}</p>}
       {!mine && <p class="muted">{others.length === 0 ? t("call.alone") : t("call.others", { count: format.count(others.length) })}</p>}
       <div class="call-answers" role="group" aria-label={t("call.take", { caller: call.caller })}>

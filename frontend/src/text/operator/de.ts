@@ -79,6 +79,8 @@ export const de: Catalogue<typeof en> = {
   "call.giveBack": "Zurückgeben",
   "call.cannot": "Ich kann nicht",
   "call.notAssigned": "Gefragt, nicht zugeteilt: Keine Antwort heißt Nein.",
+  "call.place.last": "Der Ort ist der, an dem es zuletzt war; es kann anderswo stehen.",
+  "call.place.untold": "Es hat nie gesagt, wo es ist. Suchen: Der Ort ist der aus der Werksdatei.",
   "call.where": "In {area}.",
   "call.whereAway": "In {area}, {metres} m von Ihnen.",
   "call.away": "{metres} m von Ihnen.",

@@ -77,6 +77,8 @@ export const en = {
   "call.giveBack": "Give it back",
   "call.cannot": "I cannot",
   "call.notAssigned": "Asked, not assigned: no answer counts as Pass.",
+  "call.place.last": "The place is where it was last; it may stand elsewhere.",
+  "call.place.untold": "It has never told where it is. Look for it: the place is that of the plant file.",
   "call.where": "In {area}.",
   "call.whereAway": "In {area}, {metres} m from you.",
   "call.away": "{metres} m from you.",

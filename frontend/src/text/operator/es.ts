@@ -79,6 +79,8 @@ export const es: Catalogue<typeof en> = {
   "call.giveBack": "Devolver",
   "call.cannot": "No puedo",
   "call.notAssigned": "Se pregunta, no se asigna: no responder es decir no.",
+  "call.place.last": "El lugar es donde estuvo por última vez; puede estar en otra parte.",
+  "call.place.untold": "Nunca ha dicho dónde está. Búsquelo: el lugar es el del archivo de planta.",
   "call.where": "En {area}.",
   "call.whereAway": "En {area}, a {metres} m de usted.",
   "call.away": "A {metres} m de usted.",

@@ -405,7 +405,7 @@ class MasterControl:
             return problem(words)
         if self._hindrance and now_s - self._hindered_s >= HINDERED_S:
             return problem(f"it takes no order: {self._hindrance}")
-        if refuses := self._orders.unwilling.problem(now_s) or self._orders.fruitless.problem(now_s):
+        if refuses := self._orders.unwilling.problem(now_s) or self._orders.undriven.problem(now_s):
             return problem(refuses, needs_person=True)
         if self._watch.problem is not None:
             return self._watch.problem

@@ -9,11 +9,9 @@ from collections.abc import Callable
 from math import hypot
 from typing import Protocol
 
-from dray.adapters.vda5050.control.fruitless import Fruitless
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.order_state import ACTIVE, OrderState
 from dray.adapters.vda5050.control.problems import remarks
-from dray.adapters.vda5050.control.reached import Reached
 from dray.adapters.vda5050.control.refusals import (
     CRITICAL,
     FATAL,
@@ -22,7 +20,9 @@ from dray.adapters.vda5050.control.refusals import (
     refusal,
     unsupported,
 )
+from dray.adapters.vda5050.control.reported_node import ReportedNode
 from dray.adapters.vda5050.control.spelling import STATUS
+from dray.adapters.vda5050.control.undriven_orders import UndrivenOrders
 from dray.adapters.vda5050.control.unwilling import Unwilling
 from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, VehicleOrder
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
@@ -93,7 +93,7 @@ class Orders:
         present: the order that is not over; None for none.
         cancelled: number of orders ended by our cancellation.
         unwilling: whether the vehicle takes no orders at all.
-        fruitless: whether it takes orders, and does not drive.
+        undriven: whether it takes orders, and does not drive.
     """
 
     def __init__(
@@ -114,8 +114,8 @@ class Orders:
         self.present: VehicleOrder | None = None
         self.cancelled = 0
         self.unwilling = Unwilling()
-        self.fruitless = Fruitless()
-        self._reached = Reached(view, profile)
+        self.undriven = UndrivenOrders()
+        self._reported_node = ReportedNode(view, profile)
         self._over_s = NEVER_S
         self._without: frozenset[str] = frozenset()
         """Optional fields that the vehicle does not support, and that its profile allows to leave out."""
@@ -406,17 +406,17 @@ class Orders:
         reached = order.place_in(state)
         while order.passed < reached and self._has_reached(order, order.passed + 1, reached):
             order.passed += 1
-            self.fruitless.driven()
+            self.undriven.driven()
             self._owner.on_passed(order, order.passed, now_s)
 
     def _has_reached(self, order: VehicleOrder, index: int, reported: int) -> bool:
         """Whether its position allows that it has passed a node, if it reports this one, or a later one, as its last node."""
         spots = [spot for _, spot in order.stops]
-        gap_m = self._reached.gap_m(spots, order.passed, index)
+        gap_m = self._reported_node.gap_m(spots, order.passed, index)
         order.contradiction = ""
         if gap_m > 0.0:
             node = order.nodes[reported]
-            gap_m = self._reached.gap_m(spots, order.passed, reported) or gap_m
+            gap_m = self._reported_node.gap_m(spots, order.passed, reported) or gap_m
             order.contradiction = f"it says that its last node is {node}, and is {gap_m:.1f} m before it"
             self._view.doubts.note("a last node ahead of its position", order.contradiction)
         return not order.contradiction
@@ -549,8 +549,8 @@ class Orders:
         return order is not None and order.now is OrderState.CANCELLING and self._instant.is_given_up(CANCEL)
 
     def _end(self, order: VehicleOrder, state: OrderState, reason: str, now_s: float) -> None:
-        if state is OrderState.ENDED and self._is_fruitless(order, reason):
-            self.fruitless.ended(order.contradiction or reason, now_s)
+        if state is OrderState.ENDED and self._is_undriven(order, reason):
+            self.undriven.ended(order.contradiction or reason, now_s)
         order.states.enter(state)
         order.reason = "" if state is OrderState.DONE else reason
         if self.present is order:
@@ -558,7 +558,7 @@ class Orders:
         self._over_s = now_s
         self._owner.on_over(order, now_s)
 
-    def _is_fruitless(self, order: VehicleOrder, reason: str) -> bool:
+    def _is_undriven(self, order: VehicleOrder, reason: str) -> bool:
         """Whether it has taken an order to drive that ends where it began, and not by our wish."""
         was_taken = order.now not in (OrderState.OFFERED, OrderState.REFUSED)
         has_moved = order.passed > 0 or self._view.stirred_s > order.offered_s

@@ -48,7 +48,7 @@ from dray.messages.problem import ProblemKind
 from dray.plant import Plant
 from dray.plant.model import VehicleType
 
-FRUITLESS_MAX = 3
+FAILURES_MAX = 3
 """Maximum consecutive orders that ended early without progress of the way."""
 
 
@@ -257,7 +257,7 @@ class Work:
             way.failures += 1
             self._tell_blocked(way, order, found)
             # An interrupted way continues from the present position; a repeatedly refused one does not.
-            if order.reason != STOPPED_SHORT or way.failures >= FRUITLESS_MAX:
+            if order.reason != STOPPED_SHORT or way.failures >= FAILURES_MAX:
                 self._lose_way(way, order.reason)
 
     def _tell_blocked(self, way: Way, order: VehicleOrder, found: Stand | None) -> None:

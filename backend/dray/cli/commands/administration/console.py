@@ -29,6 +29,22 @@ def transact(db: str | None, work: Callable[[Work], Awaitable[T]]) -> T:
     return asyncio.run(_transact(load_settings(database_url=db).database_url, work))
 
 
+async def reached_at(work: Work, url: str | None) -> str:
+    """Where people reach the gateway, without a slash at the end.
+
+    Args:
+        work: a transaction of its database.
+        url: the address that an option gave, if one did.
+
+    Returns:
+        That one, else DRAY_PUBLIC_URL, else where the newest gateway on the database was reached, else DRAY_HOST and
+        DRAY_PORT.
+    """
+    settings = load_settings()
+    here = f"http://{settings.host}:{settings.port}"
+    return (url or settings.public_url or await work.addresses.newest() or here).rstrip("/")
+
+
 async def note(work: Work, action: str, target: str, **detail: Any) -> None:
     """Write a line of the audit log, in the transaction of its action."""
     row = AuditRow(

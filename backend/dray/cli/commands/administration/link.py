@@ -48,23 +48,20 @@ def create(
     url: Annotated[
         str | None,
         typer.Option(
-            help="Where its readers reach the gateway; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."
+            help="Where its readers reach the gateway; else DRAY_PUBLIC_URL, else where the gateway of the database is."
         ),
     ] = None,
     db: Database = None,
 ) -> None:
     """Create another link to the page of an order or a plain transport; it is printed once and stored nowhere."""
-    from dray.cli.commands.administration.console import note, transact
-    from dray.cli.runtime.options import load_settings
+    from dray.cli.commands.administration.console import note, reached_at, transact
     from dray.errors import SettingsError
     from dray.gateway.orders.order_ids import new_token
     from dray.store.orders.tracking_links import WORKING_MAX, Link
 
-    settings = load_settings(database_url=db)
-    base = (url or f"http://{settings.host}:{settings.port}").rstrip("/")
     token, now_s = new_token(), time.time()
 
-    async def keep(work: Work) -> None:
+    async def keep(work: Work) -> str:
         links = await _links_of(work, to)
         if links is None:
             raise SettingsError(
@@ -78,9 +75,9 @@ def create(
                 f"{WORKING_MAX} links lead to its page already: `dray link revoke {to}` takes them back",
             )
         await note(work, "link.create", to, days=days)
+        return await reached_at(work, url)
 
-    transact(db, keep)
-    typer.echo(f"{base}/track/{token}")
+    typer.echo(f"{transact(db, keep)}/track/{token}")
 
 
 # A token may begin with a dash.

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dray.cli.runtime.options import PanelUrl
-
 if TYPE_CHECKING:
     from dray.store.access.people import Person
     from dray.store.work import Work
@@ -152,23 +150,25 @@ def badge(
 def link(
     name: Who,
     hours: Annotated[int, typer.Option(min=1, max=LONGEST_LINK_H, help="How long it works.")] = 24,
-    url: PanelUrl = None,
+    url: Annotated[
+        str | None,
+        typer.Option(
+            help="Where the panel is; else DRAY_PUBLIC_URL, else where the gateway of the database is."
+        ),
+    ] = None,
     db: Database = None,
 ) -> None:
     """Print a link that logs a person in once; earlier ones become invalid."""
-    from dray.cli.commands.administration.console import note, transact
-    from dray.cli.runtime.options import load_settings
+    from dray.cli.commands.administration.console import note, reached_at, transact
     from dray.gateway.access.login.invitations import invite
-
-    settings = load_settings(database_url=db)
-    base = (url or f"http://{settings.host}:{settings.port}").rstrip("/")
 
     async def make(work: Work) -> str:
         await _known(work, name)
         await note(work, "user.link", name, hours=hours)
-        return await invite(work, name, time.time(), hours * HOUR_S)
+        token = await invite(work, name, time.time(), hours * HOUR_S)
+        return f"{await reached_at(work, url)}/login/{token}"
 
-    typer.echo(f"{base}/login/{transact(db, make)}")
+    typer.echo(transact(db, make))
 
 
 @app.command()

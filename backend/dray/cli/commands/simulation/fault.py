@@ -9,7 +9,7 @@ import typer
 from dray.cli.runtime.options import PanelUrl
 
 if TYPE_CHECKING:
-    from dray.cli.simulation.gateway_client import Kind
+    from dray.cli.simulation.gateway_client import Fault, Kind
 
 app = typer.Typer(no_args_is_help=True, help="Let something go wrong in a running `dray up`.")
 
@@ -58,13 +58,15 @@ def begin(
     url: PanelUrl = None,
     token: Token = None,
 ) -> None:
-    """Inject a fault, until it is ended; prints its id."""
+    """Inject a fault, until it is ended; prints its id, and on stderr whom it hits, with what, until when."""
     from dray.cli.simulation.gateway_client import Gateway
 
     gateway = Gateway(url, token)
     known = _kind(kind, gateway.faults().kinds)
     fault = {"kind": known.kind, **_subject(known, agent), **dict(map(_pair, given or ()))}
-    typer.echo(gateway.begin_fault(fault).id)
+    begun = gateway.begin_fault(fault)
+    typer.echo(begun.id)
+    typer.echo(f"{_told(begun)} has begun, {_until(begun)}", err=True)
 
 
 @app.command()
@@ -73,10 +75,33 @@ def end(
     url: PanelUrl = None,
     token: Token = None,
 ) -> None:
-    """End a fault."""
+    """End a fault; says which one it was, whom it hit, and since when."""
+    from datetime import UTC, datetime
+
     from dray.cli.simulation.gateway_client import Gateway
 
-    Gateway(url, token).end_fault(fault)
+    ended = Gateway(url, token).end_fault(fault)
+    typer.echo(
+        f"{_told(ended)} has ended; it began at {datetime.fromtimestamp(ended.began_at_s, UTC):%H:%M:%S} UTC"
+    )
+
+
+def _told(fault: Fault) -> str:
+    """A fault in one line: what, whom, and the details."""
+    whom = f" of {', '.join(fault.agents)}" if fault.agents else ""
+    details = _fields(fault.fault)
+    return f"{fault.kind}{whom}" + (f" ({details})" if details else "")
+
+
+def _until(fault: Fault) -> str:
+    """How a fault ends."""
+    from dray_sim.faults import Thing
+    from dray_sim.faults.active import PERSON_STAYS_S
+
+    by_hand = f"until `dray fault end {fault.id}`"
+    if fault.fault.get("thing") == Thing.PERSON:
+        return f"until the person goes on after {PERSON_STAYS_S:g} s of factory time, or {by_hand}"
+    return by_hand
 
 
 def _kind(name: str, kinds: tuple[Kind, ...]) -> Kind:

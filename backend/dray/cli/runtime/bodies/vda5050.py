@@ -25,7 +25,7 @@ from dray.plant.model import VehicleType
 from dray.settings import Settings
 
 LOOK_EVERY_S = 0.2
-"""Seconds between checks whether the vehicle has reported its position."""
+"""Seconds between checks whether the vehicle has told its place."""
 
 
 _log = logging.getLogger(__name__)
@@ -120,8 +120,7 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
         if (folder := surroundings.settings.vehicle_log) is not None:
             head = Head(name, surroundings.plant.id, kind.id, real.profile, journal.incarnation, memory)
             body.record = Recorder(folder / f"{name}-{journal.incarnation}.jsonl", head).write
-        async with linked(link, body) as lost:
-            await until_known(body, name)
+        async with linked(link, body) as lost, reminded(body, name):
             yield Embodied(body, lost, (link.failures, body.failures))
 
     return embody
@@ -147,8 +146,18 @@ async def linked(link: MqttLink, body: VehicleBody) -> AsyncIterator[Callable[[]
         await asyncio.gather(running, return_exceptions=True)
 
 
-async def until_known(body: VehicleBody, name: str) -> None:
-    """Wait until the vehicle has reported its position: agent, vehicle and broker may be started in any order."""
+@asynccontextmanager
+async def reminded(body: VehicleBody, name: str) -> AsyncIterator[None]:
+    """Log what is missing until the vehicle has told its place: agent, vehicle and broker may be started in any order."""
+    reminding = asyncio.create_task(_remind(body, name))
+    try:
+        yield
+    finally:
+        reminding.cancel()
+        await asyncio.gather(reminding, return_exceptions=True)
+
+
+async def _remind(body: VehicleBody, name: str) -> None:
     waited_s, told = REMIND_EVERY_S, ""
     while not body.control.is_known:
         await asyncio.sleep(LOOK_EVERY_S)

@@ -15,6 +15,7 @@ from dray.cli.runtime.gateway.service import (
     Service,
     greeting_of,
     historian_of,
+    note_address,
     serve,
     with_admin_token,
     with_stop_port,
@@ -90,6 +91,7 @@ async def run_gateway(where: Surroundings, customers: Customers | None = None) -
                     operators=operators,
                 )
                 url = address_of(listener, settings.host)
+                await note_address(service, store, url, time.time())
                 links = await welcome(store, plant.file, time.time())
                 async with operators.running():
                     greeting = greeting_of(service, url, token, links)

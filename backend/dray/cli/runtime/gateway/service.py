@@ -179,6 +179,19 @@ async def _greet(greeting: str, ready: asyncio.Event) -> None:
     tell_ready()
 
 
+async def note_address(service: Service, store: Store, url: str, at_s: float) -> None:
+    """Let commands on this database know where its gateway is reached.
+
+    Args:
+        service: the parameters.
+        store: its database.
+        url: the address of its port.
+        at_s: wall clock.
+    """
+    async with store.write() as work:
+        await work.addresses.put(service.settings.gateway_name, service.settings.public_url or url, at_s)
+
+
 def greeting_of(service: Service, url: str, token: str, links: Mapping[str, str]) -> str:
     """The text to print when requests are served.
 

@@ -222,6 +222,8 @@ class Projection:
         heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         awaited = self._awaited(now)
         explained = {*awaited, *(each.atv for each in heard if each.atv in self.removals)}
+        of_calls = tuple(alert_rules.of_calls(self.people.calls(now.plant_s), now))
+        explained |= {each.agent for each in of_calls if each.kind == "atv_unplaced"}
         of_atvs = tuple(alert_rules.of_atvs(heard, explained, now))
         self.waits.look(self._is_heard(now), self.site.plant)
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
@@ -242,7 +244,7 @@ class Projection:
             *alert_rules.of_machines(machines, self.materials, now),
             *alert_rules.of_stations(stations, now),
             *alert_rules.of_strategists(strategists, now),
-            *alert_rules.of_calls(self.people.calls(now.plant_s), now),
+            *of_calls,
             *of_atvs,
             *wait_rules.of_recovery_polls(awaited),
             *wait_rules.of_waits(self.waits, {each.agent for each in of_atvs}, now),

@@ -8,7 +8,7 @@ import msgspec
 
 from dray.body import CallPart
 from dray.gateway.live.views.base import View
-from dray.messages import CallState, DutyStatus, ProblemKind
+from dray.messages import CallPlace, CallState, DutyStatus, ProblemKind
 
 DutyChoice = Literal["on", "break", "off"]
 
@@ -54,6 +54,9 @@ class CallView(View, kw_only=True):
     """Number of people on duty for that place, as far as the caller has heard."""
     x_m: float = 0.0
     y_m: float = 0.0
+    place: CallPlace = CallPlace.PRESENT
+    """How well the caller knows that place: `last` is where it was when it last knew, `untold` is its start in
+    the plant file, since it has never told a place."""
     area: str = ""
     """Name of the area of that place; empty outside of all."""
     elsewhere: bool = False

@@ -262,6 +262,7 @@ def _call(call: HelpCall, part: CallPart | None, area: str, time: TimeScale, *, 
         on_duty=call.on_duty,
         x_m=call.x_m,
         y_m=call.y_m,
+        place=call.place,
         area=area,
         elsewhere=elsewhere,
     )

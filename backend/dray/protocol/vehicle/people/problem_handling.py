@@ -85,6 +85,7 @@ class ProblemHandling:
         commands: people's commands, and its requests to them.
 
     Attributes:
+        calls: its own calls for help.
         messages: by message type, handlers called with (sender, message, now_s).
         reports: by report type, handlers called with (report, now_s).
         alarms: by name, handlers called with (None, now_s).
@@ -106,7 +107,7 @@ class ProblemHandling:
         self._assistance = commands.assistance
         self._life = life
         self._experience = Experience()
-        self._calls = calls = HelpCalls(_Caller(owner, driver), plant, life)
+        self.calls = calls = HelpCalls(_Caller(owner, driver), plant, life)
         self._since_s = self._comes_after_s = 0.0
         self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
             ProblemEnded: self._on_ended,
@@ -124,7 +125,7 @@ class ProblemHandling:
     def start(self, state: VehicleState, memory: ProblemMemory | None, now_s: float) -> None:
         """Restore the body's problem, which an earlier life may have known, and subscribe."""
         self._life.subscribe(self._keys.all_problems)
-        self._calls.listen()
+        self.calls.listen()
         self._assistance.problem, self._assistance.about = state.problem, state.about_problem
         self._since_s = since_s(memory, state.about_problem, now_s)
         if state.problem:
@@ -140,7 +141,7 @@ class ProblemHandling:
         """Stand until the problem is over."""
         assistance = self._assistance
         if not assistance.problem or report.problem.kind is not assistance.about.kind:
-            self._since_s, self._comes_after_s = now_s, self._calls.comes_after_s(now_s)
+            self._since_s, self._comes_after_s = now_s, self.calls.comes_after_s(now_s)
             self._life.commit()
         assistance.problem, assistance.about = report.reason, report.problem
         if self._commands.take_back():
@@ -182,16 +183,16 @@ class ProblemHandling:
         problem, owner = self._assistance.problem, self._owner
         is_well = not problem and not self._commands.stopped_itself and owner.link is not Link.MESH
         if is_well or self._commands.out_of_service is not None or owner.is_draining:
-            self._calls.close(now_s)
+            self.calls.close(now_s)
         elif problem:
             about = self._assistance.about
-            self._calls.open(about, problem, now_s, after_s=calls_after_s(about, now_s - self._since_s))
+            self.calls.open(about, problem, now_s, after_s=calls_after_s(about, now_s - self._since_s))
         elif self._commands.stopped_itself:
-            self._calls.open(NOTHING_KNOWN, self._commands.stop_cause, now_s)
+            self.calls.open(NOTHING_KNOWN, self._commands.stop_cause, now_s)
         elif not owner.is_busy and not self._commands.stopped:
-            self._calls.open(WLAN_LOST, NO_WLAN, now_s, after_s=WLAN_LOST_S)
+            self.calls.open(WLAN_LOST, NO_WLAN, now_s, after_s=WLAN_LOST_S)
         else:
-            self._calls.close(now_s)
+            self.calls.close(now_s)
 
     def not_coming(self, since_s: float, now_s: float) -> None:
         """The person expected since then does not come: later promises are void."""

@@ -38,6 +38,13 @@ export function stacked(columns: readonly Column[]): Column[] {
   );
 }
 
+/** The steps whose figure has none beside it: no line leads there, so they are drawn as dots. @param spans whether lines lead over gaps */
+export function aloneIn(column: Column, spans = false): number[] {
+  const known = column.flatMap((value, i) => (value === null ? [] : [i]));
+  if (spans) return known.length === 1 ? known : [];
+  return known.filter((i) => (column[i - 1] ?? null) === null && (column[i + 1] ?? null) === null);
+}
+
 /** Handed over per hour of factory time, over all that was seen; null of nothing. The same as a shift that is played tells in the editor. */
 export function transportsPerHour({ items }: KpiHistory): number | null {
   const spanS = items.reduce((sum, point) => sum + point.span_s, 0);

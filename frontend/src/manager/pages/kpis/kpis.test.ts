@@ -1,10 +1,11 @@
 import { describe, expect, test } from "vitest";
 import type { KpiHistory, KpiPoint } from "../../../api/types";
+import type { Palette } from "../../../plant/draw/palette";
 import { CHARTS } from "./charts";
 import { stepFor } from "./charts/keys";
-import { bandsOf } from "./charts/options";
+import { bandsOf, optionsOf } from "./charts/options";
 import { shownValue } from "./charts/shown";
-import { columnOf, lastOf, stacked, stepsOf, transportsPerHour } from "./history";
+import { aloneIn, columnOf, lastOf, stacked, stepsOf, transportsPerHour } from "./history";
 
 const point = (at_s: number, more: Partial<KpiPoint>): KpiPoint => ({ at_s, ...more }) as KpiPoint;
 const history: KpiHistory = {
@@ -25,6 +26,26 @@ describe("a column of the history", () => {
     expect(lastOf(columnOf(history, "commands"))).toBe(0);
     expect(lastOf([null, null])).toBeNull();
   });
+});
+
+test("a figure with none beside it is a dot, and one that a line leads to is none", () => {
+  expect(aloneIn([null, 3, null])).toEqual([1]);
+  expect(aloneIn([3])).toEqual([0]);
+  expect(aloneIn([1, 2, null, 4])).toEqual([3]);
+  expect(aloneIn([null, null])).toEqual([]);
+  expect(aloneIn([1, null, 3], true)).toEqual([]);
+  expect(aloneIn([null, 0, null], true)).toEqual([1]);
+});
+
+test("every chart draws a lone figure, whatever its kind", () => {
+  for (const chart of CHARTS) {
+    const drawn = optionsOf(chart, {} as Palette, { width: 1, height: 1 }, () => undefined);
+    for (const { points } of drawn.series.slice(1)) {
+      const data = [[0, 1], [null, 0.5]];
+      expect(points?.filter).toBeInstanceOf(Function);
+      expect((points?.filter as (plot: unknown, series: number, shown: boolean) => unknown)({ data }, 1, false)).toEqual([1]);
+    }
+  }
 });
 
 test("what was handed over is told per hour of all that was seen, not of the steps in which something was", () => {

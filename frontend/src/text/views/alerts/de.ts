@@ -56,6 +56,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.strategist_lost": "Stratege stumm",
   "alertLog.is.no_strategist": "Kein Stratege",
   "alertLog.is.atv_lost": "Fahrzeug stumm",
+  "alertLog.is.atv_unplaced": "Fahrzeug nennt keinen Platz",
   "alertLog.is.atv_awaited": "Fahrzeug erwartet",
   "alertLog.is.atv_unheard": "Hält Plätze, nie gehört",
   "alertLog.is.call_nobody": "Ruf, niemand im Dienst",

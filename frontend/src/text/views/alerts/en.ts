@@ -53,6 +53,7 @@ export const alerts = {
   "alertLog.is.strategist_lost": "Strategist silent",
   "alertLog.is.no_strategist": "No strategist",
   "alertLog.is.atv_lost": "Vehicle silent",
+  "alertLog.is.atv_unplaced": "Vehicle tells no place",
   "alertLog.is.atv_awaited": "Vehicle awaited",
   "alertLog.is.atv_unheard": "Holds places, never heard",
   "alertLog.is.call_nobody": "Call, nobody on duty",

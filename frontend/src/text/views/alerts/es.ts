@@ -56,6 +56,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.strategist_lost": "Estratega en silencio",
   "alertLog.is.no_strategist": "Ningún estratega",
   "alertLog.is.atv_lost": "Vehículo en silencio",
+  "alertLog.is.atv_unplaced": "El vehículo no dice su lugar",
   "alertLog.is.atv_awaited": "Vehículo esperado",
   "alertLog.is.atv_unheard": "Ocupa lugares, nunca oído",
   "alertLog.is.call_nobody": "Llamada, nadie de servicio",

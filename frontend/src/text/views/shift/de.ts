@@ -27,7 +27,7 @@ export const shift: Catalogue<typeof en> = {
   "shift.against.week": "Vorwoche",
   "shift.print": "Drucken oder PDF",
   "shift.targets": "Ziele …",
-  "shift.made": "{plant}, erstellt {at}; alle Zeiten nach der Wanduhr dieses Bildschirms",
+  "shift.made": "Werk „{plant}“, Bericht erstellt {at}; alle Zeiten nach der Wanduhr dieses Bildschirms",
   "shift.goesOn": "Die Schicht läuft noch: Stand {at}.",
   "shift.seen": "Nur {part} dieser Zeit wurde aufgezeichnet: Zählungen sind zu niedrig.",
   "shift.seenBefore": "Von der Vergleichszeit wurde {part} aufgezeichnet.",

@@ -24,7 +24,7 @@ export const shift = {
   "shift.against.week": "week before",
   "shift.print": "Print or PDF",
   "shift.targets": "Targets …",
-  "shift.made": "{plant}, made {at}; all times by the wall clock of this screen",
+  "shift.made": "Plant “{plant}”, report made {at}; all times by the wall clock of this screen",
   "shift.goesOn": "The shift goes on: this is up to {at}.",
   "shift.seen": "Only {part} of this time was recorded: counts are too low.",
   "shift.seenBefore": "Of what it is compared with, {part} was recorded.",

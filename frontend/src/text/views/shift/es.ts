@@ -27,7 +27,7 @@ export const shift: Catalogue<typeof en> = {
   "shift.against.week": "semana anterior",
   "shift.print": "Imprimir o PDF",
   "shift.targets": "Objetivos …",
-  "shift.made": "{plant}, hecho {at}; todas las horas según el reloj de esta pantalla",
+  "shift.made": "Planta «{plant}», informe hecho {at}; todas las horas según el reloj de esta pantalla",
   "shift.goesOn": "El turno sigue: esto es hasta las {at}.",
   "shift.seen": "Solo se registró el {part} de este tiempo: los recuentos son demasiado bajos.",
   "shift.seenBefore": "Del período comparado se registró el {part}.",

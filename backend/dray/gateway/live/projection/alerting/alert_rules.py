@@ -20,6 +20,7 @@ from dray.gateway.live.views.alert import AlertKind, CallKind, Condition
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
+    CallPlace,
     CallState,
     DocumentState,
     HelpCall,
@@ -216,10 +217,23 @@ def in_vain(call: HelpCall) -> CallKind | None:
 
 
 def of_calls(calls: Iterable[HelpCall], now: Moment) -> Iterator[Condition]:
-    """Calls for help in vain. Goods left on board have their own alert (`goods_rules`)."""
+    """Calls for help in vain, and those of vehicles that have told no place: no heartbeat of theirs tells of it.
+
+    Goods left on board have their own alert (`goods_rules`).
+    """
     for call in calls:
         kind = in_vain(call)
-        if kind is not None and not call.goods:
+        if call.goods:
+            continue
+        if call.place is not CallPlace.PRESENT:
+            yield Condition(
+                kind="atv_unplaced",
+                agent=call.caller,
+                cause=detail_of(call.reason),
+                call=kind,
+                seen_at_s=now.to_wall_s(call.since_s),
+            )
+        elif kind is not None:
             yield Condition(
                 kind=kind,
                 agent=call.caller,

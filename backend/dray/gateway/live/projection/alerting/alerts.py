@@ -49,6 +49,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "atv_mesh": ("warning", "repair_link"),
     "access_point": ("warning", "repair_access_point"),
     "atv_awaited": ("alarm", "switch_on"),
+    "atv_unplaced": ("alarm", "see_to_place"),
     "atv_unheard": ("alarm", "shut_out_and_clear"),
     "jam": ("alarm", "clear_way"),
     "atv_waits": ("warning", "clear_way"),

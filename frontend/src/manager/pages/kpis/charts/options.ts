@@ -3,7 +3,7 @@ import uPlot from "uplot";
 import type { Palette } from "../../../../plant/draw/palette";
 import { format } from "../../../../text/views/records";
 import type { Chart } from "../charts";
-import { type Column, stacked } from "../history";
+import { aloneIn, type Column, stacked } from "../history";
 import { shownValue } from "./shown";
 
 /** Longer ranges than this name the day. */
@@ -62,11 +62,12 @@ export function optionsOf(
     bands: bandsOf(chart),
     series: [
       {},
-      ...lines.map((line) => ({
-        ...strokeOf(chart, palette[line.ink], palette.panel, line.dashed === true),
+      ...lines.map((line) => {
         // Shares of a few orders a day are far apart; a line between them is better than nothing.
-        spanGaps: line.figure === "on_time_frac",
-      })),
+        const spanGaps = line.figure === "on_time_frac";
+        const { points, ...stroke } = strokeOf(chart, palette[line.ink], palette.panel, line.dashed === true);
+        return { ...stroke, spanGaps, points: { ...points, filter: dotsOf(spanGaps) } };
+      }),
     ],
     hooks: {
       setCursor: [
@@ -86,13 +87,19 @@ export function bandsOf({ kind, lines }: Chart): uPlot.Band[] {
   return kind === "stack" ? lines.slice(1).map((_line, index) => ({ series: [index + 1, index + 2] })) : [];
 }
 
+/** A figure alone is a dot, as in the first minute; uPlot shows all as dots itself where there is room. */
+function dotsOf(spans: boolean): uPlot.Series.Points.Filter {
+  return (drawn, series, shown) => (shown ? null : aloneIn((drawn.data[series] ?? []) as Column, spans));
+}
+
 /** @param rim between the parts of a stack, whose greys are not far apart */
 function strokeOf(chart: Chart, colour: string, rim: string, dashed: boolean): uPlot.Series {
-  if (chart.kind === "stack") return { fill: colour, stroke: rim, width: 1, points: { show: false } };
-  const series: uPlot.Series = { stroke: colour, width: 1.75, points: { size: 4, fill: colour } };
+  const points = { size: 6, fill: colour };
+  if (chart.kind === "stack") return { fill: colour, stroke: rim, width: 1, points: { ...points, stroke: colour, show: false } };
+  const series: uPlot.Series = { stroke: colour, width: 1.75, points: { ...points, size: 4 } };
   if (dashed) series.dash = [5, 4];
   const steps = chart.kind === "steps" ? uPlot.paths.stepped?.({ align: 1 }) : undefined;
-  if (steps) Object.assign(series, { paths: steps, points: { show: false } });
+  if (steps) Object.assign(series, { paths: steps, points: { ...points, show: false } });
   return series;
 }
 

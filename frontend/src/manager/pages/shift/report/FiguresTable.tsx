@@ -1,5 +1,6 @@
 import { t, word } from "../../../../text/views/shift";
 import { Explained } from "../../../../parts/Explained";
+import { columnsOf } from "../../../../parts/stacked";
 import { barOf, courseOf, type Figure, GROUPS, type Report } from "./shifts";
 import { changeText, targetText, valueText } from "./value";
 
@@ -10,8 +11,9 @@ const HEIGHT = 18;
 export function FiguresTable({ report }: { report: Report }) {
   const named = new Map(report.figures.map((each) => [each.name, each]));
   let number = 0;
+  const heads = [t("shift.figure"), t("shift.value"), t("shift.target"), "", t("shift.before"), t("shift.change"), t("shift.course")];
   return (
-    <table class="shift-figures">
+    <table class="shift-figures stacked" style={columnsOf(heads)}>
       <thead>
         <tr>
           <th scope="col">{t("shift.figure")}</th>

@@ -1,4 +1,5 @@
 import type { ComponentChildren } from "preact";
+import { columnsOf } from "../../../../parts/stacked";
 import { inFactoryTime } from "../../../../text/plant-time";
 import { format, t, word } from "../../../../text/views/shift";
 import { MomentLink } from "../../../replay/MomentLink";
@@ -22,7 +23,7 @@ function List({ children, empty, heads, title }: Props) {
         <p class="muted">{t("shift.none")}</p>
       ) : (
         <div class="shift-scroll" tabIndex={0} role="group" aria-label={title}>
-          <table>
+          <table class="stacked" style={columnsOf(heads)}>
             <thead>
               <tr>
                 {heads.map((head) => (

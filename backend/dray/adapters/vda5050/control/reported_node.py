@@ -18,7 +18,7 @@ AHEAD_M = 2.0
 """A vehicle counts a node as passed up to so far before it, at least: it cuts corners, and rounds."""
 
 
-class Reached:
+class ReportedNode:
     """The judgement for one vehicle.
 
     Args:

@@ -13,7 +13,7 @@ TOLD_S, TOLD_MAX_S = 60.0, 600.0
 """Duration of the problem: at first, and at most."""
 
 
-class Fruitless:
+class UndrivenOrders:
     """Counts the consecutive orders of one vehicle that ended without driving."""
 
     def __init__(self) -> None:
