@@ -385,7 +385,7 @@ class Commissioning:
         self.body.instruct(instruction)
 
     def _sensed(self) -> VehicleState:
-        return self.body.sense()
+        return self.body.control.sense()
 
     def _next(self) -> int:
         self._order += 1

@@ -242,7 +242,7 @@ async def _to_and_fro(
     while True:
         order += 1
         over = loop.create_future()
-        here = body.sense().next_node
+        here = body.control.sense().next_node
         lane = plant.roads.leaving[here][0]
         body.instruct(Drive(order=order, nodes=(here, lane.end), released=1))
         # A real grant, too, comes some time after the vehicle stands and its state is known.
