@@ -22,7 +22,7 @@ Number = tuple[int, ...]
 K = TypeVar("K")
 
 
-class Newest:
+class LatestNumber:
     """The newest message of one speaker, or about one subject.
 
     Args:
@@ -56,7 +56,7 @@ class Newest:
         return self.takes(number, now_s)
 
 
-class NewestOf(Generic[K]):
+class LatestNumbers(Generic[K]):
     """The newest message of each speaker, or about each subject.
 
     Args:
@@ -66,7 +66,7 @@ class NewestOf(Generic[K]):
     __slots__ = ("_kept", "_newest")
 
     def __init__(self, kept: int = KEPT) -> None:
-        self._newest: dict[K, Newest] = {}
+        self._newest: dict[K, LatestNumber] = {}
         self._kept = kept
 
     def takes(self, of: K, number: Number, now_s: float) -> bool:
@@ -74,16 +74,16 @@ class NewestOf(Generic[K]):
         newest = self._newest.get(of)
         if newest is not None and not newest.takes(number, now_s):
             return False
-        self._put(of, newest or Newest(number, now_s))
+        self._put(of, newest or LatestNumber(number, now_s))
         return True
 
     def stands(self, of: K, number: Number, now_s: float) -> bool:
-        """See `Newest.stands`."""
-        newest = self._newest.get(of) or Newest(number, now_s)
+        """See `LatestNumber.stands`."""
+        newest = self._newest.get(of) or LatestNumber(number, now_s)
         self._put(of, newest)
         return newest.stands(number, now_s)
 
-    def of(self, of: K, known: Number, now_s: float, since_s: float | None = None) -> Newest:
+    def of(self, of: K, known: Number, now_s: float, since_s: float | None = None) -> LatestNumber:
         """The newest statement about a subject.
 
         Args:
@@ -94,7 +94,7 @@ class NewestOf(Generic[K]):
         """
         newest = self._newest.get(of)
         if newest is None or newest.number != known:
-            newest = Newest(known, now_s if since_s is None else since_s)
+            newest = LatestNumber(known, now_s if since_s is None else since_s)
         self._put(of, newest)
         return newest
 
@@ -107,7 +107,7 @@ class NewestOf(Generic[K]):
         """Forget a speaker or subject; harmless for an unknown one."""
         self._newest.pop(of, None)
 
-    def _put(self, of: K, newest: Newest) -> None:
+    def _put(self, of: K, newest: LatestNumber) -> None:
         self._newest.pop(of, None)
         self._newest[of] = newest
         if len(self._newest) > self._kept:

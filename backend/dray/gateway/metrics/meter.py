@@ -25,7 +25,7 @@ from dray.messages.fact import (
     PrimarySuspected,
     TookOver,
 )
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 
 AGENTS = 10_000
 """Maximum agents remembered: ten times those of the largest plant. It bounds invented ids."""
@@ -57,7 +57,7 @@ class Meter:
     """
 
     def __init__(self, registry: CollectorRegistry) -> None:
-        self._newest: NewestOf[str] = NewestOf(AGENTS)
+        self._newest: LatestNumbers[str] = LatestNumbers(AGENTS)
         """Per agent, its newest counted fact, by incarnation and number."""
         self._orders: dict[tuple[type[AnyFact], str], None] = {}
         """Order facts already counted, since several strategists may report them."""

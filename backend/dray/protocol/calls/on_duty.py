@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.messages import DutyStatus, OperatorHeartbeat
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s, gone_s
 from dray.protocol.runtime.bounded_map import BoundedMap
 
@@ -22,7 +22,7 @@ class OnDuty:
 
     def __init__(self) -> None:
         self._heard: BoundedMap[str, tuple[OperatorHeartbeat, float]] = BoundedMap(KNOWN_MAX)
-        self._newest: NewestOf[str] = NewestOf(KNOWN_MAX)
+        self._newest: LatestNumbers[str] = LatestNumbers(KNOWN_MAX)
 
     def note(self, heartbeat: OperatorHeartbeat, now_s: float) -> bool:
         """Note a heartbeat; False if a newer one has overtaken it."""

@@ -42,7 +42,7 @@ from dray.messages import (
 )
 from dray.messages.heartbeat import GOALS_TOLD, GoalToCome
 from dray.messages.keys import GATE, Keys
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.plant import Plant
 from dray.protocol.gate.admissions import KEPT_GOALS, Admissions
 from dray.protocol.gate.order_holders import OrderHolders
@@ -93,7 +93,7 @@ class DeliveryGate(AgentBase):
         self._since = incarnation
         self._goals = Admissions(kept)
         self._orders = OrderHolders(self._goals)
-        self._newest: NewestOf[str] = NewestOf(kept)
+        self._newest: LatestNumbers[str] = LatestNumbers(kept)
         """By goal: its newest request in this life."""
         self._begun_s = 0.0
         """When this life began."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dray.messages import AtvHeartbeat, AtvStatus, Reason
-from dray.messages.overtaken import Newest
+from dray.messages.overtaken import LatestNumber
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S, ArrivalStatistics, bound_s, silence_bound_s
 from dray.protocol.runtime.events import NEVER_S
@@ -57,7 +57,7 @@ class FailureDetector:
         """The newest heartbeat; None before the first."""
         self._arrivals = ArrivalStatistics(self._prior)
         self.bound_s = bound_s(interval_s, self._arrivals.loss_frac, self._arrivals.deviation_s)
-        self._newest = Newest((0, 0), now_s)
+        self._newest = LatestNumber((0, 0), now_s)
         self._help_until_s = NEVER_S
         self._deaf_s = self._prior.deaf_s
         """Time for which the observer had been deaf when it last heard the subject (s)."""

@@ -23,7 +23,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractEnded, ContractTaken
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.contract_net.replies import Refusals, decline, offer
 from dray.protocol.contract_net.trust.probation import ON_PROBATION, Probation
 from dray.protocol.machine.production import Goal, GoalBook
@@ -67,7 +67,7 @@ class GoalBidder:
         self._refusals = Refusals(life)
         self._quoted_s: BoundedMap[str, float] = BoundedMap(QUOTES_KEPT)
         """By goal: the promised finish."""
-        self._holders: NewestOf[str] = NewestOf(GOALS_MAX)
+        self._holders: LatestNumbers[str] = LatestNumbers(GOALS_MAX)
         """By order: the epoch with which its strategist holds it."""
         self._unconfirmed = Retransmitter(CONFIRM, life)
         """Acceptances, repeated until their strategist has confirmed the goal or released the machine."""

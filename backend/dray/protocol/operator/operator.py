@@ -20,7 +20,7 @@ from dray.messages import (
     OperatorHeartbeat,
 )
 from dray.messages.keys import Keys
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.protocol.operator.commitment import Commitment
 from dray.protocol.runtime.agent import AgentBase
@@ -67,7 +67,7 @@ class Operator(AgentBase):
         """End of the time without the tablet (s)."""
         self._calls: BoundedMap[tuple[str, str], tuple[HelpCall, float]] = BoundedMap(CALLS_MAX)
         """By subject: the newest message, and when it was heard."""
-        self._newest: NewestOf[tuple[str, str]] = NewestOf(CALLS_MAX)
+        self._newest: LatestNumbers[tuple[str, str]] = LatestNumbers(CALLS_MAX)
         self._declined: BoundedMap[str, bool] = BoundedMap(ANSWERED_MAX)
         """Calls that the person has declined or given back, and whether the caller has yet to hear that."""
         self._commitment = Commitment()

@@ -31,7 +31,7 @@ from dray.messages import (
 )
 from dray.messages.gate import GoalOf
 from dray.messages.keys import GATE, Keys
-from dray.messages.overtaken import Newest, NewestOf
+from dray.messages.overtaken import LatestNumber, LatestNumbers
 from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import (
@@ -83,7 +83,7 @@ class GatedStrategist(Strategist):
         self._begun = False
         self._early: BoundedMap[str, Received] = BoundedMap(ORDERS_MAX)
         """By order: releases received before the start; this strategist must know them even if another one takes them."""
-        self._gate_newest = Newest((0, 0), 0.0)
+        self._gate_newest = LatestNumber((0, 0), 0.0)
         """The gate's newest heartbeat, by life and number."""
         self._gate_since = 0
         self._words = Retransmitter(WORD, self._life)
@@ -98,7 +98,7 @@ class GatedStrategist(Strategist):
         self._noted: dict[str, ShutWord] = {}
         """Stored messages that the next life has to send, by the name of their note."""
         self._brought: BoundedMap[str, dict[str, int]] = BoundedMap(GOALS_KEPT)
-        self._epochs: NewestOf[str] = NewestOf(ORDERS_MAX)
+        self._epochs: LatestNumbers[str] = LatestNumbers(ORDERS_MAX)
         """The newest report of each order's holder, by epoch."""
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:

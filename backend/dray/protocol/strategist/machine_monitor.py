@@ -12,7 +12,7 @@ from msgspec import UNSET
 from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus, Production, Reason
 from dray.messages.fact import MachineFailure
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
-from dray.messages.overtaken import Newest
+from dray.messages.overtaken import LatestNumber
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.plant import Plant
 from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S, ArrivalStatistics
@@ -26,7 +26,7 @@ class _LastHeard:
 
     def __init__(self, heard_s: float) -> None:
         self.heard_s = heard_s
-        self.newest = Newest((0, 0), heard_s)
+        self.newest = LatestNumber((0, 0), heard_s)
         """The newest heartbeat, by incarnation and number."""
         self.broken_s: float | None = None
         """Since when it reports a breakdown; None while it works."""

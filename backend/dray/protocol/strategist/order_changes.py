@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from dray.body import Admit
 from dray.messages import GoalBrief, GoalRevised, GoalRevisionTaken, OrderItem, OrderReleased, OrderTaken
 from dray.messages.fact import GoalReduced
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.order_book import DELIVERY_S, ORDERS_MAX, OpenGoal, OrderBook, OrderInWork
@@ -38,7 +38,7 @@ class OrderChanges:
         life: Life,
     ) -> None:
         self._book, self._auctions, self._ends, self._life = book, auctions, ends, life
-        self._said: NewestOf[str] = NewestOf(ORDERS_MAX)
+        self._said: LatestNumbers[str] = LatestNumbers(ORDERS_MAX)
         """By order in work: its newest change."""
         self._askers: dict[str, str] = {}
         """By order: the agent that waits for the end of a change; an unknown one asks again."""

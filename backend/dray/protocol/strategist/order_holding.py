@@ -31,7 +31,7 @@ from dray.messages import Event, GoalBrief, HolderChanged, OrderCancelled, Order
 from dray.messages.base import COUNT_MAX
 from dray.messages.fact import MemoryLost, OrderDropped, OrderFulfilled, OrderReturned
 from dray.messages.gate import OrderHeld
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S, Commit
 from dray.protocol.runtime.life import Change, Life
@@ -104,7 +104,7 @@ class OrderHolding:
         """By order: when the gate last reported that it is held here."""
         self._noted: dict[str, OrderNoted] = {}
         """Orders that have not ended, with any holder."""
-        self._said: NewestOf[str] = NewestOf(ORDERS_MAX)
+        self._said: LatestNumbers[str] = LatestNumbers(ORDERS_MAX)
         """By noted order: the newest release and change."""
         self._waiting: BoundedMap[str, tuple[str, Said]] = BoundedMap(ORDERS_MAX)
         """The last unanswered message about orders that are not held here."""

@@ -16,7 +16,7 @@ from dray.messages import (
     RevocationTaken,
 )
 from dray.messages.fact import GoalWithdrawn, OrderDropped
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.order_book import ENDED_KEPT, ORDERS_MAX, OpenGoal, OrderBook, OrderInWork
@@ -44,9 +44,9 @@ class OrderRevocations:
     ) -> None:
         self._book, self._auctions, self._parts = book, auctions, parts
         self._ends, self._life = ends, life
-        self._releases: NewestOf[str] = NewestOf(ORDERS_MAX)
+        self._releases: LatestNumbers[str] = LatestNumbers(ORDERS_MAX)
         """By order in work: its release."""
-        self._over: NewestOf[str] = NewestOf(ENDED_KEPT)
+        self._over: LatestNumbers[str] = LatestNumbers(ENDED_KEPT)
         """By order that was cancelled or taken back: the last release that has ended by that."""
 
     def on_released(self, message: OrderReleased, now_s: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dray.messages import StrategistHeartbeat
 from dray.messages.keys import Keys
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, WORKING_INTERVAL_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
@@ -34,7 +34,7 @@ class Peers:
         self._agent, self._keys, self._life = life.agent, keys, life
         self._book = book
         self._heard_s = dict.fromkeys(others, 0.0)
-        self._newest: NewestOf[str] = NewestOf()
+        self._newest: LatestNumbers[str] = LatestNumbers()
         """The newest heartbeats, by incarnation and number."""
         self._load = dict.fromkeys(others, 0)
 

@@ -27,7 +27,7 @@ from msgspec.structs import replace
 from dray.body import CloseDock
 from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Phase
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S
@@ -66,7 +66,7 @@ class Departures:
         self._subscriptions, self._bookings, self._life = subscriptions, bookings, life
         self._leaving: dict[str, DepartureMemory] = {}
         """By vehicle: the load that it may have moved."""
-        self._newest: NewestOf[str] = NewestOf(HEARD_KEPT)
+        self._newest: LatestNumbers[str] = LatestNumbers(HEARD_KEPT)
         """By vehicle: its newest heartbeat, by incarnation and number."""
         self._at_task: BoundedMap[str, tuple[str, int, float]] = BoundedMap(HEARD_KEPT)
         """By vehicle: the task and epoch of its last heartbeat, and when it came."""

@@ -22,7 +22,7 @@ from dray.gateway.live.views import (
     ProbationView,
 )
 from dray.messages import AtvHeartbeat, Brief, Heartbeat
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.plant.model import Charging, VehicleSpec, VehicleType
 from dray.store.history.clocks import Clocks, ToWall
 
@@ -88,7 +88,7 @@ class Atvs:
         }
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
-        self._newest: NewestOf[str] = NewestOf()
+        self._newest: LatestNumbers[str] = LatestNumbers()
         self._shown: dict[str, tuple[AtvHeartbeat, AtvView]] = {}
         """The view made of the heartbeat beside it; dropped when anything else about the vehicle changes."""
         self.changes = Changes("atv")

@@ -28,7 +28,7 @@ from dray.messages import (
     TaskBrief,
 )
 from dray.messages.heartbeat_stock import with_stock
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.store.history.clocks import Clocks, ToWall
 
 MAKING, STARVED, IDLE, BROKEN, DOWN, RESTING = "making", "starved", "idle", "broken", "down", "resting"
@@ -72,7 +72,7 @@ class Machines:
         self._site = site
         self._to_wall_s = to_wall_s
         self._last: dict[str, MachineHeartbeat] = {}
-        self._newest: NewestOf[str] = NewestOf()
+        self._newest: LatestNumbers[str] = LatestNumbers()
         self._since_s: dict[str, float] = {}
         """Per machine, the time since which it has had its status (plant clock)."""
         self.use = TimeUse(DOINGS)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TypeVar
 
 from dray.messages import CallState, HelpCall, OperatorHeartbeat
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s
 
 PEOPLE_MAX, CALLS_MAX = 256, 2_000
@@ -27,8 +27,8 @@ class People:
         self._operators: dict[str, tuple[OperatorHeartbeat, float]] = {}
         self._calls: dict[tuple[str, str], tuple[HelpCall, float]] = {}
         """Calls by their subject."""
-        self._newest: NewestOf[str] = NewestOf(PEOPLE_MAX)
-        self._newest_calls: NewestOf[tuple[str, str]] = NewestOf(CALLS_MAX)
+        self._newest: LatestNumbers[str] = LatestNumbers(PEOPLE_MAX)
+        self._newest_calls: LatestNumbers[tuple[str, str]] = LatestNumbers(CALLS_MAX)
 
     def fold(self, message: OperatorHeartbeat | HelpCall, now_s: float) -> bool:
         """Note a message; False when a newer one came before."""

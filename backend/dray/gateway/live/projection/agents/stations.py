@@ -14,7 +14,7 @@ from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import StationView, StockView, ToComeView
 from dray.messages import StationHeartbeat, StockLevel
 from dray.messages.keys import GATE
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 from dray.plant.model import Storage
 from dray.store.history.clocks import Clocks, ToWall
 
@@ -43,7 +43,7 @@ class Stations:
         self._to_wall_s = to_wall_s
         self._outsiders, self._clocks, self._silence = outsiders, clocks, silence
         self._last: dict[str, StationHeartbeat] = {}
-        self._newest: NewestOf[str] = NewestOf()
+        self._newest: LatestNumbers[str] = LatestNumbers()
         self.changes = Changes("station")
         self.product_of: Callable[[str], str] = lambda _goal: ""
         """The product of a goal; empty where it is not known."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from dray.messages import StrategistHeartbeat
 from dray.messages.keys import STRATEGISTS
-from dray.messages.overtaken import NewestOf
+from dray.messages.overtaken import LatestNumbers
 
 
 class Strategists:
@@ -14,7 +14,7 @@ class Strategists:
 
     def __init__(self) -> None:
         self._last: dict[str, StrategistHeartbeat] = {}
-        self._newest: NewestOf[str] = NewestOf()
+        self._newest: LatestNumbers[str] = LatestNumbers()
 
     def fold(self, heartbeat: StrategistHeartbeat, now_s: float) -> bool:
         """Take a heartbeat in; False when it is older than the last one, or names no strategist."""
