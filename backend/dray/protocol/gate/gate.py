@@ -297,7 +297,8 @@ class DeliveryGate(AgentBase):
     # --- orders and their holders ---
 
     def _on_claimed(self, sender: str, claimed: OrderClaimed, now_s: float) -> None:
-        told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over, claimed.again)
+        self._orders.make_again(sender, claimed.order, claimed.again)
+        told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over)
         if told.holder == sender:
             self._hand_over(claimed.order, sender)
             if loser := self._orders.loser(claimed.order):

@@ -52,16 +52,14 @@ class OrderHolders:
         known = self._orders.get(order)
         return "" if known is None else known.lost_by
 
-    def claim(self, strategist: str, order: str, epoch: int, over: int = 0, again: int = 0) -> OrderHeld:
-        """Claim an order for a strategist, unless another one has it with as high an epoch; returns the holder.
+    def make_again(self, strategist: str, order: str, release: int) -> None:
+        """The holder of an order makes a release although it was said to have ended; 0 for none. Others change nothing."""
+        known = self._orders.get(order)
+        if known is not None and known.holder == strategist and 0 < release <= known.over:
+            self._put(replace(known, over=release - 1))
 
-        Args:
-            strategist: who claims it.
-            order: the order.
-            epoch: the epoch of the claim.
-            over: its holder says that releases up to this one have ended.
-            again: its holder makes this release again.
-        """
+    def claim(self, strategist: str, order: str, epoch: int, over: int = 0) -> OrderHeld:
+        """Claim an order for a strategist, unless another one has it with as high an epoch; returns the holder."""
         known = self._orders.get(order)
         if known is None:
             known = GateOrder(order, strategist, min(epoch, EPOCH_MAX))
@@ -69,9 +67,6 @@ class OrderHolders:
         elif known.holder != strategist and epoch > known.epoch:
             # Whatever it has claimed: its successor needs a higher epoch.
             known = replace(known, holder=strategist, epoch=known.epoch + 1, lost_by=known.holder)
-            self._put(known)
-        if known.holder == strategist and 0 < again <= known.over:
-            known = replace(known, over=again - 1)
             self._put(known)
         if known.holder == strategist and over > known.over:
             self._put(replace(known, over=over))

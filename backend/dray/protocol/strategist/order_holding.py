@@ -100,7 +100,7 @@ class OrderHolding:
         self._agent, self._peers, self._life, self._book = life.agent, peers, life, book
         self._held: BoundedMap[str, int] = BoundedMap(ENDED_KEPT)
         """Epochs of the orders that this strategist holds, including ended ones."""
-        self._reported_s: BoundedMap[str, float] = BoundedMap(ENDED_KEPT)
+        self._reported_s: BoundedMap[str, float] = BoundedMap(ORDERS_MAX)
         """By order: when the gate last reported that it is held here."""
         self._noted: dict[str, OrderNoted] = {}
         """Orders that have not ended, with any holder."""

@@ -19,9 +19,12 @@ from dray.messages.fact import GoalWithdrawn, OrderDropped
 from dray.messages.overtaken import LatestNumbers
 from dray.protocol.runtime.life import Life
 from dray.protocol.strategist.goal_auctions import GoalAuctions
-from dray.protocol.strategist.order_book import ENDED_KEPT, ORDERS_MAX, OpenGoal, OrderBook, OrderInWork
+from dray.protocol.strategist.order_book import ORDERS_MAX, OpenGoal, OrderBook, OrderInWork
 from dray.protocol.strategist.order_ends import OrderEnds
 from dray.protocol.strategist.part_goals import PartGoals
+
+ENDS_KEPT = 1_000
+"""Ends whose time is remembered, more than come in 35 s; the time of a forgotten one counts anew."""
 
 
 class OrderRevocations:
@@ -46,7 +49,7 @@ class OrderRevocations:
         self._ends, self._life = ends, life
         self._releases: LatestNumbers[str] = LatestNumbers(ORDERS_MAX)
         """By order in work: its release."""
-        self._over: LatestNumbers[str] = LatestNumbers(ENDED_KEPT)
+        self._over: LatestNumbers[str] = LatestNumbers(ENDS_KEPT)
         """By order that was cancelled or taken back: the last release that has ended by that."""
 
     def on_released(self, message: OrderReleased, now_s: float) -> None:
