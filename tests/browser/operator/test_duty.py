@@ -400,7 +400,10 @@ def test_a_vehicle_that_tells_no_place_calls_and_the_tablet_and_the_manager_are_
     asks(house, calling)
     call = page.locator(".call")
     expect(call).to_contain_text("it has not told any place yet: the vehicle has not said where it is")
-    expect(call).to_contain_text("It has never told where it is. Look for it")
+    expect(call).to_contain_text(
+        "It has never told where it is. Look for it; in the plant file it starts in "
+    )
+    expect(call).not_to_contain_text("from you")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     screenshot(page, f"unplaced-tablet-{width_px}")
     manager = as_manager(house, open_page, color_scheme="dark", **look)
