@@ -78,6 +78,25 @@ def test_the_login_fits_every_screen_in_every_language(
     screenshot(page, f"login-{role}-{look}")
 
 
+HINT_FITS = """input => {
+    const style = getComputedStyle(input, "::placeholder"), pen = document.createElement("canvas").getContext("2d");
+    pen.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`;
+    const own = getComputedStyle(input);
+    const room = input.clientWidth - parseFloat(own.paddingLeft) - parseFloat(own.paddingRight);
+    return pen.measureText(input.placeholder).width <= room;
+}"""
+
+
+@pytest.mark.parametrize("locale", ["en-GB", "de-DE", "es-ES"])
+def test_on_a_narrow_telephone_the_hint_for_the_badge_is_whole(
+    plant: OpenHouse, open_page: OpenPage, locale: str
+) -> None:
+    page = open_page(f"{plant.url}/login?as=operator", viewport={"width": 360, "height": 740}, locale=locale)
+    page.evaluate("document.fonts.ready")
+    assert fits(page)
+    assert page.locator("#badge").evaluate(HINT_FITS)
+
+
 @pytest.mark.parametrize("script", [True, False])
 def test_a_manager_logs_in_by_password_and_goes_on_where_he_wanted_to(
     plant: OpenHouse, open_page: OpenPage, script: bool

@@ -24,10 +24,12 @@ from variants import variants
 from dray.messages import (
     AtvStatus,
     CallAnswer,
+    CallPlace,
     CallState,
     CommandKind,
     DutyStatus,
     HelpWanted,
+    Problem,
     ProblemKind,
 )
 
@@ -376,3 +378,37 @@ def test_a_manager_sees_who_is_on_duty_and_where_nobody_is(
     row.locator("summary").click()
     expect(row.get_by_role("listitem")).to_contain_text("M8 · South middle · free")
     screenshot(manager, "manager-duty")
+
+
+UNTOLD = "it has not told any place yet: the vehicle has not said where it is"
+
+
+@pytest.mark.parametrize("width_px", [1280, 390, 360])
+def test_a_vehicle_that_tells_no_place_calls_and_the_tablet_and_the_manager_are_told_so(
+    house: OpenHouse,
+    vehicles: dict[str, Puppet],
+    enter: Enter,
+    open_page: OpenPage,
+    screenshot: Screenshot,
+    width_px: int,
+) -> None:
+    problem = Problem(kind=ProblemKind.LOST_POSITION, needs_person=True)
+    calling = vehicle_calls(house, vehicles["ATV2"], problem=problem, reason=UNTOLD, place=CallPlace.UNTOLD)
+    look = {"viewport": {"width": width_px, "height": 844}, "locale": "en-GB"}
+    page: Page = enter(**look)
+    page.get_by_role("button", name="On duty", exact=True).tap()
+    asks(house, calling)
+    call = page.locator(".call")
+    expect(call).to_contain_text("it has not told any place yet: the vehicle has not said where it is")
+    expect(call).to_contain_text(
+        "It has never told where it is. Look for it; in the plant file it starts in "
+    )
+    expect(call).not_to_contain_text("from you")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    screenshot(page, f"unplaced-tablet-{width_px}")
+    manager = as_manager(house, open_page, color_scheme="dark", **look)
+    manager.goto(f"{house.url}/#alerts")
+    row = manager.get_by_role("row", name=re.compile("ATV2.*Tells no place, and calls a person")).first
+    expect(row).to_contain_text("Look for it, and see to its position and its link")
+    assert manager.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    screenshot(manager, f"unplaced-alert-{width_px}")

@@ -20,7 +20,15 @@ from yard import LIGHT, PICK, PLANT, Yard, drive
 
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.vda5050.link import BrokerAddress
-from dray.body import ActionDone, ActionFailed, ProblemCleared, ProblemRaised, Report, WayDone
+from dray.body import (
+    ActionDone,
+    ActionFailed,
+    ProblemCleared,
+    ProblemRaised,
+    Report,
+    VehicleState,
+    WayDone,
+)
 from dray.cli.runtime.bodies import on_floor
 from dray.cli.runtime.bodies.embodied import Embodied
 from dray.cli.runtime.bodies.on_floor import counted_on_floor
@@ -91,6 +99,12 @@ class Hall:
                 await self._changed.wait()
 
 
+async def placed(body: Body) -> None:
+    """Wait until the vehicle has told its place: nothing is reported then."""
+    while not isinstance(body.sense(), VehicleState):  # noqa: ASYNC110
+        await asyncio.sleep(0)
+
+
 def test_a_real_vehicle_is_driven_over_a_broker_by_one_life_of_its_agent_after_the_other(
     tmp_path: Path, broker: TestBroker, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -105,10 +119,12 @@ def test_a_real_vehicle_is_driven_over_a_broker_by_one_life_of_its_agent_after_t
         await asyncio.to_thread(broker.start)
         async with hall.vehicle():
             body = await begun
+            await placed(body)
             body.instruct(PICK)
             await hall.until(lambda: ActionDone(order=5) in hall.heard)
             await starting.__aexit__(None, None, None)
             async with hall.agent() as body:
+                await placed(body)
                 assert body.sense().load == "shaft"  # type: ignore[union-attr]
                 body.instruct(drive("west", "middle", "east", order=1006))
                 await hall.until(lambda: WayDone(order=1006, node="east") in hall.heard)

@@ -70,8 +70,8 @@ function CallCard({ call }: { call: CallView }) {
         </span>
       </header>
       <p>{wrongText(call)}</p>
-      <p>{whereText(call)}</p>
-      {call.place !== "present" && <p>{t(`call.place.${call.place}`)}</p>}
+      <p>{call.place === "untold" ? untoldText(call) : whereText(call)}</p>
+      {call.place === "last" && <p>{t("call.place.last")}</p>}
       {call.elsewhere && <p class="muted">{t("call.elsewhere")}</p>}
       {!mine && <p class="muted">{others.length === 0 ? t("call.alone") : t("call.others", { count: format.count(others.length) })}</p>}
       <div class="call-answers" role="group" aria-label={t("call.take", { caller: call.caller })}>
@@ -103,6 +103,11 @@ function whereText({ area, ...place }: CallView): string {
   const metres = station.value === undefined ? "" : format.count(distanceM(station.value, place));
   if (area === "") return metres === "" ? "" : t("call.away", { metres });
   return metres === "" ? t("call.where", { area }) : t("call.whereAway", { area, metres });
+}
+
+/** It may be anywhere: how far its start in the plant file is says nothing. */
+function untoldText({ area }: CallView): string {
+  return area === "" ? t("call.place.untold") : t("call.place.untoldIn", { area });
 }
 
 /** What is wrong: with the caller, or that goods of its own wait on board of a vehicle. */
