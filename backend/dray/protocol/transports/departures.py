@@ -97,6 +97,11 @@ class Departures:
         """Whether a vehicle may still be inside; the dock is shut once it has left."""
         return vehicle in self._leaving
 
+    def is_unnoted(self, vehicle: str, node: str) -> bool:
+        """Whether a vehicle at a node may have been let in here by an earlier life, of whose load no notes tell."""
+        load = self._leaving.get(vehicle)
+        return load is not None and not load.task and node == self._node
+
     def note_let_in(self, vehicle: str, task: str, epoch: int) -> None:
         """The dock was opened for a vehicle, which may put down its returned load. Others are ignored."""
         load = self._leaving.get(vehicle)
