@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from defaults import PLANT
 from dock_parts import dock_parts
@@ -509,3 +511,31 @@ def test_what_came_through_the_open_dock_while_the_notes_were_lost_is_booked_in_
     rig.start()
     assert instructed(beats(rig, phase, node=node), Book) == booked
     assert instructed(beats(rig, phase, node=node), Book) == []
+
+
+def told_by_heartbeat(rig: MachineRig) -> list[Effect]:
+    return beats(rig, Phase.HANDING_OVER)
+
+
+def told_by_handover(rig: MachineRig) -> list[Effect]:
+    return rig.on_message("ATV2", handover())
+
+
+def told_nothing(rig: MachineRig) -> list[Effect]:
+    return beats(rig, None, node="c1")
+
+
+@pytest.mark.parametrize(
+    ("tells", "booked"), [(told_by_heartbeat, BROUGHT), (told_by_handover, BROUGHT), (told_nothing, [])]
+)
+def test_a_load_for_which_an_earlier_life_may_have_opened_the_dock_is_booked_in_on_its_carriers_word(
+    tells: Callable[[MachineRig], list[Effect]], booked: list[Book]
+) -> None:
+    before = unloading()
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.memory, rig.now_s, rig.answers, rig.opened = committed(before.all), before.now_s, True, ("ATV2",)
+    rig.start()
+    assert sent(rig.on_message("ATV2", GIVES_BACK), Superseded, to="ATV2")
+    effects = tells(rig)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, booked)
+    assert instructed(told_by_handover(rig), Book) == []
