@@ -19,7 +19,8 @@ WRONG_S = 30.0
 """A station hears of a change at once, and tells it; one that has just been started counts first."""
 
 WRONG_LEVEL_S = 300.0
-"""A level counts once it has rested while no vehicle stood at the dock, and its controller may be away."""
+"""A level counts once it has rested while no vehicle stood at the dock, and its controller may be away. So the time in
+which one stands there does not count."""
 
 
 class ReportedStock:
@@ -28,7 +29,7 @@ class ReportedStock:
     hears = (StationHeartbeat,)
 
     def __init__(self, factory: SimFactory) -> None:
-        self._storages = factory.floor.storages
+        self._factory, self._storages = factory, factory.floor.storages
         self._wrong_s = WRONG_LEVEL_S if factory.has_levels else WRONG_S
         self._right_s: dict[tuple[str, str], float] = {}
         """Last moment at which a report was right, by station and item."""
@@ -54,12 +55,19 @@ class ReportedStock:
         stock = self._storages[sender].stock
         for told in message.stocks:
             key = sender, told.item
-            if told.level == stock[told.item]:
+            if told.level == stock[told.item] or self._is_unread(sender):
                 self._right_s[key] = at_s
             elif at_s > self._right_s.setdefault(key, at_s) + self._wrong_s:
                 seen = f"{sender} tells of {told.level} {told.item}, and {stock[told.item]} lie there"
                 raise InvariantBroken(28, at_s, seen)
             self._judge(key, told, at_s)
+
+    def _is_unread(self, station: str) -> bool:
+        """Whether a vehicle at its dock keeps a station from learning by the level of a controller what lies there."""
+        node = self._factory.plant.node_of(station)
+        return self._factory.has_levels and any(
+            vehicle.sense().node == node for vehicle in self._factory.vehicles.values()
+        )
 
     def _note_orders(self, message: StationHeartbeat) -> None:
         """Note orders of earlier lives that this life learns of later than from its journal."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from defaults import PLANT
 from dock_parts import dock_parts
@@ -84,7 +86,7 @@ def beats(
     rig.run(rig.now_s + 1.0)
     beat = rhb("ATV2", 1000 + int(rig.now_s) - before, rig.now_s, task=task, coordinator="M7")
     assert beat.task is not None
-    doing = None if phase is None else replace(beat.task, phase=phase)
+    doing = None if phase is None else replace(beat.task, phase=phase, item="housing", quantity=24)
     load = ("housing", 24) if aboard else ("", 0)
     return rig.on_message("ATV2", replace(beat, task=doing, node=node, load=load[0], load_quantity=load[1]))
 
@@ -488,3 +490,52 @@ def test_a_body_that_has_answered_one_word_of_a_vehicle_has_not_answered_the_nex
     assert bookings.memories() == (loads[1],)
     bookings.on_stock_changed(StockChanged("housing", -6, 2, "ATV2"))
     assert bookings.memories() == ()
+
+
+@pytest.mark.parametrize(
+    ("opened", "phase", "node", "counts", "booked"),
+    [
+        (("ATV2",), Phase.HANDING_OVER, DOCK, False, BROUGHT),
+        ((), Phase.HANDING_OVER, DOCK, False, []),
+        (("ATV2",), Phase.CARRYING, DOCK, False, []),
+        (("ATV2",), Phase.HANDING_OVER, "c1", False, []),
+        (("ATV2",), Phase.HANDING_OVER, DOCK, True, []),
+    ],
+    ids=["put-down", "not-let-in", "not-put-down", "elsewhere", "counts"],
+)
+def test_what_came_through_the_open_dock_while_the_notes_were_lost_is_booked_in_once(
+    opened: tuple[str, ...], phase: Phase, node: str, *, counts: bool, booked: list[Book]
+) -> None:
+    rig = (MachineRig if counts else BlindRig)("M7", NO_HOUSINGS, incarnation=2)
+    rig.answers, rig.opened = True, opened
+    rig.start()
+    assert instructed(beats(rig, phase, node=node), Book) == booked
+    assert instructed(beats(rig, phase, node=node), Book) == []
+
+
+def told_by_heartbeat(rig: MachineRig) -> list[Effect]:
+    return beats(rig, Phase.HANDING_OVER)
+
+
+def told_by_handover(rig: MachineRig) -> list[Effect]:
+    return rig.on_message("ATV2", handover())
+
+
+def told_nothing(rig: MachineRig) -> list[Effect]:
+    return beats(rig, None, node="c1")
+
+
+@pytest.mark.parametrize(
+    ("tells", "booked"), [(told_by_heartbeat, BROUGHT), (told_by_handover, BROUGHT), (told_nothing, [])]
+)
+def test_a_load_for_which_an_earlier_life_may_have_opened_the_dock_is_booked_in_on_its_carriers_word(
+    tells: Callable[[MachineRig], list[Effect]], booked: list[Book]
+) -> None:
+    before = unloading()
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.memory, rig.now_s, rig.answers, rig.opened = committed(before.all), before.now_s, True, ("ATV2",)
+    rig.start()
+    assert sent(rig.on_message("ATV2", GIVES_BACK), Superseded, to="ATV2")
+    effects = tells(rig)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, booked)
+    assert instructed(told_by_handover(rig), Book) == []

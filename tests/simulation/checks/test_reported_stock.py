@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 
 import pytest
 
 from dray.messages import StationHeartbeat, StockLevel, TaskBrief
 from dray.plant import load_plant
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.reported_stock import ReportedStock
+from dray_sim.checks.reported_stock import WRONG_LEVEL_S, ReportedStock
 from dray_sim.clock.loop import VirtualClock
+from dray_sim.controllers.wired import WiredBodies
 from dray_sim.factory.sim_factory import SimFactory
 
 FULL, LOT = 400, 4
@@ -78,3 +80,18 @@ def test_what_a_life_knows_from_its_journal_leaves_no_room_for_more() -> None:
     told.say(2, FULL - LOT, LOT, BEFORE)
     with pytest.raises(InvariantBroken, match="S1 has 396 shaft and 8 on order"):
         told.say(2, FULL - LOT, 2 * LOT, BEFORE, NEW)
+
+
+@pytest.mark.parametrize("stands", [True, False])
+def test_a_level_that_no_rest_lets_count_is_no_wrong_report(*, stands: bool) -> None:
+    plant, clock = load_plant("single-track"), VirtualClock()
+    factory = SimFactory(plant, clock, seed=1, bodies=WiredBodies(plant, clock))
+    check = ReportedStock(factory)
+    lies = factory.storages["S1"].sense().stock["shaft"]
+    vehicle = next(iter(factory.vehicles.values()))
+    if stands:
+        vehicle.place_at(plant.node_of("S1"))
+    check.on_message(0.0, "S1", "*", heartbeat(1, 0.0, lies - LOT, 0, ()))
+    late_s = WRONG_LEVEL_S + 1.0
+    with nullcontext() if stands else pytest.raises(InvariantBroken, match="S1 tells of"):
+        check.on_message(late_s, "S1", "*", heartbeat(1, late_s, lies - LOT, 0, ()))

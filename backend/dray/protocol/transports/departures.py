@@ -97,6 +97,11 @@ class Departures:
         """Whether a vehicle may still be inside; the dock is shut once it has left."""
         return vehicle in self._leaving
 
+    def is_unnoted(self, vehicle: str, node: str) -> bool:
+        """Whether a vehicle at a node may have been let in here by an earlier life, of whose load no notes tell."""
+        load = self._leaving.get(vehicle)
+        return load is not None and not load.task and node == self._node
+
     def note_let_in(self, vehicle: str, task: str, epoch: int) -> None:
         """The dock was opened for a vehicle, which may put down its returned load. Others are ignored."""
         load = self._leaving.get(vehicle)
@@ -123,7 +128,7 @@ class Departures:
         load = self._leaving.get(vehicle)
         if load is not None and (load.task, load.epoch) == (task, epoch) and load.change > 0:
             # A vehicle brings at most what it was given.
-            self._end(replace(load, change=min(load.change, quantity)), aboard=False)
+            self._end(_reported(replace(load, change=min(load.change, quantity))), aboard=False)
 
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """Handle a vehicle's heartbeat."""
@@ -139,6 +144,8 @@ class Departures:
                 has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
                 never_left = carries is None and heartbeat.node == self._node
                 is_known = names or never_left
+                if phase is Phase.HANDING_OVER and load.change > 0:
+                    load = _reported(load)
                 aboard = has_it or phase is Phase.RETURNING if is_known else not self._was_heard(load, now_s)
                 self._end(load, aboard=aboard)
         if carries is not None:
@@ -184,3 +191,8 @@ class Departures:
         self._life.instruct(CloseDock(vehicle=vehicle))
         self._visits.note_departed(vehicle, load.task)
         self._life.commit()
+
+
+def _reported(load: DepartureMemory) -> DepartureMemory:
+    """A load that its vehicle reports as put down here: the dock was open for it, if only in an earlier life."""
+    return load if load.returns else replace(load, let_in=True)

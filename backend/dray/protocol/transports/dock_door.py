@@ -157,8 +157,8 @@ class Door:
         if load is not None and let_in.is_of(load):
             self._departures.watch(load)
         elif load is not None and let_in == OF_EARLIER_LIFE:
-            # Whether it was let in for this load is unknown: book it out if in doubt, never in.
-            self._departures.watch(replace(load, change=min(load.change, 0)))
+            # Whether it was let in for this load is unknown: book it out if in doubt, and in only on its own word.
+            self._departures.watch(load if load.change < 0 else replace(load, let_in=False))
         else:
             self._departures.watch(DepartureMemory(vehicle))
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.messages.base import COUNT_MAX
 from dray.plant import Plant
@@ -102,6 +103,19 @@ class Recovery:
             self._tasks.acknowledge_unknown(heartbeat.atv, brief, work, now_s)
             return work
         return None
+
+    def put_down(self, heartbeat: AtvHeartbeat) -> DepartureMemory | None:
+        """The load that a vehicle hands over here for a task without notes; None for none."""
+        brief = heartbeat.task
+        if (
+            brief is None
+            or brief.phase is not Phase.HANDING_OVER
+            or brief.coordinator != self._place
+            or brief.item not in self._items
+            or not self.waits_for_word_on(brief.task)
+        ):
+            return None
+        return DepartureMemory(heartbeat.atv, brief.task, brief.epoch, brief.item, brief.quantity)
 
     def _carries_already(self, atv: str) -> bool:
         """Whether a vehicle has a contract already: one vehicle has at most one."""

@@ -322,10 +322,18 @@ class TransportFlow:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
         self.booking_out.on_carrier_heard(heartbeat, now_s)
+        self._book_unnoted(heartbeat)
         self.departures.on_vehicle(heartbeat, now_s)
         if (recovered := self._recovery.on_heartbeat(heartbeat, now_s)) is not None:
             self._note_ordered(recovered)
         self.called.review(now_s)
+
+    def _book_unnoted(self, heartbeat: AtvHeartbeat) -> None:
+        """Book a load in that came through the open dock while the notes were lost: its carrier hands it over still."""
+        if self._handovers.counts or not self.departures.is_unnoted(heartbeat.atv, heartbeat.node):
+            return
+        if (load := self._recovery.put_down(heartbeat)) is not None:
+            self.bookings.say(load)
 
     def _on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
         if self._is_remembered(answer.task):
