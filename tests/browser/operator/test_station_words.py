@@ -33,6 +33,23 @@ KIND = MachineCommandKind
 STORAGE, GATE_AREA = "S3", "AREA1"
 LABEL = "O-7-1.1"
 
+CODE = "4006381333931"
+"""A code of something else."""
+
+AT_STORAGE = {
+    "lying-light-en": ("12 Rotor lie here", "Counted:", f"Nobody knows the code {CODE} here."),
+    "upright-dark-de": ("12 Rotor liegen hier", "Gezählt:", f"Den Code {CODE} kennt hier niemand."),
+    "phone-dark-es": ("hay aquí 12 Rotor", "Contado:", f"Nadie conoce aquí el código {CODE}."),
+}
+"""Of each look: what a scanner chooses at a storage, that it is counted, and that a code is not known."""
+
+AT_GATE = {
+    "lying-light-en": (f"4 {LABEL} arrived", "Counted:"),
+    "upright-dark-de": (f"4 {LABEL} angekommen", "Gezählt:"),
+    "phone-dark-es": (f"4 {LABEL} llegadas", "Contado:"),
+}
+"""Likewise, at the gate."""
+
 
 class Place:
     """A station whose body is people: it takes words, and doubts more than 20."""
@@ -120,6 +137,47 @@ def test_the_label_of_a_container_is_scanned_twice_at_the_gate(
     assert gate.said == []
     scan(page, f"{LABEL}*4")
     expect(card).to_contain_text(f"Counted: 4 {LABEL} arrived.")
+    assert gate.said == [(KIND.ARRIVED, LABEL, 4, "", False)]
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_a_scanner_is_answered_in_the_language_of_the_tablet_at_a_storage(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
+) -> None:
+    storage, (what, counted, unknown) = house.do(at_storage), AT_STORAGE[look]
+    page = enter(**LOOKS[look])
+    card = page.locator(".words")
+    expect(card).to_be_visible()
+    scan(page, CODE)
+    expect(card.get_by_role("status")).to_have_text(unknown)
+    scan(page, "stock_is")
+    scan(page, "rotor*12")
+    expect(card.get_by_role("button", name=what, exact=True)).to_be_visible()
+    assert storage.said == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    card.scroll_into_view_if_needed()
+    screenshot(page, f"scanner-storage-{look}")
+    scan(page, "ok")
+    expect(card.get_by_role("status")).to_have_text(f"{counted} {what}.")
+    assert storage.said == [(KIND.STOCK_IS, "rotor", 12, "", False)]
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_a_scanner_is_answered_in_the_language_of_the_tablet_at_the_gate(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
+) -> None:
+    gate, (what, counted) = house.do(at_gate), AT_GATE[look]
+    page = enter(area=GATE_AREA, **LOOKS[look])
+    card = page.locator(".words")
+    expect(card).to_be_visible()
+    scan(page, f"{LABEL}*4")
+    expect(card.get_by_role("button", name=what, exact=True)).to_be_visible()
+    assert gate.said == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    card.scroll_into_view_if_needed()
+    screenshot(page, f"scanner-gate-{look}")
+    scan(page, f"{LABEL}*4")
+    expect(card.get_by_role("status")).to_have_text(f"{counted} {what}.")
     assert gate.said == [(KIND.ARRIVED, LABEL, 4, "", False)]
 
 

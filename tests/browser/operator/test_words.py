@@ -36,6 +36,25 @@ SIGNS = {
     "phone-dark-es": ("Una menos", "Una más"),
 }
 
+DOUBTS = {
+    "lying-light-en": (
+        "That is far from 12, which was expected. Is 120 right?",
+        "Yes, 120",
+        "Counted: 120 Shaft arrived with ATV2.",
+    ),
+    "upright-dark-de": (
+        "Das ist weit von 12 entfernt, was erwartet war. Stimmt 120?",
+        "Ja, 120",
+        "Gezählt: 120 Shaft mit ATV2 angekommen.",
+    ),
+    "phone-dark-es": (
+        "Eso está lejos de 12, que era lo esperado. ¿Es correcto 120?",
+        "Sí, 120",
+        "Contado: 120 Shaft llegadas con ATV2.",
+    ),
+}
+"""Of each look: what is asked about a scanned number far off, the answer, and that it is counted."""
+
 LOAD = UnconfirmedLoad(vehicle="ATV2", item="shaft", quantity=12)
 
 
@@ -129,6 +148,25 @@ def test_a_scanner_says_the_same_and_a_number_far_off_is_asked_once(
         (KIND.ARRIVED, "shaft", 120, "ATV2", False),
         (KIND.ARRIVED, "shaft", 12, "ATV2", False),
     ]
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_a_scanner_is_answered_in_the_language_of_the_tablet_at_a_machine(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
+) -> None:
+    workplace, (doubt, yes, counted) = house.do(_begun), DOUBTS[look]
+    page = enter(**LOOKS[look])
+    card = page.locator(".words")
+    expect(card).to_be_visible()
+    for _ in range(2):
+        scan(page, "shaft*120")
+    expect(card.get_by_role("alert")).to_contain_text(doubt)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    card.scroll_into_view_if_needed()
+    screenshot(page, f"scanner-machine-{look}")
+    card.get_by_role("button", name=yes, exact=True).click()
+    expect(card.get_by_role("status")).to_have_text(counted)
+    assert [(each[2], each[4]) for each in said(workplace)] == [(120, False), (120, True)]
 
 
 def test_a_word_that_nobody_answers_is_kept_over_a_reload_and_said_again_under_its_name(
