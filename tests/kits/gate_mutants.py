@@ -13,11 +13,9 @@ def with_a_gate_that_lets_everybody_hold_an_order(patch: pytest.MonkeyPatch) -> 
     """Whoever asks holds an order, with the epoch that another one has."""
     claim = OrderHolders.claim
 
-    def let(
-        self: OrderHolders, strategist: str, order: str, epoch: int, over: int = 0, again: int = 0
-    ) -> OrderHeld:
+    def let(self: OrderHolders, strategist: str, order: str, epoch: int, over: int = 0) -> OrderHeld:
         if (known := self._orders.get(order)) is not None:
             self._orders[order] = replace(known, holder=strategist)
-        return claim(self, strategist, order, epoch, over, again)
+        return claim(self, strategist, order, epoch, over)
 
     patch.setattr(OrderHolders, "claim", let)
