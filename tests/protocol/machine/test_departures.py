@@ -120,6 +120,35 @@ def test_a_vehicle_that_names_another_task_has_ended_this_one() -> None:
     assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, BROUGHT)
 
 
+def test_a_vehicle_that_lost_its_memory_and_brings_the_found_load_back_has_put_nothing_down() -> None:
+    rig = given_back()
+    beats(rig, Phase.UNLOADING, aboard=True)
+    assert instructed(beats(rig, Phase.RETURNING, task="ATV2-found-7", aboard=True), CloseDock) == []
+    effects = beats(rig, Phase.RETURNING, task="ATV2-found-7", node="c1", aboard=True)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_a_vehicle_that_lost_its_memory_and_brings_the_found_load_back_has_taken_it() -> None:
+    life = Life()
+    _, departures = alone(life)
+    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "shaft", -24))
+    beat = rhb("ATV2", 1, 0.0, task="M7-1", coordinator="M7")
+    assert beat.task is not None
+    beat = replace(beat, node=DOCK, task=replace(beat.task, phase=Phase.LOADING))
+    departures.on_vehicle(beat, 0.0)
+    found = replace(
+        beat,
+        incarnation=2,
+        load="shaft",
+        load_quantity=24,
+        task=replace(beat.task, task="ATV2-found-7", phase=Phase.RETURNING),
+    )
+    departures.on_vehicle(found, 1.0)
+    assert instructed(life.effects, CloseDock) == []
+    departures.on_vehicle(replace(found, seq=2, node="c1"), 2.0)
+    assert instructed(life.effects, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
+
+
 def test_what_a_vehicle_may_have_put_down_elsewhere_is_not_booked_in() -> None:
     rig = given_back()
     beats(rig, Phase.UNLOADING, aboard=True)

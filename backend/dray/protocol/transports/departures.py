@@ -13,6 +13,7 @@ count is told of it (`Book`).
     it names the task no more, and was heard at it until then  the same: no vehicle ends a task with its load on board
     it stands here and names no task at all                    as if it named this one: it has lost its memory, and no
                                                                vehicle comes to a dock without a task
+    it brings the same item back for another task              it has lost its memory, and found the load on board
     it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
     it names another task, or stands elsewhere, after a time   where it has been is unknown: a load to take is booked out,
     in which it was not heard                                  a load to bring is not booked in
@@ -140,10 +141,11 @@ class Departures:
                 not load.task or (carries.task, carries.epoch) == (load.task, load.epoch)
             )
             phase = carries.phase if carries is not None and names else None
-            if heartbeat.node != self._node or phase not in _MAY_BE_INSIDE:
-                has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
+            has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
+            found_it = has_it and not names and carries is not None and carries.phase is Phase.RETURNING
+            if heartbeat.node != self._node or not (found_it or phase in _MAY_BE_INSIDE):
                 never_left = carries is None and heartbeat.node == self._node
-                is_known = names or never_left
+                is_known = names or never_left or found_it
                 if phase is Phase.HANDING_OVER and load.change > 0:
                     load = _reported(load)
                 aboard = has_it or phase is Phase.RETURNING if is_known else not self._was_heard(load, now_s)
