@@ -254,6 +254,8 @@ class ReservationMemory(Part, frozen=True):
     """The vehicle for which the dock was opened; empty before."""
     opened: int = 0
     """The epoch of the task in which it was opened; 0 before."""
+    gone: bool = False
+    """Whether the vehicle was heard elsewhere afterwards, without the load."""
 
 
 class TransportMemory(Part, tag_field="kind", tag="transport_called", frozen=True):

@@ -9,9 +9,10 @@ from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
 from spoken import rhb
 
-from dray.body import Book, OpenDock
+from dray.body import Book, DockReady, OpenDock
 from dray.messages import (
     Docked,
+    DockOpened,
     Phase,
     Reason,
     Resigned,
@@ -181,6 +182,77 @@ def test_a_vehicle_that_has_stood_there_without_a_task_and_leaves_empty_has_take
     assert instructed(stands_there(rig, aboard="shaft", node="elsewhere"), Book) == []
 
 
+# --- at a dock that opens later ---
+
+
+def before_a_shut_dock() -> MachineRig:
+    """The cart stands before the lathe's dock, which the body has not opened yet."""
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT)
+    rig.answers = True
+    return at_the_dock(rig)
+
+
+def opens(rig: MachineRig) -> None:
+    """The body has opened the dock."""
+    assert sent(rig.report(DockReady(vehicle=CART)), DockOpened)
+
+
+@pytest.mark.parametrize("aboard", ["", "shaft"])
+def test_a_vehicle_that_ends_its_task_before_the_dock_opens_takes_nothing(aboard: str) -> None:
+    rig = before_a_shut_dock()
+    stands_there(rig)
+    opens(rig)
+    stands_there(rig)
+    rig.run(rig.now_s + 60.0)
+    effects = stands_there(rig, aboard=aboard, node="elsewhere")
+    assert (instructed(effects, Book), sent(effects, StockReserved)) == ([], [])
+    assert instructed(stands_there(rig, aboard="shaft", node="elsewhere"), Book) == []
+
+
+def test_a_vehicle_that_names_its_task_again_may_load_after_all() -> None:
+    rig = before_a_shut_dock()
+    stands_there(rig)  # A heartbeat of before, which has come late.
+    beats(rig, Phase.LOADING)
+    opens(rig)
+    rig.run(rig.now_s + 60.0)
+    assert sent(stands_there(rig, node="elsewhere"), StockReserved, to="PRESS1")
+
+
+def test_a_vehicle_that_asks_again_may_load_after_all() -> None:
+    rig = before_a_shut_dock()
+    stands_there(rig)
+    rig.on_message(CART, Docked(TASK, 1, "LATHE1", "shaft", 6))
+    opens(rig)
+    rig.run(rig.now_s + 60.0)
+    assert sent(stands_there(rig, node="elsewhere"), StockReserved, to="PRESS1")
+
+
+@pytest.mark.parametrize("is_restarted", [False, True])
+def test_a_vehicle_that_was_let_in_and_asks_again_may_load_still_when_it_has_no_task_any_more(
+    *, is_restarted: bool
+) -> None:
+    rig = before_a_shut_dock()
+    opens(rig)
+    if is_restarted:
+        second = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+        second.memory, second.answers, second.opened = committed(rig.all), True, (CART,)
+        second.start()
+        rig = second
+    # Its body loads while its agent is started again, and is released.
+    rig.on_message(CART, Docked(TASK, 1, "LATHE1", "shaft", 6))
+    stands_there(rig)
+    rig.run(rig.now_s + 60.0)
+    assert instructed(stands_there(rig, aboard="shaft", node="elsewhere"), Book) == [OUT]
+
+
+def test_what_a_vehicle_has_on_board_before_the_dock_opens_is_not_from_here() -> None:
+    rig = before_a_shut_dock()
+    assert instructed(stands_there(rig, aboard="shaft"), Book) == []
+    opens(rig)
+    # It stands here still, and has such a load: in doubt it is booked out.
+    assert instructed(stands_there(rig, aboard="shaft"), Book) == [OUT]
+
+
 # --- after a time in which the vehicle was not heard ---
 
 
@@ -209,6 +281,47 @@ def test_a_load_that_was_not_fetched_while_the_agent_was_down_lies_there_still()
     assert instructed(rig.on_message("PRESS1", StockFreed(TASK)), Book) == []
     assert instructed(rig.on_message("PRESS1", StockFreed(TASK, fetched=True)), Book) == []
     assert lies_there(rig)[0] == 12
+
+
+def elsewhere(rig: MachineRig, *, aboard: str = "shaft") -> list[Effect]:
+    """The cart works for another press."""
+    rig.run(rig.now_s + 1.0)
+    beat = rhb(CART, 1000 + int(rig.now_s), rig.now_s, task="PRESS2-7", coordinator="PRESS2")
+    return rig.on_message(
+        CART, replace(beat, node="elsewhere", load=aboard, load_quantity=6 if aboard else 0)
+    )
+
+
+def test_what_a_vehicle_has_on_board_after_it_was_heard_elsewhere_without_is_not_from_here() -> None:
+    rig = at_the_dock()
+    rig.run(rig.now_s + 60.0)
+    assert sent(elsewhere(rig, aboard=""), StockReserved, to="PRESS1")
+    assert instructed(elsewhere(rig), Book) == []
+    # It passes by, and stands here without a task: its body has not gone on loading.
+    assert instructed(stands_there(rig, aboard="shaft"), Book) == []
+    # Neither does the next life take it for that.
+    second = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+    second.memory, second.now_s = committed(rig.all), rig.now_s
+    second.start()
+    effects = elsewhere(second)
+    assert (instructed(effects, Book), len(sent(effects, StockReserved, to="PRESS1"))) == ([], 1)
+    assert instructed(second.on_message("PRESS1", StockFreed(TASK, fetched=True)), Book) == [OUT]
+
+
+def test_a_vehicle_that_was_heard_elsewhere_and_names_the_task_with_its_load_has_fetched_it() -> None:
+    rig = at_the_dock()
+    rig.run(rig.now_s + 60.0)
+    elsewhere(rig, aboard="")
+    assert instructed(beats(rig, Phase.CARRYING), Book) == [OUT]
+
+
+def test_a_vehicle_that_was_heard_elsewhere_and_is_let_in_again_may_take_a_load() -> None:
+    rig = at_the_dock()
+    rig.run(rig.now_s + 60.0)
+    elsewhere(rig, aboard="")
+    rig.on_message(CART, Docked(TASK, 1, "LATHE1", "shaft", 6))
+    assert instructed(rig.on_message("PRESS1", StockFreed(TASK, fetched=True)), Book) == []  # A late answer.
+    assert instructed(stands_there(rig, aboard="shaft"), Book) == [OUT]
 
 
 def test_the_coordinator_is_asked_until_it_answers_and_no_oftener_than_it_needs() -> None:

@@ -6,9 +6,12 @@ The place follows the heartbeats of a vehicle that was let in to load:
     it names the task no more, and stands here still                its body may go on loading, although its agent was started
                                                                     again or has lost the task: what it leaves with counts
     it names the task no more, and was heard at it until then       it has left without, unless such a load is on board
+    it names the task no more before the dock was opened for it     its body has not begun to load, and will not: it leaves without
     it names the task no more, after a time in which it was not     its coordinator is asked until it answers whether the load was
     heard (this agent was down, or deaf)                            fetched, or that it cannot know. In doubt it is booked out:
                                                                     nothing is promised that may not lie there
+    it was heard elsewhere without the load                         what it has on board later is not from here, unless it names
+                                                                    the task
 
 The question is `StockReserved`. A coordinator that needs the pieces no more answers with `StockFreed`.
 """
@@ -16,6 +19,8 @@ The question is `StockReserved`. A coordinator that needs the pieces no more ans
 from __future__ import annotations
 
 from collections.abc import Iterable
+
+from msgspec.structs import replace
 
 from dray.memory import DepartureMemory, ReservationMemory
 from dray.messages import AtvHeartbeat, Docked, StockFreed, StockReserved
@@ -55,13 +60,30 @@ class BookingOut:
         """By vehicle: when it was last heard or seen at its task; only those that this life has heard."""
         self._asked_s: dict[str, float] = {}
         """By vehicle: when its coordinator was last asked whether it has fetched the load."""
+        self._shut: set[str] = set()
+        """Vehicles for which the dock was not opened since they are followed."""
+        self._ended: set[str] = set()
+        """Vehicles that named the task no more while the dock was still shut for them."""
 
-    def let_in(self, load: ReservationMemory, now_s: float) -> None:
-        """A vehicle stands here and may load now. Repeating this is harmless."""
+    def let_in(self, load: ReservationMemory, now_s: float, *, is_shut: bool) -> None:
+        """A vehicle stands here and may load once the dock is open. Repeating this is harmless.
+
+        Args:
+            load: what it may take.
+            now_s: the present time.
+            is_shut: whether the dock was not opened for it yet.
+        """
+        if is_shut and load.vehicle not in self._let_in:
+            self._shut.add(load.vehicle)
+        self._ended.discard(load.vehicle)
         self._follow(load)
         self._heard_s[load.vehicle] = now_s
         self._asked_s.pop(load.vehicle, None)
         self._life.commit()
+
+    def note_opened(self, vehicle: str) -> None:
+        """The dock was opened for a vehicle. Others than the followed ones are ignored."""
+        self._shut.discard(vehicle)
 
     def on_carrier_heard(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """Handle a heartbeat: the vehicle may have left with a load."""
@@ -70,15 +92,24 @@ class BookingOut:
             return
         if carries is not None and (carries.task, carries.epoch) == (load.task, load.opened):
             self._heard_s[load.vehicle] = now_s
+            self._ended.discard(load.vehicle)
             if carries.phase in GOODS_ABOARD:
                 self._book(load)
-        elif heartbeat.load == load.item and heartbeat.load_quantity > 0:
+            return
+        if load.vehicle in self._shut:
+            self._ended.add(load.vehicle)
+        is_here, was_heard = heartbeat.node == self._node, self._was_heard(load, now_s)
+        has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
+        if has_it and self._may_be_from_here(load, is_known=is_here or was_heard):
             self._book(load)
-        elif heartbeat.node == self._node and (carries is None or self._was_heard(load, now_s)):
+        elif is_here and not load.gone and (carries is None or was_heard):
             self._heard_s[load.vehicle] = now_s
-        elif self._was_heard(load, now_s):
+        elif was_heard or load.vehicle in self._ended:
             self._leave(load.vehicle)
         else:
+            if not is_here and not load.gone:
+                load = self._let_in[load.vehicle] = replace(load, gone=True)
+                self._life.commit()
             self._ask(load, now_s)
 
     def on_docked(self, vehicle: str, docked: Docked, now_s: float) -> None:
@@ -130,6 +161,17 @@ class BookingOut:
             self._subscriptions.follow(load.vehicle)
         self._let_in[load.vehicle] = load
 
+    def _may_be_from_here(self, load: ReservationMemory, *, is_known: bool) -> bool:
+        """Whether a vehicle that does not name the task may have taken here what it has on board.
+
+        Args:
+            load: what it may have taken.
+            is_known: whether the vehicle is here, or was until just now.
+        """
+        if load.gone or load.vehicle in self._shut:
+            return False
+        return is_known or load.vehicle not in self._ended
+
     def _was_heard(self, load: ReservationMemory, now_s: float) -> bool:
         """Whether a vehicle was recently heard at its task."""
         return now_s - self._heard_s.get(load.vehicle, -UNHEARD_S) < UNHEARD_S
@@ -155,5 +197,7 @@ class BookingOut:
         del self._let_in[vehicle]
         self._heard_s.pop(vehicle, None)
         self._asked_s.pop(vehicle, None)
+        self._shut.discard(vehicle)
+        self._ended.discard(vehicle)
         self._subscriptions.unfollow(vehicle)
         self._life.commit()

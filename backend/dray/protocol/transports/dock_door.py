@@ -81,6 +81,10 @@ class Door:
         """Whether a vehicle waits for the body to open the dock."""
         return vehicle in self.visits.asked
 
+    def was_opened(self, vehicle: str) -> bool:
+        """Whether the dock was opened for a vehicle that has not left since."""
+        return vehicle in self.visits.inside
+
     def wait(self, now_s: float) -> DockWait | UnsetType:
         """The vehicle that has waited longest for the dock to open, if longer than `patience_s`."""
         vehicle = min(self.visits.since_s, key=self.visits.since_s.__getitem__, default="")
@@ -190,3 +194,4 @@ class Door:
     def _let_in(self, vehicle: str, entry: Entry) -> None:
         self.visits.inside[vehicle] = entry
         self._departures.note_let_in(vehicle, entry.task, entry.epoch)
+        self._booking_out.note_opened(vehicle)

@@ -175,7 +175,7 @@ class TransportFlow:
     def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
         """Another coordinator's vehicle may load now; None for no vehicle."""
         if load is not None and not self._handovers.counts:
-            self.booking_out.let_in(load, now_s)
+            self.booking_out.let_in(load, now_s, is_shut=not self.door.was_opened(load.vehicle))
 
     def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:
         """Take a load back that is not awaited any more; a body that counts and opens at once needs no check.
