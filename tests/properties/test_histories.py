@@ -126,7 +126,7 @@ class World:
             (life, {number for _, number in each})
             for life, each in groupby(sorted(self.written), lambda key: key[0])
         ]
-        known = []
+        known: list[Known] = []
         for life, there in lives[-LIVES:]:
             last = max(there)
             start = max(1, last - HISTORY_KEPT + 1)

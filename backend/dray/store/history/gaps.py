@@ -4,7 +4,7 @@ An agent numbers the events of each of its lives from 1 on. So an arriving numbe
 ones: the last event of a life may be lost. Heartbeats carry no numbers, and should not for the sake of one listener. So every
 agent is regularly asked for events after its last known number, even if nothing seems to be missing. One answer contains the
 missing events, and the numbers of stored ones (`EventsKept`), those of earlier lives included. So an answer also reveals lives that were
-missed altogether, however many.
+missed altogether, the newest `LIVES_TOLD`.
 
     a number was skipped       -> ask for it, after `SETTLE_S`
     a life has begun           -> ask for it, and for the end of the previous one
