@@ -132,6 +132,15 @@ class Journal(Protocol):
         """The first and the last number of the stored events of one life; (1, 0) when there are none."""
         ...
 
+    def earlier(self, before: int, most: int) -> list[tuple[int, int, int]]:
+        """The newest lives with stored events, oldest first: life, first and last number of each.
+
+        Args:
+            before: only lives before this one.
+            most: maximum number of lives.
+        """
+        ...
+
     def events(self, incarnation: int, first: int, last: int) -> list[Event]:
         """The stored events of one life with these numbers, both ends included, in order."""
         ...

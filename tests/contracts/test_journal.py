@@ -237,6 +237,18 @@ def test_a_journal_tells_which_numbers_of_a_life_it_keeps(case: Case) -> None:
     assert (journal.kept(1), journal.kept(2)) == ((1, 3), (1, 0))
 
 
+def test_a_journal_tells_which_earlier_lives_it_keeps(case: Case) -> None:
+    journal = case.first_life()
+    write(journal, range(1, 4))
+    journal = case.next_life(case.next_life(journal))
+    write(journal, range(1, 3))
+    journal = case.next_life(journal)
+    write(journal, range(1, 2))
+    assert journal.earlier(4, 10) == [(1, 1, 3), (3, 1, 2)]
+    assert journal.earlier(4, 1) == journal.earlier(4, 10)[1:]
+    assert journal.earlier(1, 10) == []
+
+
 def test_a_journal_that_was_lost_says_so_until_it_is_told_and_lives_are_counted_on(case: Case) -> None:
     journal = case.next_life(case.first_life())
     assert journal.lost == ""

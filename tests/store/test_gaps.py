@@ -7,9 +7,19 @@ from itertools import pairwise
 
 from dray.messages import EventsAsked, EventsKept
 from dray.messages.base import COUNT_MAX
-from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT
+from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT, LIVES_TOLD, LifeKept
 from dray.messages.overtaken import OVERTAKES_S
-from dray.store.history.gaps import AGAIN_S, ASKED_AT_ONCE, LIVES, SETTLE_S, SILENCE_S, TAIL_S, Gaps, Known
+from dray.store.history.gaps import (
+    AGAIN_S,
+    ASKED_AT_ONCE,
+    LIVES,
+    MISSING_MAX,
+    SETTLE_S,
+    SILENCE_S,
+    TAIL_S,
+    Gaps,
+    Known,
+)
 
 
 def note(gaps: Gaps, *numbers: int, agent: str = "M1", life: int = 1, now_s: float = 0.0) -> Gaps:
@@ -18,8 +28,15 @@ def note(gaps: Gaps, *numbers: int, agent: str = "M1", life: int = 1, now_s: flo
     return gaps
 
 
-def kept(first: int, last: int, life: int = 1, said_in: int | None = None) -> EventsKept:
-    return EventsKept(incarnation=life, first=first, last=last, life=said_in or life)
+def kept(
+    first: int,
+    last: int,
+    life: int = 1,
+    said_in: int | None = None,
+    earlier: Iterable[tuple[int, int, int]] | None = None,
+) -> EventsKept:
+    lives = None if earlier is None else tuple(LifeKept(*each) for each in earlier)
+    return EventsKept(incarnation=life, first=first, last=last, life=said_in or life, earlier=lives)
 
 
 def missing(gaps: Gaps) -> set[int]:
@@ -275,6 +292,74 @@ def test_only_so_many_lives_are_followed() -> None:
     assert asked(gaps, 2.0) == [(100 - LIVES + 1, 1, EVENTS_PER_ANSWER)]
 
 
+def test_lives_that_began_and_ended_while_nobody_listened_are_asked_for_however_soon_the_next_ones_begin() -> (
+    None
+):
+    # As in a run with a kill every few seconds: the historian had heard lives 3, 5 and 6, and was killed.
+    gaps = Gaps([Known("M11", 3, 109), Known("M11", 5, 3), Known("M11", 6, 106, tuple(range(1, 104)))])
+    gaps.note("M11", 8, 102, 1.0)
+    gaps.note_alive("M11", 10, 2.0)
+    lives = {3: 109, 4: 101, 5: 94, 6: 123, 7: 82, 8: 133, 9: 138, 10: 3}
+    fetched: dict[int, set[int]] = {life: set() for life in lives}
+    for second in range(3, 300):
+        for agent, question in gaps.due(float(second)):
+            life = question.incarnation
+            last = lives.get(life, 0)
+            told = range(question.first, min(last, question.last) + 1)
+            fetched.setdefault(life, set()).update(told)
+            note(gaps, *told, agent=agent, life=life, now_s=float(second))
+            gaps.answered(agent, kept(1, last, life=life, said_in=10), float(second))
+    assert fetched[4] == set(range(1, 102))
+    assert fetched[5] >= set(range(4, 95))
+    assert (gaps.missing, gaps.gone) == (0, 0)
+
+
+def test_an_answer_reveals_lives_that_nobody_has_heard_of_and_closes_those_that_are_whole() -> None:
+    gaps = Gaps([Known("M1", 1, 3), Known("M1", 2, 5), Known("M1", 7, 4)])
+    assert asked(gaps, 0.0) == [(1, 4, 3 + EVENTS_PER_ANSWER)]
+    gaps.answered("M1", kept(1, 3, said_in=7, earlier=[(1, 1, 3), (2, 1, 5), (4, 3, 9)]), 0.1)
+    assert asked(gaps, 0.1) == [(4, 3, 9)]
+    note(gaps, *range(3, 10), life=4, now_s=0.2)
+    gaps.answered("M1", kept(3, 9, life=4, said_in=7, earlier=[(1, 1, 3), (2, 1, 5), (4, 3, 9)]), 0.2)
+    assert asked(gaps, 0.3) == [(7, 5, 4 + EVENTS_PER_ANSWER)]
+    assert gaps.missing == 0
+
+
+def test_an_end_that_was_lost_is_asked_for_when_a_later_answer_tells_of_it() -> None:
+    gaps = note(Gaps(), 1, 2)
+    gaps.answered("M1", kept(1, 2), 0.1)
+    gaps.note_alive("M1", 2, 1.0)
+    gaps.answered("M1", kept(1, 0, life=2, earlier=[(1, 1, 4)]), 1.1)
+    assert missing(gaps) == {3, 4}
+    assert asked(gaps, 2.0) == [(1, 3, 4)]
+
+
+def test_lives_that_were_deleted_are_not_fetched_once_more() -> None:
+    gaps = Gaps([Known("M1", 5, 9, cut=True), Known("M1", 6, 2)])
+    gaps.answered("M1", kept(1, 2, life=6, earlier=[(3, 1, 8), (4, 1, 8), (5, 1, 9)]), 0.1)
+    assert gaps.missing == 0
+    assert asked(gaps, 0.2) == []
+
+
+def test_no_agent_has_more_lives_or_numbers_followed_than_the_bounds() -> None:
+    gaps = Gaps()
+    for life in range(1, 3 * LIVES):
+        note(gaps, HISTORY_KEPT, life=life)
+    assert len(gaps._tellers["M1"].lives) <= LIVES
+    assert gaps.missing <= MISSING_MAX
+    lives = [(life, 1, HISTORY_KEPT // LIVES_TOLD) for life in range(200, 200 + LIVES_TOLD)]
+    gaps.answered("M1", kept(1, 0, life=COUNT_MAX, earlier=lives), 0.1)
+    assert len(gaps._tellers["M1"].lives) <= LIVES
+    assert gaps.missing <= MISSING_MAX
+
+
+def test_an_answer_that_names_more_than_an_agent_keeps_tells_nothing_of_earlier_lives() -> None:
+    gaps = note(Gaps(), 1, 3)
+    gaps.answered("M1", kept(1, 0, life=9, earlier=[(2, 1, HISTORY_KEPT), (3, 1, 1)]), 0.1)
+    gaps.answered("M1", kept(1, 0, life=9, earlier=[(2, 2, 1)]), 0.1)
+    assert missing(gaps) == {2}
+
+
 def test_whatever_is_lost_all_that_is_kept_arrives_in_the_end() -> None:
     """An agent of three lives, and a network that loses two of three messages, in a fixed pattern."""
     histories = {1: 40, 2: 0, 3: 300}
@@ -325,11 +410,11 @@ def test_a_life_of_the_far_future_does_not_keep_its_owners_history_out_for_ever(
 
 
 def test_a_life_that_goes_on_is_not_replaced_by_a_late_word_of_an_earlier_one() -> None:
-    gaps = note(Gaps(), 1, life=9)
+    gaps = note(Gaps(), 1, life=99)
     for now_s in (20.0, 40.0, 60.0):
-        gaps.note_alive("M1", 9, now_s)
+        gaps.note_alive("M1", 99, now_s)
         note(gaps, 5, life=1, now_s=now_s)
-    note(gaps, 3, life=9, now_s=61.0)
+    note(gaps, 3, life=99, now_s=61.0)
     assert gaps.missing == 1
 
 
@@ -341,6 +426,22 @@ def test_a_number_of_the_far_future_does_not_hide_later_gaps_for_ever() -> None:
     assert gaps.missing == 0
     note(gaps, 5, now_s=3.0)
     assert missing(gaps) == {4}
+
+
+def test_for_a_number_of_the_far_future_no_number_that_is_kept_stays_unsought() -> None:
+    gaps = note(Gaps(), 1, 2, 5)
+    note(gaps, COUNT_MAX)
+    gaps.answered("M1", kept(1, 7), 2.0)
+    assert missing(gaps) == {3, 4, 5, 6, 7}, "at worst, one is fetched once more"
+
+
+def test_an_agent_is_followed_in_the_life_it_says_it_is_in_though_a_thief_has_named_the_next_one() -> None:
+    gaps = note(Gaps([Known("M1", 3, 1, cut=True)]), 1, life=4)
+    now_s = OVERTAKES_S + 1.0
+    for later_s in (0.0, 1.0):
+        gaps.note_alive("M1", 3, now_s + later_s)
+        gaps.answered("M1", kept(1, 1, life=3), now_s + later_s)
+    assert asked(gaps, now_s + 1.0 + SETTLE_S) == []
 
 
 def test_what_is_told_while_an_answer_is_under_way_is_at_worst_fetched_once_more() -> None:

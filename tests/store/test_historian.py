@@ -257,7 +257,7 @@ async def test_what_agents_have_forgotten_is_a_hole_that_is_counted_and_logged(
             await until(lambda: historian.missing == 0)
         await historian.written()
     assert historian.gone == 3
-    assert "M1 no longer has 3 events of its life 1" in caplog.text
+    assert "M1 no longer has 3 events, of its life 1" in caplog.text
     assert [row["number"] for row in (await rows(store))["events"]] == [1, 5, 6, 7, 8]
 
 

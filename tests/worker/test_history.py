@@ -13,7 +13,7 @@ from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, AtvMemory, EndedOrder
 from dray.messages import EventsAsked, EventsKept
 from dray.messages.fact import OrderFulfilled
-from dray.messages.history import EVENTS_PER_ANSWER
+from dray.messages.history import EVENTS_PER_ANSWER, LifeKept
 from dray.protocol.runtime.events import (
     Commit,
     Effect,
@@ -48,7 +48,7 @@ def test_what_somebody_missed_is_told_to_that_one_alone_and_the_agent_is_not_ask
         await asyncio.sleep(1.0)
         assert [event.number for event in historian.events] == [4, 5, 6, 7]
         assert historian.events[0].fact == OrderFulfilled("o4")
-        assert historian.others == [EventsKept(incarnation=3, first=1, last=10, life=3)]
+        assert historian.others == [EventsKept(incarnation=3, first=1, last=10, life=3, earlier=())]
         assert eavesdropper.events == eavesdropper.others == []
         assert len(agent.events) == 1
 
@@ -62,7 +62,9 @@ def test_an_answer_is_bounded_and_tells_how_far_asking_again_will_lead() -> None
         historian.session.send("A1", EventsAsked(incarnation=3, first=3, last=2**53))
         await asyncio.sleep(1.0)
         assert [event.number for event in historian.events] == list(range(3, EVENTS_PER_ANSWER + 3))
-        assert historian.others == [EventsKept(incarnation=3, first=1, last=EVENTS_PER_ANSWER + 5, life=3)]
+        assert historian.others == [
+            EventsKept(incarnation=3, first=1, last=EVENTS_PER_ANSWER + 5, life=3, earlier=())
+        ]
 
     play(story)
 
@@ -76,8 +78,8 @@ def test_what_a_journal_has_forgotten_is_said_to_be_gone() -> None:
         await asyncio.sleep(1.0)
         assert [event.number for event in historian.events] == [7, 8]
         assert historian.others == [
-            EventsKept(incarnation=3, first=7, last=10, life=3),
-            EventsKept(incarnation=2, first=1, last=0, life=3),
+            EventsKept(incarnation=3, first=7, last=10, life=3, earlier=()),
+            EventsKept(incarnation=2, first=1, last=0, life=3, earlier=()),
         ]
 
     play(story)
@@ -93,7 +95,8 @@ def test_a_life_tells_what_the_one_before_it_has_seen() -> None:
         historian.session.send("A1", EventsAsked(incarnation=2, first=1, last=9))
         await asyncio.sleep(1.0)
         assert [event.fact for event in historian.events] == [OrderFulfilled("before")]
-        assert historian.others == [EventsKept(incarnation=2, first=1, last=1, life=3)]
+        earlier = (LifeKept(incarnation=2, first=1, last=1),)
+        assert historian.others == [EventsKept(incarnation=2, first=1, last=1, life=3, earlier=earlier)]
 
     play(story)
 

@@ -6,7 +6,11 @@ panels and reports are computed from them.
 
 from __future__ import annotations
 
-from dray.messages.base import Count, Id, Message, Seconds
+from typing import Annotated
+
+from msgspec import Meta
+
+from dray.messages.base import Count, Id, Message, Part, Seconds
 from dray.messages.fact import AnyFact
 from dray.messages.kinds import GATEWAYS, HISTORIANS, TELLERS
 
@@ -16,6 +20,18 @@ EVENTS_PER_ANSWER = 200
 HISTORY_KEPT = 10_000
 """Events of its history that an agent keeps, some 5 MB on the disk. A strategist whose machines come and go records a thousand facts
 in minutes; events that it drops before the historian is back are lost for good."""
+
+LIVES_TOLD = 32
+"""Maximum earlier lives in one answer, the newest: more than an agent begins while nobody listens, unless it restarts every few seconds
+for long."""
+
+
+class LifeKept(Part, frozen=True):
+    """The events of one ended life that an agent still has: all from `first` to `last`, at least one."""
+
+    incarnation: Count
+    first: Count
+    last: Count
 
 
 class EventsAsked(Message, said_by=GATEWAYS | HISTORIANS, frozen=True):
@@ -43,6 +59,9 @@ class EventsKept(Message, said_by=TELLERS, frozen=True):
     last: Count
     life: Count
     """The agent's present life: earlier ones get no more events."""
+    earlier: Annotated[tuple[LifeKept, ...], Meta(max_length=LIVES_TOLD)] | None = None
+    """The newest lives before the present one with kept events, oldest first. So a listener learns of lives that it missed
+    altogether. None from an agent that does not say; such an agent is asked about each life."""
 
 
 class Event(Message, said_by=TELLERS, signed="agent", frozen=True):

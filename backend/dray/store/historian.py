@@ -186,7 +186,7 @@ class Historian:
             case EventsKept():
                 if gone := self._gaps.answered(sender, message, self._now_s()):
                     life = message.incarnation
-                    _log.warning("%s no longer has %d events of its life %d", sender, gone, life)
+                    _log.warning("%s no longer has %d events, of its life %d or others", sender, gone, life)
             case _:
                 pass
 

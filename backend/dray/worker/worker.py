@@ -15,11 +15,12 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
+from itertools import starmap
 from typing import TYPE_CHECKING, assert_never
 
 from dray import messages
 from dray.errors import ProtocolViolation
-from dray.messages.history import EVENTS_PER_ANSWER
+from dray.messages.history import EVENTS_PER_ANSWER, LIVES_TOLD, LifeKept
 from dray.ports import nobody_hears
 from dray.protocol.runtime.events import (
     NEVER_S,
@@ -279,7 +280,13 @@ class Worker:
         start = max(first, asked.first)
         for event in self._journal.events(life, start, min(last, asked.last, start + EVENTS_PER_ANSWER - 1)):
             session.send(asker, event)
-        answer = messages.EventsKept(incarnation=life, first=first, last=last, life=self.agent.incarnation)
+        answer = messages.EventsKept(
+            incarnation=life,
+            first=first,
+            last=last,
+            life=self.agent.incarnation,
+            earlier=tuple(starmap(LifeKept, self._journal.earlier(self.agent.incarnation, LIVES_TOLD))),
+        )
         session.send(asker, answer)
 
     def _instruct(self, instruction: Instruction) -> None:

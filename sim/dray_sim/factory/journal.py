@@ -75,6 +75,11 @@ class HeldJournal:
         numbers = [event.number for event in self._events if event.incarnation == incarnation]
         return (numbers[0], numbers[-1]) if numbers else (1, 0)
 
+    def earlier(self, before: int, most: int) -> list[tuple[int, int, int]]:
+        """See `dray.ports.Journal`."""
+        lives = sorted({event.incarnation for event in self._events if event.incarnation < before})
+        return [(life, *self.kept(life)) for life in lives[-most:]]
+
     def events(self, incarnation: int, first: int, last: int) -> list[Event]:
         """See `dray.ports.Journal`."""
         return [

@@ -188,6 +188,16 @@ class SqliteJournal:
             ).fetchone()
         return (1, 0) if first is None else (first, last)
 
+    def earlier(self, before: int, most: int) -> list[tuple[int, int, int]]:
+        """See `dray.ports.Journal`."""
+        with self._told():
+            rows = self._base.execute(
+                "SELECT incarnation, min(number), max(number) FROM event WHERE incarnation < ?"
+                " GROUP BY incarnation ORDER BY incarnation DESC LIMIT ?",
+                (before, most),
+            )
+            return list(rows)[::-1]
+
     def events(self, incarnation: int, first: int, last: int) -> list[Event]:
         """See `dray.ports.Journal`."""
         with self._told():

@@ -3,12 +3,15 @@
 An agent numbers the events of each of its lives from 1 on. So an arriving number reveals missing earlier ones, but no later
 ones: the last event of a life may be lost. Heartbeats carry no numbers, and should not for the sake of one listener. So every
 agent is regularly asked for events after its last known number, even if nothing seems to be missing. One answer contains the
-missing events, and the numbers of stored ones (`EventsKept`).
+missing events, and the numbers of stored ones (`EventsKept`), those of earlier lives included. So an answer also reveals lives that were
+missed altogether, the newest `LIVES_TOLD`.
 
     a number was skipped       -> ask for it, after `SETTLE_S`
     a life has begun           -> ask for it, and for the end of the previous one
     nothing is known to miss   -> ask for what comes next, every `TAIL_S`
     no answer, or no progress  -> ask again, after twice the pause
+
+What an agent keeps and the historian cannot vouch for is fetched once more: a doubled event costs a message, a missed one is lost.
 
 An agent gets one question at a time, about its oldest life first. A number is *missing* until it has come, and *gone* when
 its agent reports that it is deleted.
@@ -21,12 +24,15 @@ from collections.abc import Iterable
 import msgspec
 
 from dray.messages import EventsAsked, EventsKept
-from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT
+from dray.messages.base import COUNT_MAX
+from dray.messages.history import EVENTS_PER_ANSWER, HISTORY_KEPT, LIVES_TOLD, LifeKept
 from dray.messages.overtaken import OVERTAKES_S
 
-LIVES = 4
-"""Maximum lives of one agent that are followed, the last ones. More starts during a historian's absence are a worse problem
-than the history."""
+LIVES = LIVES_TOLD + 1
+"""Maximum lives of one agent that are followed, the last ones: all that an answer tells of, and the present one."""
+
+MISSING_MAX = 4 * HISTORY_KEPT
+"""Maximum missing numbers of one agent that are followed, some 3 MB: more than it keeps."""
 
 SETTLE_S = 1.0
 """Seconds before a skipped number is asked for: most are only late."""
@@ -53,6 +59,8 @@ class Known(msgspec.Struct, frozen=True, gc=False):
     incarnation: int
     last: int
     missing: tuple[int, ...] = ()
+    cut: bool = False
+    """Whether earlier lives are not asked for: they were deleted, or are older than those followed."""
 
 
 class _Life(msgspec.Struct, gc=False):
@@ -65,6 +73,8 @@ class _Life(msgspec.Struct, gc=False):
     missing: set[int] = msgspec.field(default_factory=set)
     open: bool = True
     """Whether its end is unknown: not reported since its beginning, or since the next life's beginning."""
+    unsought: int = COUNT_MAX
+    """The first number that is not looked for, without the agent's word, because a far later one was heard."""
 
 
 class _Teller(msgspec.Struct, gc=False):
@@ -84,6 +94,8 @@ class _Teller(msgspec.Struct, gc=False):
     """A question was asked, and its answer may still come."""
     filled: int = 0
     """Missing numbers that have come since the last question."""
+    whole_before: int = 0
+    """Nothing is asked for of lives before this one, unless they are in `lives`."""
 
 
 class Gaps:
@@ -106,11 +118,16 @@ class Gaps:
         self._tellers: dict[str, _Teller] = {}
         for one in known:
             teller = self._tellers.setdefault(one.agent, _Teller(heard_s=now_s, due_s=now_s, newest_s=now_s))
+            if one.cut:
+                teller.whole_before = one.incarnation
             self._begin_life(teller, one.incarnation)
             life = teller.lives[one.incarnation]
             life.last = one.last
             life.missing.update(one.missing[-HISTORY_KEPT:])
+            if one.last > HISTORY_KEPT:
+                life.unsought = 1
             self.missing += len(life.missing)
+            self._bound(teller)
         for agent in agents:
             if agent not in self._tellers:
                 # Its answer tells its present life.
@@ -137,7 +154,7 @@ class Gaps:
         if number <= life.last:
             return False
         if number > life.last + 1:
-            self._miss(life, life.last + 1, number)
+            self._miss(teller, life, life.last + 1, number)
             self._ask_by(teller, now_s + SETTLE_S)
         life.last = number
         # An answer to the question for later events looks like any other event.
@@ -145,7 +162,7 @@ class Gaps:
 
     def note_alive(self, agent: str, incarnation: int, now_s: float) -> None:
         """The agent was heard, in this life."""
-        self._heard(agent, incarnation, now_s)
+        self._heard(agent, incarnation, now_s, present=True)
 
     def answered(self, agent: str, kept: EventsKept, now_s: float) -> int:
         """The agent has reported its stored numbers, after the events asked for.
@@ -153,25 +170,21 @@ class Gaps:
         Returns:
             The count of missing numbers that are gone.
         """
-        teller = self._heard(agent, kept.life, now_s)
+        teller = self._heard(agent, kept.life, now_s, present=True)
         gone, found = 0, teller.filled > 0
         if (life := teller.lives.get(kept.incarnation)) is not None:
             over = kept.incarnation < kept.life
             found |= kept.last > life.last or life.open
-            if kept.first <= kept.last < life.last:
-                # It has told no later ones: they are a thief's, or on their way, and then they are fetched once more.
-                self.missing -= len(life.missing)
-                life.missing = {number for number in life.missing if number <= kept.last}
-                self.missing += len(life.missing)
-                life.last = kept.last
-            if kept.last > life.last:
-                self._miss(life, life.last + 1, kept.last + 1)
-                life.last = kept.last
+            gone = self._end_at(teller, life, kept.first, kept.last)
             # Of an ended life without stored events, not even the last number is known.
             nothing_left = over and kept.last < kept.first
-            gone = self._give_up(life, life.last + 1 if nothing_left else kept.first)
+            gone += self._give_up(life, life.last + 1 if nothing_left else kept.first)
             life.open = not over and kept.incarnation != next(reversed(teller.lives))
-            _forget_whole_lives(teller)
+        if kept.earlier is not None and _is_credible(kept.earlier):
+            gone += self._compare(teller, kept.life, kept.earlier)
+        _forget_whole_lives(teller)
+        teller.whole_before = max(teller.whole_before, min(kept.life, next(iter(teller.lives))))
+        self._trim(teller)
         teller.waiting = False
         lacking = any(life.missing or life.open for life in teller.lives.values())
         if lacking and not (found or gone):
@@ -198,7 +211,8 @@ class Gaps:
 
     # --- how it is done --------------------------------------------------------------------------
 
-    def _heard(self, agent: str, incarnation: int, now_s: float) -> _Teller:
+    def _heard(self, agent: str, incarnation: int, now_s: float, *, present: bool = False) -> _Teller:
+        """The agent was heard, about this life or, if `present`, in it."""
         teller = self._tellers.get(agent)
         if teller is None:
             teller = self._tellers[agent] = _Teller(heard_s=now_s, due_s=now_s + SETTLE_S, newest_s=now_s)
@@ -207,12 +221,13 @@ class Gaps:
             self._ask_by(teller, now_s + SETTLE_S)
         teller.heard_s = now_s
         newest = next(reversed(teller.lives), 0)
-        if incarnation not in teller.lives and incarnation < newest and now_s - teller.newest_s > OVERTAKES_S:
+        spoken = present or incarnation not in teller.lives
+        if spoken and incarnation < newest and now_s - teller.newest_s > OVERTAKES_S:
             # Nobody speaks in that life any more: a thief of its certificate has named it.
-            for life in teller.lives.values():
-                self._give_up(life, life.last + 1)
-            teller.lives.clear()
-            newest = 0
+            for later in [life for life in teller.lives if life > incarnation]:
+                self._give_up(life := teller.lives.pop(later), life.last + 1)
+            teller.whole_before = min(teller.whole_before, incarnation)
+            newest = next(reversed(teller.lives), 0)
         if incarnation > newest:
             self._begin_life(teller, incarnation)
             self._ask_by(teller, now_s + SETTLE_S)
@@ -225,24 +240,92 @@ class Gaps:
         newest = next(reversed(teller.lives), 0)
         if newest:
             teller.lives[newest].open = True
-        for life in range(max(newest, incarnation - LIVES) + 1, incarnation + 1):
+        for life in range(max(newest, incarnation - LIVES, teller.whole_before - 1) + 1, incarnation + 1):
             teller.lives[life] = _Life()
+        self._trim(teller)
+
+    def _trim(self, teller: _Teller) -> None:
         while len(teller.lives) > LIVES:
             oldest = teller.lives.pop(next(iter(teller.lives)))
             self._give_up(oldest, oldest.last + 1)
+
+    def _compare(self, teller: _Teller, present: int, earlier: tuple[LifeKept, ...]) -> int:
+        """Compare what is known of ended lives with what the agent keeps of them.
+
+        Returns:
+            The count of missing numbers that are gone.
+        """
+        gone = 0
+        for kept in earlier:
+            if not teller.whole_before <= kept.incarnation < present:
+                continue
+            if (life := teller.lives.get(kept.incarnation)) is None:
+                life = teller.lives[kept.incarnation] = _Life()
+            life.open = False
+            gone += self._end_at(teller, life, kept.first, kept.last)
+            gone += self._give_up(life, kept.first)
+        # Of lives that it does not name, it keeps nothing.
+        told = {kept.incarnation for kept in earlier}
+        since = earlier[0].incarnation if len(earlier) == LIVES_TOLD else 0
+        for incarnation, life in teller.lives.items():
+            if since <= incarnation < present and incarnation not in told:
+                life.open = False
+                gone += self._give_up(life, life.last + 1)
+        teller.lives = dict(sorted(teller.lives.items()))
+        return gone
+
+    def _end_at(self, teller: _Teller, life: _Life, first: int, last: int) -> int:
+        """The agent has told its events up to the last one, so far, and keeps them from the first one on.
+
+        Returns:
+            The count of later numbers than were known that are gone.
+        """
+        if first <= last < life.last:
+            # It has told no later ones: they are a thief's, or on their way, and then they are fetched once more.
+            self.missing -= len(life.missing)
+            life.missing = {number for number in life.missing if number <= last}
+            if last < life.last - HISTORY_KEPT:
+                # For a thief's number, others were not looked for that it keeps.
+                life.missing.update(range(max(life.unsought, first, last + 1 - HISTORY_KEPT), last + 1))
+                life.unsought = COUNT_MAX
+            self.missing += len(life.missing)
+            life.last = last
+        if last <= life.last:
+            return 0
+        kept = max(life.last + 1, min(first, last + 1))
+        gone = kept - life.last - 1
+        self.gone += gone
+        self._miss(teller, life, kept, last + 1)
+        life.last = last
+        return gone
 
     def _ask_by(self, teller: _Teller, when_s: float) -> None:
         if not teller.waiting:
             teller.due_s = min(teller.due_s, when_s)
 
-    def _miss(self, life: _Life, first: int, end: int) -> None:
+    def _miss(self, teller: _Teller, life: _Life, first: int, end: int) -> None:
         """Note skipped numbers; `end` is excluded."""
         sought = max(first, end - HISTORY_KEPT)
         self.gone += sought - first
+        if sought > first:
+            life.unsought = min(life.unsought, first)
         life.missing.update(range(sought, end))
         self.missing += end - sought
         if len(life.missing) > HISTORY_KEPT:
-            self._give_up(life, sorted(life.missing)[-HISTORY_KEPT])
+            missing = sorted(life.missing)
+            life.unsought = min(life.unsought, missing[0])
+            self._give_up(life, missing[-HISTORY_KEPT])
+        self._bound(teller)
+
+    def _bound(self, teller: _Teller) -> None:
+        surplus = sum(len(life.missing) for life in teller.lives.values()) - MISSING_MAX
+        for life in teller.lives.values():
+            if surplus <= 0:
+                break
+            if life.missing:
+                # It is asked for from its beginning when there is room.
+                surplus -= self._give_up(life, life.last + 1)
+                life.last, life.open = 0, True
 
     def _give_up(self, life: _Life, first: int) -> int:
         """Numbers before this one are gone; returns the count of missing ones among them."""
@@ -251,6 +334,12 @@ class Gaps:
         self.missing -= len(gone)
         self.gone += len(gone)
         return len(gone)
+
+
+def _is_credible(earlier: tuple[LifeKept, ...]) -> bool:
+    """Whether an agent can keep as much."""
+    lengths = [kept.last - kept.first + 1 for kept in earlier]
+    return all(length > 0 for length in lengths) and sum(lengths) <= HISTORY_KEPT
 
 
 def _forget_whole_lives(teller: _Teller) -> None:

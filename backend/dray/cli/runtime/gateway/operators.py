@@ -60,6 +60,10 @@ class _NoNotes:
         """See `dray.ports.Journal`."""
         return 1, 0
 
+    def earlier(self, before: int, most: int) -> list[tuple[int, int, int]]:
+        """See `dray.ports.Journal`."""
+        return []
+
     def events(self, incarnation: int, first: int, last: int) -> list[Event]:
         """See `dray.ports.Journal`."""
         return []
