@@ -43,6 +43,7 @@ from dray.body.operator import (
     ShownCall,
 )
 from dray.body.storage import (
+    FillTo,
     Refill,
     StorageInstruction,
     StorageState,
@@ -108,6 +109,7 @@ __all__ = [
     "Drop",
     "DutyChanged",
     "DutyState",
+    "FillTo",
     "GateProblem",
     "GateState",
     "GoodsArrived",

@@ -14,6 +14,16 @@ class Refill(Part, frozen=True):
     item: str
 
 
+class FillTo(Part, frozen=True):
+    """Let a material that comes by itself fill no more than this room: the rest is for loads on their way.
+
+    Vehicles' loads may lie above it. It holds until another one, also without the agent; before the first one the capacity holds.
+    """
+
+    item: str
+    quantity: int
+
+
 class StorageState(Part, frozen=True):
     """A storage's state."""
 
@@ -37,4 +47,4 @@ class StorageState(Part, frozen=True):
     """Expected reports of vehicles without permission, where people operate it; see `WorkcellState`."""
 
 
-StorageInstruction = OpenDock | CloseDock | Book | Refill | Word
+StorageInstruction = OpenDock | CloseDock | Book | Refill | FillTo | Word

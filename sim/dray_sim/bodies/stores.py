@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Container, Iterable, Mapping
 from typing import Protocol
 
-from dray.body import CloseDock, Instruction, OpenDock, Refill, Report, StockChanged, StorageState
+from dray.body import CloseDock, FillTo, Instruction, OpenDock, Refill, Report, StockChanged, StorageState
 from dray.messages import THING
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
@@ -157,6 +157,8 @@ class Storage:
         stock: pieces of every material.
         things: things without master data that were brought here, less those that were fetched; the number at the
             beginning is unknown.
+        filled: pieces that lay there after the last refill, by material.
+        refills: number of refills, by material.
     """
 
     def __init__(
@@ -178,6 +180,9 @@ class Storage:
         begin = {item: 0 for item in self._capacity if item in parts} | dict(stock or {})
         self.stock = {item: min(begin.get(item, room), room) for item, room in self._capacity.items()}
         self.things = 0
+        self.filled: dict[str, int] = {}
+        self.refills: Counter[str] = Counter()
+        self._fill_to = dict(self._capacity)
         self._seq = 0
         """Number of the last change of the stock that a report tells of."""
         self._takes_all = takes_all
@@ -198,6 +203,9 @@ class Storage:
             self._docks.shut(instruction.vehicle)
         elif isinstance(instruction, Refill) and instruction.item in self.stock:
             self._order(instruction.item)
+        elif isinstance(instruction, FillTo) and instruction.item in self.stock:
+            self._fill_to[instruction.item] = min(instruction.quantity, self._capacity[instruction.item])
+            self._order_if_low(instruction.item)
 
     def sense(self) -> StorageState:
         """See `dray.ports.Body`."""
@@ -240,7 +248,7 @@ class Storage:
     # --- how it is done --------------------------------------------------------------------------
 
     def _order_if_low(self, item: str) -> None:
-        if self.stock[item] < REFILL_BELOW_FRAC * self._capacity[item]:
+        if self.stock[item] < min(REFILL_BELOW_FRAC * self._capacity[item], self._fill_to[item]):
             self._order(item)
 
     def _order(self, item: str) -> None:
@@ -249,11 +257,14 @@ class Storage:
             self._clock.call_at(self._clock.now_s() + self._refill_s, lambda: self._refill(item))
 
     def _refill(self, item: str) -> None:
-        """Fill up to the capacity as it is missing now: vehicles may have brought some back meanwhile."""
+        """Fill up what is missing now: vehicles may have brought some meanwhile, or may be bringing some."""
         self._ordered.discard(item)
-        missing = max(0, self._capacity[item] - self.stock[item])
+        missing = max(0, self._fill_to[item] - self.stock[item])
         self._source.ship(item, missing)
         self._change(item, missing)
+        if missing:
+            self.filled[item] = self.stock[item]
+            self.refills[item] += 1
 
     def _change(self, item: str, pieces: int, vehicle: str = "") -> None:
         if item == THING:

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from dray.adapters.people.store import DAMAGED_STORE, KeptStore, PeopleStore
-from dray.body import Book, CloseDock, OpenDock, Report, StockChanged, Word, WordTaken
+from dray.body import Book, CloseDock, FillTo, OpenDock, Report, StockChanged, Word, WordTaken
 from dray.messages import CommandRefusal, MachineCommandKind, UnconfirmedLoad
 from dray.plant import default_plant
 
@@ -101,6 +101,17 @@ def test_a_number_far_off_is_asked_once(kind: MachineCommandKind, pieces: int, e
     assert shelf.level == 40
     assert shelf.says(kind, pieces, sure=True) == (None, "")
     assert shelf.level == {KIND.TAKEN: 0, KIND.ARRIVED: 40 + ROOM, KIND.STOCK_IS: 4}[kind]
+
+
+def test_what_people_bring_leaves_room_for_loads_on_their_way() -> None:
+    shelf = Shelf()
+    shelf.body.instruct(FillTo(ITEM, 60))
+    assert shelf.says(KIND.ARRIVED, 21) == (REFUSED.UNLIKELY, "20")
+    assert shelf.says(KIND.ARRIVED, 20) == (None, "")
+    shelf.body.instruct(Book(ATV, ITEM, 12, task="S1-1", epoch=1))
+    assert shelf.level == 72, "the load on its way finds the room"
+    shelf.body.instruct(FillTo(ITEM, ROOM))
+    assert shelf.says(KIND.ARRIVED, 20) == (None, "")
 
 
 def test_who_names_no_vehicle_means_the_one_that_stands_there_and_takes() -> None:

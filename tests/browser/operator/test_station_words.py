@@ -61,7 +61,7 @@ class Place:
         self._stocks: tuple[StockLevel, ...] = ()
         if station != GATE:
             self._waits = PeopleAsBody(loads=(UnconfirmedLoad("ATV2", "shaft", 12, goes=True),))
-            self._stocks = (StockLevel("shaft", 38, 240), StockLevel("rotor", 4, 90))
+            self._stocks = (StockLevel("shaft", 38, 240, on_order=12), StockLevel("rotor", 4, 90))
         house.bus.join(station, self._on_message)
         self.beat()
 
@@ -103,6 +103,7 @@ def test_two_touches_confirm_what_was_taken_from_a_storage(
     storage = house.do(at_storage)
     card = enter().get_by_role("region", name=f"What has happened at {STORAGE}")
     expect(card.get_by_role("button", name="Piece finished")).to_have_count(0)
+    expect(card).to_contain_text("12 Shaft are on their way here. Leave room for them.")
     card.get_by_role("button", name="ATV2 took 12 Shaft").click()
     assert storage.said == []
     card.get_by_role("button", name="12 Shaft taken by ATV2").click()

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from yard import PLANT, Yard
 
-from dray.body import Admit, CloseDock, OpenDock, Refill, StockChanged, StorageState
+from dray.body import Admit, CloseDock, FillTo, OpenDock, Refill, StockChanged, StorageState
 from dray_sim.bodies.docks import SHUT
 from dray_sim.bodies.gate import NOT_ADMITTED, Gate
 from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, REFILL_S, TOO_LITTLE, DeliveryWarehouse, Storage
@@ -100,6 +100,28 @@ def test_a_refill_comes_when_its_station_asks_for_it_and_once(yard: Yard) -> Non
     yard.run(10 * REFILL_S)
     assert yard.storage.stock["seal"] == 15
     assert yard.source.supplied("seal") == 7
+
+
+def test_a_refill_leaves_the_room_that_it_was_told_to_leave(yard: Yard) -> None:
+    yard.storage.take("ATV1", "shaft", 31)
+    yard.storage.instruct(FillTo(item="shaft", quantity=40))
+    yard.storage.instruct(FillTo(item="gear", quantity=40))
+    yard.run(10 * REFILL_S)
+    assert (yard.storage.stock["shaft"], yard.storage.filled) == (40, {"shaft": 40})
+    assert yard.storage.put("ATV2", "shaft", 20) == "", "vehicles may bring more"
+    yard.storage.instruct(FillTo(item="shaft", quantity=60))
+    yard.run(20 * REFILL_S)
+    assert yard.storage.stock["shaft"] == 60, "it is not low"
+
+
+def test_room_that_is_needed_no_more_is_filled_at_once_where_the_stock_is_low(yard: Yard) -> None:
+    yard.storage.instruct(FillTo(item="shaft", quantity=0))
+    yard.storage.take("ATV1", "shaft", 60)
+    yard.run(10 * REFILL_S)
+    assert yard.storage.stock["shaft"] == 0
+    yard.storage.instruct(FillTo(item="shaft", quantity=60))
+    yard.run(11 * REFILL_S)
+    assert yard.storage.stock["shaft"] == 60
 
 
 def test_the_source_warehouse_counts_what_left_and_what_came_back(yard: Yard) -> None:

@@ -23,8 +23,14 @@ class Told:
     """What S1 tells a check."""
 
     def __init__(self) -> None:
-        self._check = ReportedStock(SimFactory(load_plant("single-track"), VirtualClock(), seed=1))
+        factory = SimFactory(load_plant("single-track"), VirtualClock(), seed=1)
+        self._storage, self._check = factory.storages["S1"], ReportedStock(factory)
         self._at_s = 0.0
+
+    def fills_to(self, pieces: int) -> None:
+        """It fills itself up to this many pieces."""
+        self._storage.filled["shaft"] = pieces
+        self._storage.refills["shaft"] += 1
 
     def say(self, life: int, level: int, on_order: int, *tasks: str, beats: int = 1) -> None:
         """Its heartbeat of a life, with its tasks of one lot each."""
@@ -95,3 +101,20 @@ def test_a_level_that_no_rest_lets_count_is_no_wrong_report(*, stands: bool) -> 
     late_s = WRONG_LEVEL_S + 1.0
     with nullcontext() if stands else pytest.raises(InvariantBroken, match="S1 tells of"):
         check.on_message(late_s, "S1", "*", heartbeat(1, late_s, lies - LOT, 0, ()))
+
+
+def test_a_storage_that_fills_up_the_room_of_an_order_is_found() -> None:
+    told = Told()
+    told.say(1, 100, LOT, BEFORE)
+    told.fills_to(FULL - LOT)
+    told.say(1, FULL - LOT, LOT, BEFORE)
+    told.fills_to(FULL)
+    with pytest.raises(InvariantBroken, match="S1 has filled itself to 400 shaft with 4 on order"):
+        told.say(1, FULL, LOT, BEFORE)
+
+
+def test_a_life_that_did_not_know_of_an_order_leaves_no_room_for_it() -> None:
+    told = Told()
+    told.say(1, 100, LOT, BEFORE)
+    told.fills_to(FULL)
+    told.say(2, FULL, LOT, BEFORE)

@@ -18,6 +18,7 @@ from dray.body import (
     Admit,
     CloseDock,
     DockReady,
+    FillTo,
     GateProblem,
     GateState,
     GoodsArrived,
@@ -35,7 +36,7 @@ DO, TOLD = "do", "told"
 _KINDS: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
-        *(OpenDock, CloseDock, DockReady, Refill, StockChanged, StorageState),
+        *(OpenDock, CloseDock, DockReady, Refill, FillTo, StockChanged, StorageState),
         *(Admit, HoldOrder, GoodsArrived, GateProblem, OrderHeld, GateState),
     )
 }

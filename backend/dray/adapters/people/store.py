@@ -7,7 +7,7 @@ from collections.abc import Callable
 from msgspec.structs import replace
 
 from dray.adapters.people.words import Judged, KeptStock, Words, World
-from dray.body import Book, CloseDock, Instruction, OpenDock, Report, StorageState, Word
+from dray.body import Book, CloseDock, FillTo, Instruction, OpenDock, Report, StorageState, Word
 from dray.messages import MachineCommandKind
 from dray.plant.model import Storage as StorageSpec
 
@@ -53,6 +53,8 @@ class PeopleStore:
                 self._words.let_out(vehicle)
             case Book():
                 self._words.book(instruction)
+            case FillTo(item=item, quantity=quantity):
+                self._words.limit(item, quantity)
             case Word():
                 self._words.on_word(instruction, self._judge)
             case _:

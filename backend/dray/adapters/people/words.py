@@ -6,8 +6,8 @@
     the same, V has no permission StockChanged by N; V's own later   the same, and as by hand
                                   report changes nothing
     arrived N of V, no such load  nothing                            no load: V has no load that waits for a report
-    arrived N, by hand            StockChanged by N                  unlikely: more than there is room for (no vehicle is named, and
-                                                                     none stands there with it)
+    arrived N, by hand            StockChanged by N                  unlikely: more than there is room for beside loads on their way (no
+                                                                     vehicle is named, and none stands there with it)
     taken N                       the same, out                      unlikely: more than lies there
     stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it, or has lost its
                                                                      permission and its load is not reported; unlikely: far from the booked stock
@@ -136,6 +136,7 @@ class Words(Generic[K]):
     ) -> None:
         self.kept, self._world = kept, world
         self._room, self._is_its = room, is_its
+        self._fill_to: dict[str, int] = {}
         self._answers = AnsweredWords(kept.answered)
         self.report: Callable[[Report], None] = nobody_hears
 
@@ -223,6 +224,10 @@ class Words(Generic[K]):
             self.report(report)
         self.report(WordTaken(word.key, refused, detail))
 
+    def limit(self, item: str, pieces: int) -> None:
+        """Expect people to bring an item by hand up to this many pieces only: the rest of the room is for vehicles."""
+        self._fill_to[item] = pieces
+
     def judge(self, word: Word) -> Judged[K]:
         """The verdict on a report about the stock."""
         kept = self.kept
@@ -276,7 +281,10 @@ class Words(Generic[K]):
         kept = self.kept
         there = kept.stock[word.item]
         goes = word.kind is MachineCommandKind.TAKEN
-        most = there if goes else max(0, self._room.get(word.item, COUNT_MAX) - there)
+        room = self._room.get(word.item, COUNT_MAX)
+        if not word.vehicle:
+            room = min(room, self._fill_to.get(word.item, room))
+        most = there if goes else max(0, room - there)
         if word.quantity > most and not word.sure:
             return CommandRefusal.UNLIKELY, str(most), [], kept
         change = -min(word.quantity, there) if goes else word.quantity

@@ -6,7 +6,7 @@ returns a load asks too, and is let in, because it has no other place. Transport
 coordinated by the same code as a machine's (`transports.transport_flow`).
 
 If vehicles refill the storage, the station orders what runs low (`refilling`). Otherwise material comes by its body
-or by people. The station tells the body only what is short (`Refill`).
+or by people. The station tells the body what is short, and how far it may fill (`self_filling`).
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from __future__ import annotations
 from msgspec import UNSET
 from msgspec.structs import replace
 
-from dray.body import BodyState, DockReady, Refill, StockChanged, StorageState, WordTaken
+from dray.body import BodyState, DockReady, StockChanged, StorageState, WordTaken
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, Memory, Note, ReservationMemory, StationMemory
-from dray.messages import Docked, MachineCommand, StationHeartbeat, StockLevel, WorkSought
+from dray.messages import Docked, MachineCommand, StationHeartbeat, StockLevel, TransportOrdered, WorkSought
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import NotComing
@@ -33,6 +33,7 @@ from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.station.held_loads import HeldLoads
 from dray.protocol.station.refilling import Refilling
+from dray.protocol.station.self_filling import SelfFilling
 from dray.protocol.traffic.reservations.reservation_handling import CarriedAway, ReservationHandling
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
@@ -99,7 +100,7 @@ class Station(AgentBase):
         )
         authority = CommandAuthorisation(storage, plant, trusts)
         self._held_loads = HeldLoads(plant, self._flow.held, self._flow.goods_recovery, authority, self._life)
-        self._fills_itself = spec.refill == "itself"
+        self._self_filling = SelfFilling(spec, plant, self._book, self._flow, self._life)
         self._refilling = Refilling(spec, plant, self._book, self._flow, self._life)
         self._message_handlers = {
             **self._flow.message_handlers,
@@ -108,6 +109,7 @@ class Station(AgentBase):
             **self._held_loads.message_handlers,
             MachineCommand: self._on_command,
             Docked: self._on_docked,
+            TransportOrdered: self._on_ordered,
             WorkSought: self._on_sought,
         }
         self._report_handlers = {
@@ -256,6 +258,10 @@ class Station(AgentBase):
         self._go_on(now_s)
         self._life.beat_soon(now_s)
 
+    def _on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
+        self._flow.message_handlers[TransportOrdered](sender, order, now_s)
+        self._self_filling.pursue()
+
     def _on_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
         if not self._shutdown.begun:
             self._flow.offer(sender, message, now_s)
@@ -285,9 +291,7 @@ class Station(AgentBase):
             if not self._flow.hears_out:
                 self._refilling.pursue(now_s, self._uncounted)
         self._flow.called.review(now_s)
-        if self._fills_itself:
-            for item in self._book.short_items:
-                self._life.instruct(Refill(item=item))
+        self._self_filling.pursue()
         levels = tuple(
             replace(
                 level,

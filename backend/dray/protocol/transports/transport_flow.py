@@ -256,7 +256,11 @@ class TransportFlow:
     def inbound(self, item: str) -> int:
         """Pieces on their way to this place, or ordered to it."""
         works = [*(cast(Transport, task.work) for task in self.tasks), *(need.work for need in self.sourcing)]
-        return sum(work.quantity for work in works if work.destination == self._place and work.item == item)
+        return self._to_here(item, works)
+
+    def carried(self, item: str) -> int:
+        """Pieces of loads to this place that have a carrier."""
+        return self._to_here(item, [cast(Transport, task.work) for task in self.tasks if task.primary])
 
     def offer(self, sender: str, message: WorkSought, now_s: float) -> None:
         """Offer a waiting transport to a vehicle that asks for work."""
@@ -412,6 +416,9 @@ class TransportFlow:
         self.called.on_settled(delivered.task, delivered.counted)
         self._life.commit()
         self._life.beat_soon(now_s)
+
+    def _to_here(self, item: str, works: Iterable[Transport]) -> int:
+        return sum(work.quantity for work in works if work.destination == self._place and work.item == item)
 
     # --- hooks for a machine: the default place neither makes nor uses anything ---
 

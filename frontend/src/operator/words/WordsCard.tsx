@@ -16,7 +16,9 @@ import "./words.css";
 const chosen = signal<{ readonly place: string; readonly choice: Choice } | null>(null);
 const unknown = signal("");
 
-interface Worked extends Place, At {}
+interface Worked extends Place, At {
+  readonly buffers: readonly { readonly item: string; readonly level: number; readonly on_order: number }[];
+}
 
 /** The place that was touched on the map, else where this person works, else the only one here that people work. */
 const worked = computed<Worked | null>(() => {
@@ -115,6 +117,9 @@ function Words({ place }: { place: Worked }) {
           );
         })}
       </div>
+      {place.station && place.buffers.filter((each) => each.on_order > 0).map((each) => (
+        <p key={each.item}>{t("words.leaveRoom", { item: names.value(each.item), quantity: format.count(each.on_order) })}</p>
+      ))}
       {waiting.value.length > 0 && <p class="tone-warn">{t("words.waiting", { count: format.count(waiting.value.length) })}</p>}
     </section>
   );

@@ -387,6 +387,7 @@ export const de: Catalogue<typeof en> = {
   "words.took": "{vehicle} hat {quantity} {item} geholt.",
   "words.right": "Richtig?",
   "words.first": "Tippen oder scannen Sie, was geschehen ist. Damit wird noch nichts gesendet.",
+  "words.leaveRoom": "{quantity} {item} sind hierher unterwegs. Lassen Sie Platz dafür.",
   "words.item": "Was",
   "words.number": "Wie viele",
   "words.more": "Eins mehr",

@@ -385,6 +385,7 @@ export const en = {
   "words.took": "{vehicle} took {quantity} {item}.",
   "words.right": "Right?",
   "words.first": "Touch or scan what has happened. That alone sends nothing.",
+  "words.leaveRoom": "{quantity} {item} are on their way here. Leave room for them.",
   "words.item": "What",
   "words.number": "How many",
   "words.more": "One more",

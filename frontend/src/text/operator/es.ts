@@ -387,6 +387,7 @@ export const es: Catalogue<typeof en> = {
   "words.took": "{vehicle} se ha llevado {quantity} {item}.",
   "words.right": "¿Correcto?",
   "words.first": "Toque o escanee lo que ha pasado. Con eso no se envía nada.",
+  "words.leaveRoom": "{quantity} {item} vienen hacia aquí. Deje sitio para la carga.",
   "words.item": "Qué",
   "words.number": "Cuántas",
   "words.more": "Una más",
