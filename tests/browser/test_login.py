@@ -12,6 +12,7 @@ from databases import Files
 from looks import LOCALES
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
+from scanner import scan
 from variants import variants
 
 from dray.gateway.access.login.invitations import invite
@@ -36,7 +37,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     },
 }
 
-PASSWORD, PIN = "four words are good", "402719"
+PASSWORD, PIN, BADGE = "four words are good", "402719", "04a2b9c1d2e380"
 
 REFUSED = re.compile("status of 4(01|10|29)")
 """What Chromium says of every page that it shows with such a status."""
@@ -174,6 +175,24 @@ def test_a_wrong_secret_is_said_beside_the_form_and_the_name_stays(
     expect(page.get_by_label("Password")).to_be_focused()
     screenshot(page, "login-wrong")
     complaints[:] = [each for each in complaints if not REFUSED.search(each)]
+
+
+@pytest.mark.parametrize("focused", ["main", "#secret", '[name="known"]', ".pad button"])
+def test_a_badge_that_is_held_to_its_reader_logs_in_wherever_the_focus_is(
+    plant: OpenHouse, open_page: OpenPage, focused: str
+) -> None:
+    async def give(inside: Any) -> None:
+        boss = await inside.log_in("boss")
+        badge = {"kind": "badge", "secret": BADGE}
+        assert (await boss.put("/api/people/ana/secret", json=badge)).status_code == 200
+
+    plant.do(give)
+    page = open_page(f"{plant.url}/login?as=operator", **LOOKS["lying-dark-es"])
+    page.context.add_cookies([{"name": "dray_people", "value": "ana", "url": plant.url}])
+    page.reload()
+    page.locator(focused).first.focus()
+    scan(page, BADGE)
+    expect(page.get_by_role("heading", level=1)).to_have_text("¿Dónde trabaja ahora?")
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dray.messages import Event
+from dray.messages.base import COUNT_MAX
 from dray.messages.fact import GoalLost, GoalWithdrawn
+from dray.messages.overtaken import OVERTAKES_S
 from dray.store.orders.progress import (
     Goal,
     OrderStatus,
@@ -81,7 +83,14 @@ def test_what_a_lost_life_made_is_gone_and_what_it_delivered_stays() -> None:
 
 HELD_BY_TWO = [
     # The first holder has lived often, the second never before.
-    *tell("strategist", contracted("G1", 0, 4, held=1), contracted("G2", 0, 4, held=1), first=90, life=7),
+    *tell(
+        "strategist",
+        contracted("G1", 0, 4, held=1),
+        contracted("G2", 0, 4, held=1),
+        first=90,
+        life=7,
+        at_s=0.0,
+    ),
     *tell("M1", made("G1", 3), made("G2", 3)),
     *tell(
         "strategist2", GoalLost("G1", "M1", arrived=1, successor="G3", held=2), contracted("G3", 0, 3, held=2)
@@ -122,6 +131,43 @@ def test_what_two_know_of_a_goal_is_what_one_knows_who_was_told_all(
     merge(mine, theirs)
     for life in (0, 1, 2):
         assert progress((4,), [mine], life, (0,)) == progress((4,), [whole], life, (0,))
+
+
+@pytest.mark.parametrize(
+    ("held", "life", "number"),
+    [(0, COUNT_MAX, 1), (0, 1, COUNT_MAX), (COUNT_MAX, 1, 1)],
+    ids=["a life", "a number", "an epoch"],
+)
+def test_what_a_thief_tells_of_the_far_future_does_not_decide_for_ever_what_is_shown_of_a_goal(
+    held: int, life: int, number: int
+) -> None:
+    """It has a strategist's certificate. What it has told may come once more, as what SQL has of it."""
+    own = Event("strategist", 1, 1, 5.0, contracted("G1", 0, 4))
+    stolen = Event("strategist", life, number, 10.0, GoalLost("G1", "M1", 0, "", held=held))
+    perhaps_late = Event("strategist", 1, 2, 10.0 + OVERTAKES_S, contracted("G1", 0, 6))
+    later = Event("strategist", 1, 3, 10.1 + OVERTAKES_S, contracted("G1", 0, 8))
+
+    def known(*events: Event) -> Goal:
+        goal = Goal("G1")
+        for event in events:
+            note(goal, event, same_clock)
+        return goal
+
+    assert known(own, stolen, perhaps_late).over
+    merged = known(own, stolen)
+    merge(merged, known(later))
+    merge(merged, known(own, stolen))
+    for goal in (known(own, stolen, later), known(later, stolen, own), merged):
+        assert not goal.over
+        assert goal.quantity == 8
+
+
+def test_a_goal_whose_newest_fact_has_no_time_goes_by_numbers_alone() -> None:
+    """As SQL has it from before these times were kept."""
+    goal = Goal("G1", machine="M1", quantity=4, incarnation=2, number=7)
+    for event in tell("strategist", contracted("G1", 0, 9), life=2, first=6, at_s=1000.0):
+        note(goal, event, same_clock)
+    assert goal.quantity == 4
 
 
 def test_more_than_was_ordered_counts_as_what_was_ordered() -> None:

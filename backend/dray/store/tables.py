@@ -126,6 +126,7 @@ goals = Table(
     Column("machine", Id, nullable=False, server_default=""),
     Column("promised_at_s", Double),
     *(_counter(name) for name in ("held", "incarnation", "number", "made", "delivered")),
+    Column("told_at_s", Double),
     Column("delivered_at_s", Double),
     Index(None, "order_id"),
     Index(None, "delivered_at_s"),

@@ -3,6 +3,7 @@ import "@fontsource-variable/inter/wght.css";
 import "../styles/tokens.css";
 import "./page.css";
 import "./call.css";
+import { addBadgeReader } from "./badge";
 import { addPinPad } from "./pin-pad";
 
 /** Who is known needs no name; somebody else does. */
@@ -22,3 +23,4 @@ function followChoice(): void {
 
 followChoice();
 addPinPad();
+addBadgeReader();

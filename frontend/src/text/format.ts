@@ -19,6 +19,10 @@ export interface Formats {
   day: (atS: number) => string;
   /** Fri 10:39 */
   moment: (atS: number) => string;
+  /** Fri, 3 Dec 2031, 14:00 */
+  dated: (atS: number) => string;
+  /** Fri, 3 Dec 2031, 14:00 – 22:00 */
+  span: (fromS: number, untilS: number) => string;
   /** 10:39 today, Fri 14:00 this week, 3 Dec 14:00 after it, 3 Dec 2031 14:00 in another year */
   due: (atS: number, nowS: number) => string;
   /** 10:39:20 today, Fri 14:00 this week, 3 Dec 14:00 before it, 3 Dec 2031 14:00 in another year */
@@ -45,6 +49,7 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
   const weekday = timeFormat(locale, { ...zone, weekday: "short", hour: "2-digit", minute: "2-digit" });
   const date = timeFormat(locale, { ...zone, day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
   const dateOfYear = timeFormat(locale, { ...zone, day: "numeric", month: "short", year: "numeric", hour: "2-digit", minute: "2-digit" });
+  const dated = timeFormat(locale, { ...zone, weekday: "short", day: "numeric", month: "short", year: "numeric", hour: "2-digit", minute: "2-digit" });
   const dayOfMonth = timeFormat(locale, { ...zone, weekday: "short", day: "numeric" });
   const day = new Intl.DateTimeFormat("en-CA", { ...zone, dateStyle: "short" });
   const list = new Intl.ListFormat(locale, { type: "unit", style: "short" });
@@ -81,6 +86,8 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
     hour: (atS) => hour.format(atS * 1000),
     day: (atS) => dayOfMonth.format(atS * 1000),
     moment: (atS) => weekday.format(atS * 1000),
+    dated: (atS) => dated.format(atS * 1000),
+    span: (fromS, untilS) => dated.formatRange(fromS * 1000, untilS * 1000),
     due: (atS, nowS) => (isSameDay(atS, nowS) ? hour : otherDay(atS, nowS)).format(atS * 1000),
     when: (atS, nowS) => (isSameDay(atS, nowS) ? clock : otherDay(atS, nowS)).format(atS * 1000),
     list: (items) => list.format(items),

@@ -1,6 +1,6 @@
 import { beforeEach, expect, test } from "vitest";
 import { en } from "./manager/en";
-import { factoryTime, inFactoryTime, ofFactoryTime } from "./plant-time";
+import { factorySeconds, factoryTime, inFactoryTime, ofFactoryTime } from "./plant-time";
 import { speak } from "./speech";
 
 /** Figures and units are kept together by a narrow space that does not break. */
@@ -21,6 +21,11 @@ test("so do a head above such figures, and a text that is full of them", () => {
   expect(inFactoryTime("Queue", 20)).toBe("Queue (factory time)");
   expect(ofFactoryTime("It took 16 s.", 1)).toBe("It took 16 s.");
   expect(ofFactoryTime("It took 16 s.", 0.5)).toBe("It took 16 s. Durations here are factory time.");
+});
+
+test("a second of the clock on the wall is as many of the factory's as that clock is faster", () => {
+  expect(factorySeconds(2, 30)).toBe(60);
+  expect(factorySeconds(2)).toBe(2);
 });
 
 test("before anything is heard of the plant its clock is taken for the one on the wall", () => {

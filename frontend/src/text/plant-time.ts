@@ -7,6 +7,11 @@ function clockSpeed(): number {
   return world.value?.factory.speed ?? 1;
 }
 
+/** What passes on the factory's clock in so many seconds of the clock on the wall. */
+export function factorySeconds(wallS: number, speed = clockSpeed()): number {
+  return wallS * speed;
+}
+
 /**
  * @param speed factory seconds per real second, where it is not that of the plant as it is now
  * @param as how it is written: a price has tenths, and so has a short age

@@ -100,6 +100,17 @@ describe("moments", () => {
   });
 });
 
+describe("times on paper", () => {
+  const from = Date.UTC(2026, 10, 30, 6) / 1000;
+
+  test("name their day and year, once where that is the same at both ends", () => {
+    expect(format.dated(from)).toMatch(/^Mon.* 30 Nov 2026,? 06:00$/);
+    expect(format.span(from, from + 8 * 3600)).toMatch(/^Mon.* 30 Nov 2026,? 06:00\W*14:00$/);
+    expect(format.span(from, from + 24 * 3600)).toMatch(/^Mon.* 30 Nov 2026,? 06:00.*Tue.* 1 Dec 2026,? 06:00$/);
+    expect(de.span(from, from + 8 * 3600)).toMatch(/^Mo.* 30\. Nov\.? 2026,? 06:00.*14:00/);
+  });
+});
+
 describe("texts", () => {
   test("are filled in, once per name", () => {
     expect(t("machine.level", { level: 3, capacity: 9 })).toBe("3 / 9");

@@ -322,7 +322,7 @@ def test_the_page_of_alerts_in_every_look(
         house.do(lambda _, machine=machine: machines.fail(machine))
     house.until(lambda inside: len(inside.projection.alerts.views()) == 2)
     house.do(
-        lambda inside: inside.alerts.acknowledge("machine_error-M5", "Maria Weber", "spindle is ordered")
+        lambda inside: inside.alerts.acknowledge("machine_error-M5", "Early shift", "spindle is ordered")
     )
     page = as_manager(house, open_page, locale=LOCALES[language], color_scheme=theme)
     page.locator(".alerts-button").click()

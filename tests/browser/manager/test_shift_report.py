@@ -83,6 +83,20 @@ def test_it_prints_on_pages_of_a4_without_buttons(factory: str, open_page: OpenP
     assert 2 <= len(sizes) <= 5
 
 
+def test_paper_names_its_day_and_zone_and_no_table_is_cut_on_a_small_screen(
+    factory: str, open_page: OpenPage
+) -> None:
+    page = open_report(factory, open_page)
+    expect(page.get_by_role("heading", level=1)).to_contain_text(
+        re.compile(r"shift, \w+, \d+ \w+ 20\d\d, \d\d:\d\d")
+    )
+    zone = page.evaluate("Intl.DateTimeFormat().resolvedOptions().timeZone")
+    expect(page.locator(".shift-head")).to_contain_text(f"times are in {zone}")
+    page.wait_for_function(
+        "() => [...document.querySelectorAll('.shift-scroll')].every(each => each.scrollWidth <= each.clientWidth)"
+    )
+
+
 @pytest.mark.parametrize(
     ("locale", "looks"),
     [

@@ -399,10 +399,9 @@ def test_a_vehicle_that_tells_no_place_calls_and_the_tablet_and_the_manager_are_
     page.get_by_role("button", name="On duty", exact=True).tap()
     asks(house, calling)
     call = page.locator(".call")
-    expect(call).to_contain_text("it has not told any place yet: the vehicle has not said where it is")
-    expect(call).to_contain_text(
-        "It has never told where it is. Look for it; in the plant file it starts in "
-    )
+    # It is said once.
+    expect(call.locator("p").nth(0)).to_have_text(f"{UNTOLD}. ")
+    expect(call.locator("p").nth(1)).to_have_text("Look for it; in the plant file it starts in South middle.")
     expect(call).not_to_contain_text("from you")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     screenshot(page, f"unplaced-tablet-{width_px}")

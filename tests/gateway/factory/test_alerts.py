@@ -251,7 +251,7 @@ def test_a_vehicle_that_keepers_of_books_await_is_one_alarm_that_names_them(proj
         "ATV7",
         ("M3", "M4"),
     )
-    projection.shut_out([Exclusion("M3", "lies", "Maria Weber", NOW_S)])
+    projection.shut_out([Exclusion("M3", "lies", "Early shift", NOW_S)])
     assert [each.keepers for each in alerts(projection, 2.0) if each.kind == "atv_awaited"] == [("M4",)]
     say(2, 3.0)
     assert [each.kind for each in alerts(projection, 4.0)] == ["machine_shut_out"]
@@ -260,7 +260,7 @@ def test_a_vehicle_that_keepers_of_books_await_is_one_alarm_that_names_them(proj
 def test_a_station_that_is_shut_out_or_stands_nowhere_is_not_called_silent(projection: Projection) -> None:
     projection.fold(station_heartbeat("S3", 1, at_s=1.0))
     projection.fold(station_heartbeat("S99", 1, at_s=1.0))
-    projection.shut_out([Exclusion("S3", "lies", "Maria Weber", NOW_S)])
+    projection.shut_out([Exclusion("S3", "lies", "Early shift", NOW_S)])
     (alert,) = alerts(projection, 60.0)
     assert (alert.kind, alert.agent) == ("station_shut_out", "S3")
     (view,) = projection.stations.views()

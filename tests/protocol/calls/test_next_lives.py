@@ -79,23 +79,20 @@ def test_a_problem_that_began_between_two_lives_counts_from_the_second_one(of: L
 
 
 @agents
-def test_another_problem_gets_a_time_of_its_own(of: Life) -> None:
+@pytest.mark.parametrize(
+    ("is_over", "then"),
+    [(False, LOST), (True, JAM)],
+    ids=["another problem", "the same one, after it was over"],
+)
+def test_a_new_problem_of_the_next_life_gets_a_time_of_its_own(
+    of: Life, is_over: bool, then: Problem
+) -> None:
     rig = of(1)
     rig.start()
     begins(rig, JAM)
     rig.run(rig.now_s + 0.9 * PASSES_AT_FIRST_S)
-    rig = next_life(of, rig, 2, LOST)
-    rig.run(rig.now_s + 0.9 * PASSES_AT_FIRST_S)
-    assert not calls(rig)
-
-
-@agents
-def test_a_problem_that_is_over_leaves_nothing_to_the_next_one(of: Life) -> None:
-    rig = of(1)
-    rig.start()
-    begins(rig, JAM)
-    rig.run(rig.now_s + 0.9 * PASSES_AT_FIRST_S)
-    rig.report(ProblemCleared() if isinstance(rig, VehicleRig) else Repaired())
-    rig = next_life(of, rig, 2, JAM)
+    if is_over:
+        rig.report(ProblemCleared() if isinstance(rig, VehicleRig) else Repaired())
+    rig = next_life(of, rig, 2, then)
     rig.run(rig.now_s + 0.9 * PASSES_AT_FIRST_S)
     assert not calls(rig)

@@ -199,7 +199,7 @@ class SignalledStore:
             )
         elif name.startswith(LEVEL):
             item = name.removeprefix(LEVEL)
-            self._hear_level(item, bounds(sample.value, self._levels[item]) if is_good else None)
+            self._on_level(item, bounds(sample.value, self._levels[item]) if is_good else None)
         self._settle()
 
     # --- what lies there ---
@@ -232,7 +232,7 @@ class SignalledStore:
         for item in self._told:
             self._watch(item)
 
-    def _hear_level(self, item: str, level: tuple[int, int] | None) -> None:
+    def _on_level(self, item: str, level: tuple[int, int] | None) -> None:
         if level == self._told.get(item):
             return
         if level is None:

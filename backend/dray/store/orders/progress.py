@@ -28,6 +28,7 @@ from dray.messages.fact import (
     OrderAccepted,
     PieceMade,
 )
+from dray.messages.overtaken import OVERTAKES_S
 from dray.store.history.clocks import ToWall
 
 
@@ -70,6 +71,8 @@ class Goal(msgspec.Struct, gc=False):
     """The number of that fact in that life."""
     held: int = 0
     """The epoch with which that strategist held the order; 0 for a single strategist."""
+    told_at_s: float | None = None
+    """When that fact was told (wall clock); None if unknown."""
     made: int = 0
     """Pieces made; never decreases."""
     delivered: int = 0
@@ -79,8 +82,18 @@ class Goal(msgspec.Struct, gc=False):
 
     @property
     def told(self) -> tuple[int, int, int]:
-        """Rises with every fact about its machine or quantity."""
+        """The number of the newest fact about its machine or quantity."""
         return self.held, self.incarnation, self.number
+
+    def has_newer(self, told: tuple[int, int, int], at_s: float | None) -> bool:
+        """Whether its newest fact is newer than one with this number, told at this time (wall clock; None if unknown).
+
+        The higher number is newer, unless the lower one was told so much later that no late one can be: then a thief of a
+        strategist's certificate has told the number of the far future.
+        """
+        if at_s is not None and self.told_at_s is not None and abs(self.told_at_s - at_s) > OVERTAKES_S:
+            return self.told_at_s > at_s
+        return self.told > told
 
     @property
     def lost(self) -> bool:
@@ -134,11 +147,11 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
         case GoalContracted() as fact:
             goal.order_id, goal.product = fact.order, fact.product
             goal.item = None if fact.part_of else fact.item
-            if _is_news(goal, event, fact.held):
+            if _is_news(goal, event, fact.held, to_wall_s):
                 goal.quantity, goal.machine = fact.quantity, fact.machine
                 goal.promised_at_s = to_wall_s(fact.finish_s)
         case GoalLost() | GoalWithdrawn() as fact:
-            if _is_news(goal, event, fact.held):
+            if _is_news(goal, event, fact.held, to_wall_s):
                 goal.machine, goal.promised_at_s = "", None
                 if isinstance(fact, GoalWithdrawn):
                     goal.quantity = 0  # The missing pieces are not made, unless the order is released again.
@@ -149,7 +162,7 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
                 goal.delivered_at_s = max(goal.delivered_at_s or 0.0, to_wall_s(event.at_s))
         case GoalReduced() as fact:
             goal.order_id, goal.item, goal.product = fact.order, fact.item, fact.product
-            if _is_news(goal, event, fact.held):
+            if _is_news(goal, event, fact.held, to_wall_s):
                 goal.quantity, goal.machine = fact.quantity, fact.machine
         case PieceMade() as fact:
             goal.product = fact.product
@@ -163,12 +176,13 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
             return
 
 
-def _is_news(goal: Goal, event: Event, held: int) -> bool:
+def _is_news(goal: Goal, event: Event, held: int, to_wall_s: ToWall) -> bool:
     """Whether an event is newer than all noted ones of a goal; if so it is noted."""
-    told = (held, event.incarnation, event.number)
-    if told <= goal.told:
+    told, at_s = (held, event.incarnation, event.number), to_wall_s(event.at_s)
+    if told == goal.told or goal.has_newer(told, at_s):
         return False
     goal.held, goal.incarnation, goal.number = told
+    goal.told_at_s = at_s
     return True
 
 
@@ -177,8 +191,9 @@ def merge(goal: Goal, other: Goal) -> None:
     if other.item is not None:
         goal.order_id, goal.item = other.order_id, other.item
     goal.product = other.product or goal.product
-    if other.told > goal.told:
+    if other.told != goal.told and not goal.has_newer(other.told, other.told_at_s):
         goal.held, goal.incarnation, goal.number = other.told
+        goal.told_at_s = other.told_at_s
         goal.quantity, goal.machine = other.quantity, other.machine
         goal.promised_at_s = other.promised_at_s
     goal.made = max(goal.made, other.made)

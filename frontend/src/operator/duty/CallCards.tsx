@@ -110,8 +110,8 @@ function untoldText({ area }: CallView): string {
   return area === "" ? t("call.place.untold") : t("call.place.untoldIn", { area });
 }
 
-/** What is wrong: with the caller, or that goods of its own wait on board of a vehicle. */
-function wrongText({ goods, problem, reason }: CallView) {
+/** What is wrong: with the caller, or that goods of its own wait on board of a vehicle. One that has never told its place says just that. */
+function wrongText({ goods, place, problem, reason }: CallView) {
   if (goods !== "") {
     const task = world.value?.tasks.get(goods);
     if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${t("held.look")}`}</b>;
@@ -120,7 +120,7 @@ function wrongText({ goods, problem, reason }: CallView) {
   return (
     <>
       {reason !== "" && <b>{failureText(reason)}. </b>}
-      {word("help.kind", problem)}
+      {place !== "untold" && word("help.kind", problem)}
     </>
   );
 }

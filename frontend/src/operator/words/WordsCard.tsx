@@ -8,7 +8,7 @@ import { format, t } from "../../text/operator";
 import { me } from "../session/session";
 import { names, plant } from "../state";
 import { type Choice, isWhole, itemsFor, kindsAt, ofGoal, ofKind, ofLoad, type Place, scanned, withItem, withQuantity } from "./choice";
-import { NOTHING, pressed } from "./scan";
+import { NOTHING, pressed } from "../../parts/scan";
 import { answer, type At, doubted, goOn, last, say, waiting } from "./words";
 import "./words.css";
 

@@ -281,7 +281,9 @@ class Orders:
         """Note a goal that no machine can make: its order waits until a machine takes it."""
         order = self._orders.get(fact.order)
         goal = self._goals.get(fact.order, {}).get(fact.goal)
-        late = goal is not None and goal.told > (goal.held, event.incarnation, event.number)
+        late = goal is not None and goal.has_newer(
+            (goal.held, event.incarnation, event.number), self._to_wall_s(event.at_s)
+        )
         if order is None or order.status in ENDED or late:
             return False
         waits = self._waits.setdefault(fact.order, {})

@@ -23,7 +23,7 @@ router = APIRouter(tags=["agents"])
 
 AgentId = Annotated[str, Path(max_length=128)]
 
-EXAMPLE = Exclusion("ATV3", "accepts transports and does not move", "Maria Weber", 1_893_456_000.0)
+EXAMPLE = Exclusion("ATV3", "accepts transports and does not move", "Early shift", 1_893_456_000.0)
 
 
 class ShutOutRequest(BaseModel):

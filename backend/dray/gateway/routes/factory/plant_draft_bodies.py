@@ -82,14 +82,14 @@ EXAMPLE = DraftView(
     id="line-4",
     name="Line 4",
     version=7,
-    by="Maria Weber",
+    by="Early shift",
     at_s=1_893_456_000.0,
     data={"plant": "line-4", "name": "Line 4", "machines": None},
     findings=(FindingView(level="open", field="machines", text="is open: what makes products"),),
     notes=(),
     plan_type="",
 )
-LINE_EXAMPLE = DraftLine("line-4", "Line 4", 7, "Maria Weber", 1_893_456_000.0)
+LINE_EXAMPLE = DraftLine("line-4", "Line 4", 7, "Early shift", 1_893_456_000.0)
 PLAY_EXAMPLE = PlayView(
     state="done", version=7, hours=4.0, seed=1, draft=EXAMPLE_FIGURES, running=EXAMPLE_FIGURES
 )

@@ -50,14 +50,14 @@ EXAMPLE = AlertRecord(
     response="repair",
     since_at_s=1_893_456_000.0,
     agent="M8",
-    acknowledged_by="Maria Weber",
+    acknowledged_by="Early shift",
     acknowledged_at_s=1_893_456_060.0,
     comment="spindle is ordered",
-    comment_by="Maria Weber",
+    comment_by="Early shift",
     number=71,
     ended_at_s=1_893_459_600.0,
     words=(
-        AlertWordView(at_s=1_893_456_060.0, by="Maria Weber", said="taken", comment="spindle is ordered"),
+        AlertWordView(at_s=1_893_456_060.0, by="Early shift", said="taken", comment="spindle is ordered"),
     ),
 )
 

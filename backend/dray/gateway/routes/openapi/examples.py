@@ -120,7 +120,7 @@ _STRUCTS = (
     ),
     RemovalView(
         number=1,
-        by="Maria Weber",
+        by="Early shift",
         at_s=NOW_S,
         believed_at_s=NOW_S + 12,
         freed=("b3", "c3"),

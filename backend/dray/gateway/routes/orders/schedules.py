@@ -145,7 +145,7 @@ EXAMPLES = (
         transport=RecurringTransport(source="S5", to="M8", item="bearing", quantity=40),
         next_runs=("2030-01-01T05:45:00+01:00", "2030-01-02T05:45:00+01:00", "2030-01-03T05:45:00+01:00"),
         last=LastRun(planned_at="2029-12-31T04:45:00.000Z", transport="T-1M9K3X2A4-K7QM"),
-        changed_by="Maria Weber",
+        changed_by="Early shift",
         changed_at="2029-12-20T13:02:11.000Z",
     ),
     RunsPreview(("2030-01-01T05:45:00+01:00", "2030-01-02T05:45:00+01:00")),

@@ -12,6 +12,8 @@ export interface Line {
   readonly ink: Ink;
   /** So that lines differ without colour, too. */
   readonly dashed?: boolean;
+  /** So is a part of a stack whose grey is near to the next one's. */
+  readonly hatched?: boolean;
 }
 
 export type LineName =
@@ -41,7 +43,7 @@ export const CHARTS: readonly Chart[] = [
     lines: [
       { figure: "moving_frac", name: "moving", ink: "steel-ink" },
       { figure: "waiting_frac", name: "waiting", ink: "steel" },
-      { figure: "charging_frac", name: "charging", ink: "wall" },
+      { figure: "charging_frac", name: "charging", ink: "wall", hatched: true },
       { figure: "idle_frac", name: "idle", ink: "line" },
       { figure: "blocked_frac", name: "blocked", ink: "warn" },
       { figure: "silent_frac", name: "silent", ink: "alarm" },

@@ -38,7 +38,7 @@ EXAMPLE = ClosureView(
     lane=LaneView(start="c3", end="m5-lane"),
     until_at_s=1_893_463_200.0,
     reason="oil on the floor",
-    by="Maria Weber",
+    by="Early shift",
     at_s=1_893_456_000.0,
     lanes=(LaneView(start="c3", end="m5-lane"), LaneView(start="m5-lane", end="c3")),
 )

@@ -56,7 +56,7 @@ export function ChartCard({ chart, history }: { chart: Chart; history: KpiHistor
 }
 
 function Entry({ chart, line, value }: { chart: Chart; line: Line; value: number | null }) {
-  const kind = chart.kind === "stack" ? "area" : line.dashed === true ? "dashed" : "plain";
+  const kind = chart.kind === "stack" ? (line.hatched === true ? "area kpi-mark-hatched" : "area") : line.dashed === true ? "dashed" : "plain";
   return (
     <li>
       <i class={`kpi-mark kpi-mark-${kind} ink-${line.ink}`} aria-hidden="true" />

@@ -2,6 +2,7 @@ import type { ReadonlySignal } from "@preact/signals";
 import { fetchQuality } from "../../../../api/client";
 import type { QualityAnswer } from "../../../../api/types";
 import { Card } from "../../../../parts/Card";
+import { byId } from "../../../../plant/places";
 import { Link } from "../../../../parts/Link";
 import { nowS } from "../../../../stream/stream";
 import { format, t } from "../../../../text/views/records";
@@ -53,6 +54,7 @@ export function QualityCard({ spanS }: { spanS: ReadonlySignal<number> }) {
 }
 
 function Pieces({ found, title }: { found: QualityAnswer; title: string }) {
+  const lines = [...found.items].sort((a, b) => byId({ id: a.machine }, { id: b.machine }));
   return (
     <div class="kpi-pieces" tabIndex={0} role="group" aria-label={title}>
       <table>
@@ -72,7 +74,7 @@ function Pieces({ found, title }: { found: QualityAnswer; title: string }) {
           </tr>
         </thead>
         <tbody>
-          {found.items.map((line) => (
+          {lines.map((line) => (
             <tr key={`${line.machine} ${line.product}`}>
               <th scope="row">
                 <Link kind="machine" id={line.machine} />

@@ -2,13 +2,14 @@
 import uPlot from "uplot";
 import type { Palette } from "../../../../plant/draw/palette";
 import { format } from "../../../../text/views/records";
-import type { Chart } from "../charts";
+import type { Chart, Line } from "../charts";
 import { aloneIn, type Column, stacked } from "../history";
 import { shownValue } from "./shown";
 
 /** Longer ranges than this name the day. */
 const DAY_S = 86_400;
 const LABEL_PX = 12;
+const HATCH_PX = 6;
 /** A chart that is zoomed begins here, or below its lowest figure. */
 const ZOOMED_FROM = 0.9;
 
@@ -40,8 +41,9 @@ export function optionsOf(
     axes: [
       {
         ...axis,
-        size: 26,
-        gap: 4,
+        size: 30,
+        // Clear of the 0 beside it, which is as low as the line.
+        gap: 8,
         space: 72,
         grid: { show: false },
         values: (drawn, splits) => {
@@ -65,7 +67,7 @@ export function optionsOf(
       ...lines.map((line) => {
         // Shares of a few orders a day are far apart; a line between them is better than nothing.
         const spanGaps = line.figure === "on_time_frac";
-        const { points, ...stroke } = strokeOf(chart, palette[line.ink], palette.panel, line.dashed === true);
+        const { points, ...stroke } = strokeOf(chart, line, palette);
         return { ...stroke, spanGaps, points: { ...points, filter: dotsOf(spanGaps) } };
       }),
     ],
@@ -92,15 +94,38 @@ function dotsOf(spans: boolean): uPlot.Series.Points.Filter {
   return (drawn, series, shown) => (shown ? null : aloneIn((drawn.data[series] ?? []) as Column, spans));
 }
 
-/** @param rim between the parts of a stack, whose greys are not far apart */
-function strokeOf(chart: Chart, colour: string, rim: string, dashed: boolean): uPlot.Series {
+function strokeOf(chart: Chart, { dashed, hatched, ink }: Line, palette: Palette): uPlot.Series {
+  const colour = palette[ink];
   const points = { size: 6, fill: colour };
-  if (chart.kind === "stack") return { fill: colour, stroke: rim, width: 1, points: { ...points, stroke: colour, show: false } };
+  if (chart.kind === "stack") {
+    const fill = hatched === true ? (drawn: uPlot): CanvasPattern | string => hatching(drawn.ctx, palette) : colour;
+    // A rim between the parts: their greys are not far apart.
+    return { fill, stroke: palette.panel, width: 1, points: { ...points, stroke: colour, show: false } };
+  }
   const series: uPlot.Series = { stroke: colour, width: 1.75, points: { ...points, size: 4 } };
-  if (dashed) series.dash = [5, 4];
+  if (dashed === true) series.dash = [5, 4];
   const steps = chart.kind === "steps" ? uPlot.paths.stepped?.({ align: 1 }) : undefined;
   if (steps) Object.assign(series, { paths: steps, points: { ...points, show: false } });
   return series;
+}
+
+/** As in the shift report: stripes of steel, an eighth of a turn. */
+function hatching(on: CanvasRenderingContext2D, { panel, steel }: Palette): CanvasPattern | string {
+  const size = Math.round(HATCH_PX * devicePixelRatio);
+  const tile = Object.assign(document.createElement("canvas"), { width: size, height: size });
+  const pen = tile.getContext("2d");
+  if (!pen) return steel;
+  pen.fillStyle = panel;
+  pen.fillRect(0, 0, size, size);
+  pen.strokeStyle = steel;
+  pen.lineWidth = size / 3;
+  // The same stripe in the tile's corners, so that tiles beside one another show no seam.
+  for (const from of [-size, 0, size]) {
+    pen.moveTo(from - size / 2, size * 1.5);
+    pen.lineTo(from + size * 1.5, -size / 2);
+  }
+  pen.stroke();
+  return on.createPattern(tile, "repeat") ?? steel;
 }
 
 /** From nothing to all, or to a little more than there is. */

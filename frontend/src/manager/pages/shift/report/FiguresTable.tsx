@@ -59,7 +59,7 @@ function Row({ figure, number, report }: { figure: Figure; number: number; repor
         {figure.missed && <span class="tone-warn">▲ {t("shift.missed")} </span>}
         {valueText(figure.unit, figure.value)}
       </td>
-      <td class="num">{targetText(figure)}</td>
+      <td class={compared(figure.target)}>{targetText(figure)}</td>
       <td aria-hidden="true" class="shift-wide">
         {bar && (
           <span class="shift-bar">
@@ -68,13 +68,18 @@ function Row({ figure, number, report }: { figure: Figure; number: number; repor
           </span>
         )}
       </td>
-      <td class="num">{valueText(figure.unit, figure.before)}</td>
-      <td class="num">{changeText(figure)}</td>
+      <td class={compared(figure.before)}>{valueText(figure.unit, figure.before)}</td>
+      <td class={compared(figure.value === null ? null : figure.before)}>{changeText(figure)}</td>
       <td aria-hidden="true" class="shift-wide">
         <Course values={courseOf(report, figure.name)} />
       </td>
     </tr>
   );
+}
+
+/** A cell that has nothing to compare with takes no line where cells stand below one another. */
+function compared(value: number | null): string {
+  return value === null ? "num shift-nothing" : "num";
 }
 
 function Course({ values }: { values: readonly number[] }) {

@@ -1,3 +1,4 @@
+import { factorySeconds, factoryTime } from "../../../../text/plant-time";
 import { format, t, word } from "../../../../text/views/shift";
 import type { Figure, Report, Shift } from "./shifts";
 import { valueText } from "./value";
@@ -13,9 +14,9 @@ export function Head({ report, shift }: { report: Report; shift: Shift }) {
   return (
     <header class="shift-head">
       <h1>
-        {t("shift.title")} <span>{word("shift.name", shift.name)}, {t("shift.span", { from: format.moment(shift.fromS), until: format.moment(shift.untilS) })}</span>
+        {t("shift.title")} <span>{word("shift.name", shift.name)}, {format.span(shift.fromS, shift.untilS)}</span>
       </h1>
-      <p class="muted">{t("shift.made", { plant: report.plant, at: format.moment(report.made_at_s) })}</p>
+      <p class="muted">{t("shift.made", { plant: report.plant, at: format.dated(report.made_at_s), zone: Intl.DateTimeFormat().resolvedOptions().timeZone })}</p>
       {period.until_at_s < shift.untilS && <p class="shift-note">{t("shift.goesOn", { at: format.hour(period.until_at_s) })}</p>}
       {period.seen_frac < ALL_SEEN_FRAC && <p class="shift-note tone-warn">{t("shift.seen", { part: partText(period.seen_frac) })}</p>}
       {report.before.seen_frac < ALL_SEEN_FRAC && <p class="shift-note">{beforeText(report.before.seen_frac)}</p>}
@@ -40,7 +41,7 @@ export function Head({ report, shift }: { report: Report; shift: Shift }) {
 
 function LookAt({ missed, report }: { missed: Figure | undefined; report: Report }) {
   const wait = report.waits[0];
-  const longest = wait && t("shift.head.wait", { agent: wait.agent, other: wait.other, time: format.duration(wait.until_at_s - wait.from_at_s) });
+  const longest = wait && t("shift.head.wait", { agent: wait.agent, other: wait.other, time: factoryTime(factorySeconds(wait.until_at_s - wait.from_at_s)) });
   if (missed) {
     return (
       <li>

@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { columnsOf } from "../../../../parts/stacked";
-import { inFactoryTime } from "../../../../text/plant-time";
+import { factorySeconds, inFactoryTime } from "../../../../text/plant-time";
 import { format, t, word } from "../../../../text/views/shift";
 import { MomentLink } from "../../../replay/MomentLink";
 import { addressOf } from "../../../views";
@@ -119,13 +119,13 @@ export function Happened({ report }: { report: Report }) {
           </tr>
         ))}
       </List>
-      <List title={t("shift.worst")} empty={report.waits.length === 0} heads={[t("shift.at"), t("shift.waited"), t("shift.agent"), t("shift.for")]}>
+      <List title={t("shift.worst")} empty={report.waits.length === 0} heads={[t("shift.at"), inFactoryTime(t("shift.waited")), t("shift.agent"), t("shift.for")]}>
         {report.waits.map((each) => (
           <tr key={`${each.agent} ${each.from_at_s}`}>
             <td class="num">
               {format.clock(each.from_at_s)} <MomentLink about={each.agent} atS={each.from_at_s} />
             </td>
-            <td class="num">{format.duration(each.until_at_s - each.from_at_s)}</td>
+            <td class="num">{format.duration(factorySeconds(each.until_at_s - each.from_at_s))}</td>
             <td>{each.agent}</td>
             <td>{each.other}</td>
           </tr>
