@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import httpx
@@ -22,6 +22,7 @@ from wall_clock import NOW_S
 from dray.gateway.factory.carrying import Carrying
 from dray.gateway.factory.closings import Closings
 from dray.gateway.factory.exclusions import Exclusions
+from dray.gateway.http import bounded_process
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders import outbox
@@ -31,6 +32,14 @@ from dray.gateway.schedules.scheduler import Scheduler
 @pytest.fixture(scope="session")
 def anyio_backend() -> str:
     return "asyncio"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def side_work_stands_back_for_nobody() -> Iterator[None]:
+    """A nice process gets a tenth of the processor beside other tests, of which no person waits for any."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bounded_process, "NICE", 0)
+        yield
 
 
 @pytest.fixture(autouse=True)

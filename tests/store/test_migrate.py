@@ -11,7 +11,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from history import a_day, keep, order, same_clock
 from postgres_databases import SHAPE
-from sqlalchemy import Connection, inspect, text
+from sqlalchemy import Connection, Inspector, inspect, text
 
 from dray.errors import UnavailableError
 from dray.store import Store, Work, downgrade, open_store, upgrade
@@ -84,7 +84,10 @@ def go_up(connection: Connection, revision: str) -> None:
     command.upgrade(config, revision)
 
 
-OF_SQLITE = "SELECT name, sql FROM sqlite_master WHERE type IN ('index', 'trigger') ORDER BY name"
+OF_SQLITE = "SELECT tbl_name, type, name, sql FROM sqlite_master ORDER BY tbl_name, type, name"
+
+LOOKED_UP: dict[tuple[object, ...], object] = {}
+"""Shapes of SQLite's tables, by what its schema says of them: most of them are the same at most revisions."""
 
 
 def all_of_it(connection: Connection) -> object:
@@ -99,8 +102,17 @@ def all_of_it(connection: Connection) -> object:
     }
     if connection.dialect.name != "sqlite":
         return rows, connection.execute(text(SHAPE)).scalar()
+    schema = [tuple(each) for each in connection.execute(text(OF_SQLITE))]
     shape = {
-        table: [
+        table: shape_of(looked, table, tuple(each for each in schema if each[0] == table)) for table in tables
+    }
+    return rows, shape, [(name, sql) for _, kind, name, sql in schema if kind in ("index", "trigger")]
+
+
+def shape_of(looked: Inspector, table: str, said: tuple[object, ...]) -> object:
+    """Columns and constraints of a table, whose rows of the schema are these."""
+    if said not in LOOKED_UP:
+        LOOKED_UP[said] = [
             sorted(map(str, each))
             for each in (
                 looked.get_columns(table),
@@ -110,9 +122,7 @@ def all_of_it(connection: Connection) -> object:
                 looked.get_pk_constraint(table).items(),
             )
         ]
-        for table in tables
-    }
-    return rows, shape, connection.execute(text(OF_SQLITE)).all()
+    return LOOKED_UP[said]
 
 
 class TakenBackError(Exception):

@@ -384,8 +384,9 @@ class _Draft:
         return (road for roads in self._roads.values() for road in roads)
 
     def _root(self, node: str) -> str:
-        while self._part[node] != node:
-            node = self._part[node]
+        while (above := self._part[node]) != node:
+            # What hangs together may be as long as the floor: each look halves the way for the next one.
+            self._part[node] = node = self._part[above]
         return node
 
     def _heading_rad(self, start: str, end: str) -> float:

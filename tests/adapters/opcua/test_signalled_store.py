@@ -376,6 +376,16 @@ def test_what_is_neither_yes_nor_no_is_no_switch(value: Value) -> None:
     assert (rig.stock, rig.heard()) == (100, [])
 
 
+HURRIED = """
+from dray.__main__ import main
+from dray.cli.runtime.bodies import signals
+
+signals.SILENT_S, signals.rests_s = 2.0, lambda _speed: 1.0
+main()
+"""
+"""The command, which takes a level after a second of rest instead of ten, and gives its controller up after two seconds of silence instead of ten."""
+
+
 def test_the_station_of_a_real_storage_begins_and_takes_its_level_and_ends_when_it_is_away(
     tmp_path: Path,
 ) -> None:
@@ -386,7 +396,7 @@ def test_the_station_of_a_real_storage_begins_and_takes_its_level_and_ends_when_
             file = tmp_path / "s1.yaml"
             file.write_bytes(msgspec.yaml.encode(said))
             process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-m", "dray", "agent", "station", "S1"),
+                *(sys.executable, "-c", HURRIED, "agent", "station", "S1"),
                 *("--body", "opcua", "--mapping", str(file)),
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,

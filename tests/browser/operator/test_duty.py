@@ -383,7 +383,7 @@ def test_a_manager_sees_who_is_on_duty_and_where_nobody_is(
 UNTOLD = "it has not told any place yet: the vehicle has not said where it is"
 
 
-@pytest.mark.parametrize("width_px", [1280, 390, 360])
+@pytest.mark.parametrize("width_px", [1280, 360])
 def test_a_vehicle_that_tells_no_place_calls_and_the_tablet_and_the_manager_are_told_so(
     house: OpenHouse,
     vehicles: dict[str, Puppet],

@@ -102,7 +102,8 @@ class Hall:
 async def placed(body: Body) -> None:
     """Wait until the vehicle has told its place: nothing is reported then."""
     while not isinstance(body.sense(), VehicleState):  # noqa: ASYNC110
-        await asyncio.sleep(0)
+        # The broker needs the processor, too.
+        await asyncio.sleep(0.01)
 
 
 def test_a_real_vehicle_is_driven_over_a_broker_by_one_life_of_its_agent_after_the_other(

@@ -25,7 +25,7 @@ from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
 from dray.gateway.factory.plant_drafts import as_file, findings
 from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
 from dray.gateway.http.problems import Problem
-from dray.gateway.routes.factory.plant_draft_work import draft_view
+from dray.gateway.routes.factory.plant_draft_work import KeptDraft, draft_view
 from dray.plant import default_plant, load_plant, plant_yaml
 from dray.plant.exchange.dxf import MAX_BYTES
 from dray.plant.exchange.lif_export import export_lif
@@ -354,7 +354,7 @@ def test_a_finding_has_a_code_and_what_is_filled_in_named_as_in_the_draft() -> N
 
 def test_a_draft_from_before_findings_had_codes_keeps_its_notes() -> None:
     row = DraftRow("d", "Old", 1, "Maria", 0.0, "{}", '["/nodes/0: odd"]', owner="key-1")
-    told = msgspec.json.decode(draft_view(row))["notes"]
+    told = msgspec.json.decode(draft_view(KeptDraft.of(row)))["notes"]
     assert [(note["text"], note["code"]) for note in told] == [("/nodes/0: odd", "")]
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import os
 import resource
+import subprocess
+import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from gateway_kit import PRODUCT, House
 
 from dray.errors import PlantError, PlantErrors
 from dray.gateway.access.principal import Scope
+from dray.gateway.http import bounded_process
 from dray.gateway.http.bounded_process import NICE, NICEST
 from dray.gateway.http.problems import Problem
 from dray.gateway.http.provided import provided
@@ -39,8 +42,9 @@ async def test_work_is_done_in_another_process_which_is_kept(side: SideWork) -> 
 
 
 async def test_side_work_stands_back_for_the_gateway_also_where_sessions_share_the_processor(
-    side: SideWork,
+    side: SideWork, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(bounded_process, "NICE", NICE)
     process = await side.do("a", os.getpid)
     # In a session of its own its niceness would count among its own processes only.
     assert os.getsid(process) == os.getsid(0)
@@ -159,3 +163,19 @@ async def test_a_key_that_reads_files_without_end_is_told_so_and_others_read_the
     for each in held:
         each.cancel()
     await asyncio.gather(*held, return_exceptions=True)
+
+
+WORK = (
+    "dray.gateway.routes.factory.plant_draft_work",
+    "dray.gateway.orders.csv_import",
+    "dray.gateway.products.judging",
+)
+"""Modules of pieces of side work."""
+
+
+def test_no_piece_loads_the_packages_of_a_database() -> None:
+    """They would take a second of whoever is served first by a new process."""
+    loaded = f"import sys, {', '.join(WORK)}; print(*sys.modules)"
+    told = subprocess.run([sys.executable, "-c", loaded], capture_output=True, text=True, check=True)
+    assert {*WORK} <= {*told.stdout.split()}
+    assert "sqlalchemy" not in told.stdout.split()

@@ -15,11 +15,11 @@ import msgspec
 from dray.errors import PlantError
 from dray.gateway.factory.floor_repairs import FloorRepairs
 from dray.gateway.factory.repairs import Repairs, RepairView
-from dray.plant import Plant, PlantFile, parse_plant
+from dray.plant import Plant, PlantFile
 from dray.plant.exchange.onto import put_onto
 from dray.plant.exchange.read import read_layout
 from dray.plant.file.document import read_document, write_document
-from dray.plant.file.file import document_faults
+from dray.plant.file.file import document_faults, plant_of
 from dray.plant.file.reasons import Reason, told
 from dray.plant.file.text_encoding import UnknownEncodingError, decode_text
 from dray.plant.planning.advice import advice
@@ -207,13 +207,13 @@ def read_file(
             )
             for note in imported.notes
         ]
+    document = read_document(text, name)
     try:
-        return msgspec.to_builtins(parse_plant(text, name).file), []
+        return msgspec.to_builtins(plant_of(document, name).file), []
     except PlantError as error:
-        unfinished = _unfinished(text, name)
-        if unfinished is None:
+        if not isinstance(document.data, dict):
             raise
-        return unfinished, [] if error.field else [NoteView(text=str(error))]
+        return document.data, [] if error.field else [NoteView(text=str(error))]
 
 
 def deeper_than(value: object, depth: int) -> bool:
@@ -238,11 +238,6 @@ def _text(content: bytes, name: str) -> str:
         return decode_text(content).text
     except UnknownEncodingError:
         raise PlantError(name, "", "is not UTF-8: save it as UTF-8") from None
-
-
-def _unfinished(text: str, name: str) -> Data | None:
-    data = read_document(text, name).data
-    return data if isinstance(data, dict) else None
 
 
 def _closed(data: Data) -> Iterator[tuple[str, str]]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from itertools import groupby
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 from pydantic import ValidationError
@@ -18,7 +18,10 @@ from dray.gateway.http.problems import FieldError, field_error
 from dray.gateway.http.request_bodies import RowsFile
 from dray.gateway.http.unread import read
 from dray.gateway.orders.drafts import MAX_ITEMS, OrderDraft, nonsense
-from dray.store.orders.orders import Referred
+
+if TYPE_CHECKING:
+    # A side process would take a second to load SQL's packages.
+    from dray.store.orders.orders import Referred
 
 COLUMNS = ("customer", "reference", "product", "quantity", "due_at", "priority", "release")
 

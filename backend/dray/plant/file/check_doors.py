@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dray.plant.file.reasons import Reason
 from dray.plant.floor.doors import LEAF_M, Ends, driven_through, lanes_between, leaf_of
 from dray.plant.floor.rectangles import driven, gap_m
-from dray.plant.floor.shapes import floor_of
+from dray.plant.floor.shapes import joined_floor
 from dray.plant.layout import MARGIN_M, Layout, Size
 from dray.plant.model import Door, Lane, PlantFile
 from dray.plant.roads import DirectedLane, Roads
@@ -22,8 +22,7 @@ def door_faults(file: PlantFile) -> Iterator[Fault]:
         return
     lanes = lanes_between(file)
     owners: dict[Lane, str] = {}
-    joined = _is_joined(file)
-    layout = floor_of(file) if joined else None
+    layout = joined_floor(file)
     roads = None if layout is None else Roads(layout.nodes, layout.lanes)
     for index, door in enumerate(file.doors):
         through: list[DirectedLane] = []
@@ -48,12 +47,6 @@ def door_faults(file: PlantFile) -> Iterator[Fault]:
                         yield where, reason
         if layout is not None and roads is not None and not faulty and through:
             yield from _in_others_way(index, door, through, layout, roads, file)
-
-
-def _is_joined(file: PlantFile) -> bool:
-    nodes = {node.id for node in file.nodes}
-    ends = [(lane.start, lane.end) for lane in file.lanes]
-    return all(start in nodes and end in nodes and start != end for start, end in ends)
 
 
 def _twice(lane: Lane, owner: str, door: Door) -> str:

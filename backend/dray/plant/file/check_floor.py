@@ -9,9 +9,9 @@ from math import ceil, hypot
 
 from dray.plant.file.reasons import Reason, listed
 from dray.plant.floor.geometry import area_m2, crossed_edges
-from dray.plant.floor.shapes import corner_names, corners_of, floor_of
+from dray.plant.floor.shapes import corner_names, corners_of, joined_floor
 from dray.plant.floor.sizes import too_large_for
-from dray.plant.layout import dock_nodes, stop_names
+from dray.plant.layout import Layout, dock_nodes, stop_names
 from dray.plant.model import Area, Box, Lane, Node, PlantFile
 from dray.plant.roads import Roads
 
@@ -41,8 +41,11 @@ def floor_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
     yield from _lanes(file)
     yield from _two_lanes(file)
     yield from _shapes(file)
-    yield from _starts(file)
-    yield from _unreachable(file)
+    layout = joined_floor(file)
+    yield from _starts(file, layout)
+    if layout is not None:
+        # Else the docks of a misspelt lane are unknown.
+        yield from _unreachable(file, layout)
     for index, area in enumerate(file.areas):
         yield from _area(area, f"areas[{index}].polygon")
 
@@ -154,10 +157,9 @@ def _shapes(file: PlantFile) -> Iterator[tuple[str, str]]:
                 yield f"nodes[{index}].id", Reason("name_of_corner", node=node.id)
 
 
-def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
+def _starts(file: PlantFile, layout: Layout | None) -> Iterator[tuple[str, str]]:
     """Faults of first positions: two vehicles on one spot, or one in a crossing."""
-    if _is_joined(file):
-        layout = floor_of(file)
+    if layout is not None:
         crossing_of = {node: each for each in layout.crossings.values() for node in each.nodes}
         for index, vehicle in enumerate(file.fleet):
             if crossing := crossing_of.get(vehicle.node):
@@ -174,18 +176,8 @@ def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
         owners.setdefault(vehicle.node, vehicle.id)
 
 
-def _is_joined(file: PlantFile) -> bool:
-    """Whether every lane joins two nodes that there are; the rest is reported already."""
-    nodes = {node.id for node in file.nodes}
-    return all(lane.start in nodes and lane.end in nodes and lane.start != lane.end for lane in file.lanes)
-
-
-def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
+def _unreachable(file: PlantFile, layout: Layout) -> Iterator[tuple[str, str]]:
     """Every vehicle must be able to get from every dock to every other, or vehicles strand."""
-    if not _is_joined(file):
-        # The docks of a misspelt lane are unknown.
-        return
-    layout = floor_of(file)
     nodes = {node.id for node in layout.nodes}
     roads = Roads(layout.nodes, layout.lanes)
     docks = [

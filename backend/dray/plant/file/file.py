@@ -25,7 +25,7 @@ from dray.plant.file.check_levels import levels_of
 from dray.plant.file.check_power import power_faults
 from dray.plant.file.document import Document, read_document, write_document
 from dray.plant.file.reasons import Reason
-from dray.plant.file.unfinished import drawable, entry_type, has_null, open_points
+from dray.plant.file.unfinished import drawable, entry_type, has_null, open_points, struct_fields
 from dray.plant.model import MachineSpec, Making, PlantFile, Product
 from dray.plant.plant import Plant
 
@@ -119,7 +119,11 @@ def parse_plant(text: str, name: str) -> Plant:
         PlantError: it has one fault.
         PlantErrors: it has several faults; all are named, in file order.
     """
-    document = read_document(text, name)
+    return plant_of(read_document(text, name), name)
+
+
+def plant_of(document: Document, name: str) -> Plant:
+    """Check a plant file that was read; raises as `parse_plant` does."""
     if document.data is None:
         raise PlantError(name, "", "is empty: a plant begins with `plant: ID` and `name: NAME`")
     if not isinstance(document.data, dict):
@@ -136,21 +140,30 @@ def document_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
     Args:
         data: the mapping of a plant file, of any shape inside.
     """
-    shape = list(_shape_faults(data))
-    found = [*open_points(data), *shape]
-    if not found and (fault := _misfit("", data, PlantFile)) is not None:
-        # A null where nothing of the file could be open.
-        found.append((fault[0].lstrip("."), fault[1]))
-    if not found:
-        file = msgspec.convert(data, PlantFile)
-        misfits = list(faults(file))
-        yield from misfits or power_faults(Plant(file))
+    # One by one: of a file of any shape, somebody reads a few of a hundred thousand faults.
+    named = set[str]()
+    for fault in open_points(data):
+        named.add(fault[0])
+        yield fault
+    has_shape = True
+    for fault in _shape_faults(data):
+        has_shape = False
+        yield fault
+    if not has_shape:
         return
-    yield from found
+    if not named:
+        misfit = _misfit("", data, PlantFile)
+        if misfit is None:
+            file = msgspec.convert(data, PlantFile)
+            misfits = list(faults(file))
+            yield from misfits or power_faults(Plant(file))
+            return
+        # A null where nothing of the file could be open.
+        named.add(misfit[0].lstrip("."))
+        yield misfit[0].lstrip("."), misfit[1]
     # An entry that depends on a faulty one is not reported a second time, nor are placeholders for open values.
-    rest = None if shape else drawable(data)[1]
+    rest = drawable(data)[1]
     if rest is not None:
-        named = {field for field, _ in found}
         yield from (fault for fault in (*floor_faults(rest), *door_faults(rest)) if fault[0] not in named)
 
 
@@ -311,7 +324,7 @@ def _shape_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
 
     Entries are tried one by one because msgspec stops at the first fault that it meets.
     """
-    sections = {section.name: section for section in msgspec.structs.fields(PlantFile)}
+    sections = {section.name: section for section in struct_fields(PlantFile)}
     for name, section in sections.items():
         if name in data:
             if data[name] is None:
@@ -346,7 +359,7 @@ def _rest_faults(
     where: str, entry: dict[str, object], kind: type[msgspec.Struct]
 ) -> Iterator[tuple[str, str]]:
     """Faults of an entry beside its open values."""
-    types = {field.name: field.type for field in msgspec.structs.fields(kind)}
+    types = {field.name: field.type for field in struct_fields(kind)}
     for name, value in entry.items():
         if name not in types:
             yield f"{where}.{name}", Reason("no_such_field")
@@ -354,7 +367,7 @@ def _rest_faults(
             fault = _misfit(f"{where}.{name}", value, types[name])
             if fault is not None:
                 yield fault
-    for field in msgspec.structs.fields(kind):
+    for field in struct_fields(kind):
         if field.required and field.name not in entry:
             yield where, Reason("missing", name=field.name)
 

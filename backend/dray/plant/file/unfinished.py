@@ -8,6 +8,7 @@ values.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
@@ -68,7 +69,7 @@ def drawable(data: Mapping[str, object]) -> tuple[Plant, PlantFile | None]:
     """
     whole = True
     sections: dict[str, Any] = {}
-    for section in msgspec.structs.fields(PlantFile):
+    for section in struct_fields(PlantFile):
         kind = entry_type(section.type)
         if kind is None:
             continue
@@ -107,6 +108,12 @@ def entry_type(section: object) -> Any:
     return entry if _is_struct(entry) else None
 
 
+@cache
+def struct_fields(kind: type[msgspec.Struct]) -> tuple[msgspec.structs.FieldInfo, ...]:
+    """The fields of a struct; msgspec evaluates its annotations anew each time."""
+    return msgspec.structs.fields(kind)
+
+
 def _is_struct(kind: object) -> bool:
     return isinstance(kind, type) and issubclass(kind, msgspec.Struct)
 
@@ -121,7 +128,7 @@ def _nulls(where: str, value: object, kind: object) -> Iterator[Fault]:
         name = where.rpartition(".")[2]
         yield where, Reason("open", hint=Reason(f"hint_{name}" if name in HINTED else "hint"))
     elif isinstance(value, dict) and _is_struct(kind):
-        types = {field.name: field.type for field in msgspec.structs.fields(kind)}  # type: ignore[arg-type]
+        types = {field.name: field.type for field in struct_fields(kind)}
         for name, inner in value.items():
             if name in types:
                 yield from _nulls(f"{where}.{name}" if where else name, inner, types[name])
@@ -135,7 +142,7 @@ def _filled(entry: object, kind: Any) -> Any:
     if not isinstance(entry, dict):
         return None
     values: dict[str, object] = {}
-    for field in msgspec.structs.fields(kind):
+    for field in struct_fields(kind):
         if field.name in entry:
             try:
                 values[field.name] = msgspec.convert(entry[field.name], field.type)

@@ -29,6 +29,14 @@ def floor_of(file: PlantFile) -> Layout:
     return _chained(layout)
 
 
+def joined_floor(file: PlantFile) -> Layout | None:
+    """The floor of a plant file; None where a lane does not join two of its nodes, which is a fault of its own."""
+    nodes = {node.id for node in file.nodes}
+    if all(lane.start in nodes and lane.end in nodes and lane.start != lane.end for lane in file.lanes):
+        return floor_of(file)
+    return None
+
+
 def corner_name(lane: Lane, number: int) -> str:
     """The node at a corner of a lane, counted from 1."""
     return short_name(f"{lane.start}.to-{lane.end}.{number}")

@@ -10,7 +10,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from dray.gateway.factory.plant_drafts import FindingView, NoteView
 from dray.gateway.factory.shift_player import PlayView, ShiftFigures
 from dray.gateway.http.request_bodies import NOTE, Line
-from dray.store.factory.plant_drafts import DraftLine
 
 LONGEST_H = 8.0
 """Maximum hours of a shift to play."""
@@ -89,7 +88,6 @@ EXAMPLE = DraftView(
     notes=(),
     plan_type="",
 )
-LINE_EXAMPLE = DraftLine("line-4", "Line 4", 7, "Early shift", 1_893_456_000.0)
 PLAY_EXAMPLE = PlayView(
     state="done", version=7, hours=4.0, seed=1, draft=EXAMPLE_FIGURES, running=EXAMPLE_FIGURES
 )

@@ -6,6 +6,7 @@ Bodies, drafts and answers are passed as JSON, which costs the event loop nothin
 from __future__ import annotations
 
 import base64
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -16,7 +17,9 @@ from dray.gateway.http.unread import read
 from dray.gateway.routes.factory.plant_draft_bodies import ChangedDraft, DraftView, FloorPlan, NewDraft
 from dray.plant import Plant
 from dray.plant.model import PlantFile
-from dray.store.factory.plant_drafts import DraftRow
+
+if TYPE_CHECKING:
+    from dray.store.factory.plant_drafts import DraftRow
 
 MAX_TOLD = 10
 """Maximum faults named when a draft cannot be played: more usually have one cause."""
@@ -75,7 +78,25 @@ def floor_plan(body: bytes) -> FloorPlan:
     return read(FloorPlan, body)
 
 
-def draft_view(row: DraftRow) -> bytes:
+class KeptDraft(msgspec.Struct, frozen=True, kw_only=True):
+    """The content of a draft's row. The row itself would load SQL's packages, which takes a side process a second."""
+
+    id: str
+    name: str
+    version: int
+    by: str
+    at_s: float
+    data: str
+    notes: str
+    plan_type: str
+
+    @classmethod
+    def of(cls, row: DraftRow) -> KeptDraft:
+        """The content of a row."""
+        return msgspec.convert(row, cls, from_attributes=True)
+
+
+def draft_view(row: KeptDraft) -> bytes:
     """A draft as JSON for the answer."""
     data = msgspec.json.decode(row.data)
     view = DraftView(

@@ -38,6 +38,7 @@ from dray.gateway.routes.factory.plant_draft_bodies import (
     Shift,
 )
 from dray.gateway.routes.factory.plant_draft_work import (
+    KeptDraft,
     changed_draft,
     draft_view,
     floor_plan,
@@ -53,6 +54,8 @@ router = APIRouter(tags=["drafts"], route_class=UnreadRoute)
 
 MAX_DRAFTS = 50
 """Maximum drafts of a plant; then one must be removed for a new one."""
+
+LINE_EXAMPLE = DraftLine("line-4", "Line 4", 7, "Early shift", 1_893_456_000.0)
 
 DXF = "image/vnd.dxf"
 
@@ -115,7 +118,7 @@ async def begin(
     if new.fault is not None:
         raise unusable(new.fault)
     row = DraftRow(new_token()[:12], new.name, 1, caller.name, now_s, new.data, new.notes, owner=caller.key)
-    view = await side_work.do(caller.key, draft_view, row)
+    view = await side_work.do(caller.key, draft_view, KeptDraft.of(row))
     async with store.write() as work:
         if await work.plant_drafts.count_of(caller.key) >= share_of(MAX_DRAFTS):
             raise share_used("drafts", MAX_DRAFTS, f"remove one of yours ({LISTED} lists them)")
@@ -164,7 +167,7 @@ async def get_draft(
     if view is None:
         row = await _row(store, draft)
         version, key = row.version, _view_key(draft, row.version, row.plan_type)
-        view = await renderings.of(key, caller.key, draft_view, row)
+        view = await renderings.of(key, caller.key, draft_view, KeptDraft.of(row))
     return Json(view, headers={"ETag": version_tag(version)})
 
 
@@ -212,7 +215,7 @@ async def change(
         at_s=now_s,
     )
     # Judged before it is stored: a draft too slow to judge could not be shown either.
-    view = await side_work.do(caller.key, draft_view, row)
+    view = await side_work.do(caller.key, draft_view, KeptDraft.of(row))
     async with store.write() as work:
         if not await work.plant_drafts.change(row):
             raise _changed(before)

@@ -36,7 +36,8 @@ from dray.gateway.routes.factory.floor.obstacles import EXAMPLE as OBSTACLE
 from dray.gateway.routes.factory.floor.waits import EXAMPLE as WAIT
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
 from dray.gateway.routes.factory.plant_draft_bodies import EXAMPLE as DRAFT
-from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EXAMPLE
+from dray.gateway.routes.factory.plant_draft_bodies import PLAY_EXAMPLE
+from dray.gateway.routes.factory.plant_drafts import LINE_EXAMPLE
 from dray.gateway.routes.history.alerts import EXAMPLE as ALERT_RECORD
 from dray.gateway.routes.history.audit import AuditLine
 from dray.gateway.routes.history.events import EventAnswer

@@ -4,6 +4,7 @@ import { Field } from "../../parts/Field";
 import { keepFocus } from "../../parts/keep-focus";
 import { PrioritySelect } from "../../orders/PrioritySelect";
 import { Once } from "../../parts/Once";
+import { Outcome } from "../../parts/Outcome";
 import { Sheet } from "../../parts/Sheet";
 import { me } from "../../shell/session";
 import { plant } from "../../state";
@@ -31,8 +32,8 @@ export function KeySheet({ onChanged }: { onChanged: () => void }) {
             {page.value !== "" && <Page token={token.value} url={page.value} />}
           </>
         )}
-        <p role="status" class="outcome outcome-bad">
-          {outcome.value?.text}
+        <p>
+          <Outcome of={outcome.value} />
         </p>
       </div>
     </Sheet>

@@ -5,6 +5,7 @@ import { t, word } from "../../../text/views/people";
 import { Field } from "../../parts/Field";
 import { keepFocus } from "../../parts/keep-focus";
 import { Once } from "../../parts/Once";
+import { Outcome } from "../../parts/Outcome";
 import { Sheet } from "../../parts/Sheet";
 import { Sure } from "../../parts/Sure";
 import { me } from "../../shell/session";
@@ -33,8 +34,8 @@ export function PersonSheet({ onChanged }: Props) {
     <Sheet id={PERSON} title={person === null ? t("people.add") : t("people.changeOf", { name: person.name })}>
       <div ref={sheet} class="people-sheet">
         {person === null ? <New onChanged={onChanged} /> : <Known key={person.id} person={person} onChanged={onChanged} />}
-        <p role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
-          {outcome.value?.text}
+        <p>
+          <Outcome of={outcome.value} />
         </p>
       </div>
     </Sheet>

@@ -1,6 +1,7 @@
 import { language } from "../../../text/speech";
 import { t } from "../../../text/views/recurring";
 import { PrioritySelect } from "../../orders/PrioritySelect";
+import { Outcome } from "../../parts/Outcome";
 import { Sheet } from "../../parts/Sheet";
 import { plant } from "../../state";
 import { dayName, DAYS, shown } from "./draft";
@@ -61,9 +62,7 @@ export function RecurringForm({ onKept }: { onKept: () => void }) {
         </datalist>
         <Runs />
         <p class="form-actions">
-          <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
-            {outcome.value?.text}
-          </span>
+          <Outcome of={outcome.value} />
           <button type="button" class="button" disabled={busy.value} onClick={() => void preview()}>
             {t("recurring.preview")}
           </button>

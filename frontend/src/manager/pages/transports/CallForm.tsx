@@ -4,6 +4,7 @@ import { format, t, word } from "../../../text/views/transports";
 import { PRIORITIES } from "../../orders/priority";
 import { PrioritySelect } from "../../orders/PrioritySelect";
 import * as parts from "../../parts/Field";
+import { Outcome } from "../../parts/Outcome";
 import { Sheet } from "../../parts/Sheet";
 import { useRefreshed } from "../../refreshed";
 import { plant } from "../../state";
@@ -94,12 +95,11 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
           </p>
         )}
         <p class="form-actions">
-          <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
-            {outcome.value?.text}
+          <Outcome of={outcome.value}>
             {outcome.value?.called !== undefined && (
               <a class="link" href={addressOfTransport(outcome.value.called)}>{outcome.value.called}</a>
             )}
-          </span>
+          </Outcome>
           <button type="submit" class="button primary" disabled={busy.value}>
             {t("called.send")}
           </button>

@@ -2,6 +2,7 @@ import type { ComponentProps } from "preact";
 import { inFactoryTime } from "../../../../text/plant-time";
 import { format, t } from "../../../../text/views/products";
 import * as parts from "../../../parts/Field";
+import { Outcome } from "../../../parts/Outcome";
 import { Sheet } from "../../../parts/Sheet";
 import { plant } from "../../../state";
 import { type Amount, NO_AMOUNT, NO_PAPER, sha256Of } from "./draft";
@@ -53,9 +54,7 @@ export function DefineForm({ onDefined }: { onDefined: () => void }) {
         <Amounts part="machines" title={inFactoryTime(t("products.machinesFor"))} what={t("products.machine")} amount={t("products.seconds")} add={t("products.addMachine")} options={file?.machines ?? []} />
         <Documents />
         <p class="form-actions">
-          <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
-            {outcome.value?.text}
-          </span>
+          <Outcome of={outcome.value} />
           <button type="submit" class="button primary" disabled={sending.value}>
             {t("products.save")}
           </button>
