@@ -254,6 +254,8 @@ class ReservationMemory(Part, frozen=True):
     """The vehicle for which the dock was opened; empty before."""
     opened: int = 0
     """The epoch of the task in which it was opened; 0 before."""
+    ended: bool = False
+    """Whether the vehicle named the task no more before the dock was opened for it."""
     gone: bool = False
     """Whether the vehicle was heard elsewhere afterwards, without the load."""
 

@@ -209,6 +209,18 @@ def test_a_vehicle_that_ends_its_task_before_the_dock_opens_takes_nothing(aboard
     assert instructed(stands_there(rig, aboard="shaft", node="elsewhere"), Book) == []
 
 
+def test_the_next_life_knows_that_a_vehicle_has_ended_its_task_before_the_dock_opened() -> None:
+    first = before_a_shut_dock()
+    stands_there(first)
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+    rig.memory, rig.now_s, rig.answers, rig.opened = committed(first.all), first.now_s, True, (CART,)
+    rig.start()
+    rig.run(rig.now_s + 60.0)
+    assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 4)), StockReserved)
+    effects = rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4))
+    assert (instructed(effects, Book), len(instructed(effects, OpenDock))) == ([], 1)
+
+
 def test_a_vehicle_that_names_its_task_again_may_load_after_all() -> None:
     rig = before_a_shut_dock()
     stands_there(rig)  # A heartbeat of before, which has come late.

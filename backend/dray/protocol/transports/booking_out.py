@@ -62,8 +62,6 @@ class BookingOut:
         """By vehicle: when its coordinator was last asked whether it has fetched the load."""
         self._shut: set[str] = set()
         """Vehicles for which the dock was not opened since they are followed."""
-        self._ended: set[str] = set()
-        """Vehicles that named the task no more while the dock was still shut for them."""
 
     def let_in(self, load: ReservationMemory, now_s: float, *, is_shut: bool) -> None:
         """A vehicle stands here and may load once the dock is open. Repeating this is harmless.
@@ -75,7 +73,6 @@ class BookingOut:
         """
         if is_shut and load.vehicle not in self._let_in:
             self._shut.add(load.vehicle)
-        self._ended.discard(load.vehicle)
         self._follow(load)
         self._heard_s[load.vehicle] = now_s
         self._asked_s.pop(load.vehicle, None)
@@ -92,25 +89,22 @@ class BookingOut:
             return
         if carries is not None and (carries.task, carries.epoch) == (load.task, load.opened):
             self._heard_s[load.vehicle] = now_s
-            self._ended.discard(load.vehicle)
+            load = self._mark(load, ended=False)
             if carries.phase in GOODS_ABOARD:
                 self._book(load)
             return
         if load.vehicle in self._shut:
-            self._ended.add(load.vehicle)
+            load = self._mark(load, ended=True)
         is_here, was_heard = heartbeat.node == self._node, self._was_heard(load, now_s)
         has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
         if has_it and self._may_be_from_here(load, is_known=is_here or was_heard):
             self._book(load)
         elif is_here and not load.gone and (carries is None or was_heard):
             self._heard_s[load.vehicle] = now_s
-        elif was_heard or load.vehicle in self._ended:
+        elif was_heard or load.ended:
             self._leave(load.vehicle)
         else:
-            if not is_here and not load.gone:
-                load = self._let_in[load.vehicle] = replace(load, gone=True)
-                self._life.commit()
-            self._ask(load, now_s)
+            self._ask(self._mark(load, gone=load.gone or not is_here), now_s)
 
     def on_docked(self, vehicle: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here, perhaps for another load before it has reported the last one.
@@ -120,7 +114,7 @@ class BookingOut:
         load = self._let_in.get(vehicle)
         if load is None or (docked.task, docked.epoch) == (load.task, load.opened):
             return
-        if self._was_heard(load, now_s):
+        if self._was_heard(load, now_s) or load.ended:
             self._leave(vehicle)
         else:
             self._book(load)
@@ -161,6 +155,14 @@ class BookingOut:
             self._subscriptions.follow(load.vehicle)
         self._let_in[load.vehicle] = load
 
+    def _mark(self, load: ReservationMemory, **marks: bool) -> ReservationMemory:
+        """Keep a load with other marks, over a restart too. Returns it."""
+        marked = replace(load, **marks)
+        if marked != load:
+            self._let_in[load.vehicle] = marked
+            self._life.commit()
+        return marked
+
     def _may_be_from_here(self, load: ReservationMemory, *, is_known: bool) -> bool:
         """Whether a vehicle that does not name the task may have taken here what it has on board.
 
@@ -170,7 +172,7 @@ class BookingOut:
         """
         if load.gone or load.vehicle in self._shut:
             return False
-        return is_known or load.vehicle not in self._ended
+        return is_known or not load.ended
 
     def _was_heard(self, load: ReservationMemory, now_s: float) -> bool:
         """Whether a vehicle was recently heard at its task."""
@@ -198,6 +200,5 @@ class BookingOut:
         self._heard_s.pop(vehicle, None)
         self._asked_s.pop(vehicle, None)
         self._shut.discard(vehicle)
-        self._ended.discard(vehicle)
         self._subscriptions.unfollow(vehicle)
         self._life.commit()
