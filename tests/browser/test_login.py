@@ -48,7 +48,14 @@ def plant(files: Files, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Op
     with open_house(files.new(tmp_path_factory.mktemp("login"))) as house:
         house.do(lambda inside: inside.know("boss"))
         house.do(lambda inside: inside.know("ana", Role.OPERATOR, "AREA1"))
+        house.do(give_badge)
         yield house
+
+
+async def give_badge(house: Any) -> None:
+    chief = await house.log_in("chief")
+    badge = {"kind": "badge", "secret": BADGE}
+    assert (await chief.put("/api/people/ana/secret", json=badge)).status_code == 200
 
 
 def link_for(plant: OpenHouse, person: str) -> str:
@@ -181,12 +188,6 @@ def test_a_wrong_secret_is_said_beside_the_form_and_the_name_stays(
 def test_a_badge_that_is_held_to_its_reader_logs_in_wherever_the_focus_is(
     plant: OpenHouse, open_page: OpenPage, focused: str
 ) -> None:
-    async def give(inside: Any) -> None:
-        boss = await inside.log_in("boss")
-        badge = {"kind": "badge", "secret": BADGE}
-        assert (await boss.put("/api/people/ana/secret", json=badge)).status_code == 200
-
-    plant.do(give)
     page = open_page(f"{plant.url}/login?as=operator", **LOOKS["lying-dark-es"])
     page.context.add_cookies([{"name": "dray_people", "value": "ana", "url": plant.url}])
     page.reload()

@@ -197,6 +197,10 @@ describe("texts", () => {
   });
 });
 
+test.each([["en", operatorEn], ["de", operatorDe], ["es", operatorEs]])("a person off duty and a vehicle out of service are not the same word in %s", (_language, words) => {
+  expect(words["duty.off"].toLowerCase()).not.toBe(words["command.take_out"].toLowerCase());
+});
+
 describe("a page's language", () => {
   test.each([
     ["dray_language=es", ["de-DE"], "es"],

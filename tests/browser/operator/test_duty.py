@@ -67,11 +67,11 @@ LOOKS: dict[str, tuple[dict[str, Any], dict[str, str]]] = {
     "es": (
         {"viewport": LYING, "color_scheme": "light", "locale": "es-ES"},
         {
-            "on": "De servicio",
+            "on": "De guardia",
             "asks": "le pregunta",
             "take": "Voy yo en 5 min",
             "expects": "le espera",
-            "off": "Fuera de servicio",
+            "off": "Fuera de guardia",
         },
     ),
 }

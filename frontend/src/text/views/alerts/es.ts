@@ -59,7 +59,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.atv_unplaced": "El vehículo no dice su lugar",
   "alertLog.is.atv_awaited": "Vehículo esperado",
   "alertLog.is.atv_unheard": "Ocupa lugares, nunca oído",
-  "alertLog.is.call_nobody": "Llamada, nadie de servicio",
+  "alertLog.is.call_nobody": "Llamada, nadie de guardia",
   "alertLog.is.call_unanswered": "Llamada sin atender",
   "alertLog.is.atv_help": "Vehículo necesita ayuda",
   "alertLog.is.atv_error": "Avería de vehículo",

@@ -3,10 +3,10 @@ import type { Catalogue } from "../../catalogue";
 import type { duty as en } from "./en";
 
 export const duty: Catalogue<typeof en> = {
-  "duty.title": "De servicio",
+  "duty.title": "De guardia",
   "duty.nobodyAtAll": "nadie",
-  "duty.count": "{count} de servicio",
-  "duty.nobodyIn": "Nadie de servicio: {areas}",
+  "duty.count": "{count} de guardia",
+  "duty.nobodyIn": "Nadie de guardia: {areas}",
   "duty.nobodyUntil": "{area} (hasta {at})",
   "duty.busyWith": "con {caller}",
   "duty.until": "hasta las {at}",
