@@ -34,7 +34,7 @@ WAITING = 16
 `DRAY_BODY_LIMIT_BYTES`."""
 
 WORK_S = 30.0
-"""Maximum processor seconds per piece: fifteen times what a plant of 3,500 nodes takes."""
+"""Maximum processor seconds per piece: twenty times what a plant of 7,000 nodes takes."""
 
 MOST_S = 120.0
 """Maximum wall seconds per piece: it stands back, so on a busy computer it takes some times its processor
