@@ -15,6 +15,7 @@ import msgspec
 from msgspec import UNSET
 
 from dray.messages.floor.traffic import (
+    FIRST_LIFE,
     UNSIGNED,
     Blocked,
     HoldsAsked,
@@ -438,11 +439,18 @@ class PlaceRequests:
         line = self._lines.setdefault(confirmed.district, _Line())
         if confirmed.epoch < line.confirmed_epoch:
             return False
-        if not self._is_agreed(line, sender, confirmed.district, confirmed.epoch):
+        is_agreed = self._is_agreed(line, sender, confirmed.district, confirmed.epoch)
+        if not self._is_to_this_life(confirmed):
+            return True
+        if not is_agreed:
             line.early = confirmed
             return True
         self._take_confirmed(line, confirmed)
         return True
+
+    def _is_to_this_life(self, confirmed: PlaceConfirmed) -> bool:
+        """Whether the witness has confirmed to this life. Otherwise it may still believe an earlier life's release of these lines."""
+        return confirmed.life == self.life or self.life <= FIRST_LIFE or not self._mark
 
     def _take_confirmed(self, line: _Line, confirmed: PlaceConfirmed) -> None:
         line.early, line.witness_asked, line.confirmed_epoch = None, 0, confirmed.epoch
@@ -453,8 +461,9 @@ class PlaceRequests:
         replicas = self._replicas_of[granted.district]
         if len(replicas) == 1 or line.witness_asked > WITNESS_ASKED:
             return True
-        if line.early is not None and line.early.epoch == granted.epoch:
-            self._take_confirmed(line, line.early)
+        early = line.early
+        if early is not None and early.epoch == granted.epoch and self._is_to_this_life(early):
+            self._take_confirmed(line, early)
         known = line.confirmed if line.confirmed_epoch == granted.epoch else {}
         asked = {place for group in line.groups for place in group} if line.asks else ()
         return all(

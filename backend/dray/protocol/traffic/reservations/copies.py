@@ -25,6 +25,7 @@ import msgspec
 from msgspec import UNSET
 
 from dray.messages.floor.traffic import (
+    FIRST_LIFE,
     MISSES_MAX,
     AllGivenBack,
     AllRemoved,
@@ -344,19 +345,36 @@ class Copies:
         """Whether vehicles need a confirmation by `me` to believe a grant."""
         return not self.lost and not self.leads and self._turn_of(self.kept.epoch + 1) == self._me
 
-    def confirm(self, atv: str) -> None:
-        """Confirm to a vehicle its lines of the copy."""
+    def note_life(self, atv: str, request: PlaceRequested) -> None:
+        """Note the life of a vehicle that has sent a request to `me`."""
+        self._witness.note_life(atv, request, self.kept.reservations)
+
+    def confirm(self, atv: str, mark: bytes) -> None:
+        """Confirm to a vehicle its lines of the copy, and to a life after its first one those under its key."""
         if not self.is_witness:
             return
-        lines = tuple(line for line in self.kept.reservations if line.atv == atv)
-        self._life.send(atv, PlaceConfirmed(district=self.district, epoch=self.kept.epoch, grants=lines))
+        life = self._witness.life_of(atv, mark)
+        names_life = life > FIRST_LIFE
+        lines = tuple(
+            line
+            for line in self.kept.reservations
+            if line.atv == atv and (line.mark == mark or not names_life)
+        )
+        confirmed = PlaceConfirmed(
+            district=self.district,
+            epoch=self.kept.epoch,
+            grants=lines,
+            life=life if names_life else UNSET,
+        )
+        self._life.send(atv, confirmed)
 
     def _confirm_new(self, before: Iterable[PlaceReservation]) -> None:
         """Confirm to the vehicles their new lines."""
         if self.is_witness:
             known = set(before)
-            for atv in dict.fromkeys(line.atv for line in self.kept.reservations if line not in known):
-                self.confirm(atv)
+            new = {line.atv: line.mark for line in self.kept.reservations if line not in known}
+            for atv, mark in new.items():
+                self.confirm(atv, mark)
 
     def _may_join(self, sender: str, replicated: TableReplicated) -> bool:
         """Whether a table restores a lost memory: its writer was lost, too, and all others have reported no later epoch since.
