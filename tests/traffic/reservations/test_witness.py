@@ -67,7 +67,13 @@ class Vehicle:
             missed = (sender, message)
         elif isinstance(message, HoldsAsked):
             if self.requests.on_holds_asked(sender, message):
-                self.say(("b3",) if self.holds else (), self.requests.groups("M1"), asked=True)
+                held = ("b3",) if self.holds else ()
+                if message.recovery_poll:
+                    self.requests.say(
+                        "M1", held, WANTED, self.state, 0.0, anew=True, to=sender, epoch=message.epoch
+                    )
+                else:
+                    self.say(held, self.requests.groups("M1"), asked=True)
             return
         else:
             return
@@ -89,11 +95,13 @@ class Floor(Trio):
         self.epoch = self.lead("M1").kept.epoch
         self.vehicles = {name: Vehicle(name, self.epoch) for name in "AB"}
 
-    def table(self, atv: str, number: int, *to: str, by: tuple[GivenBack, ...] = ()) -> None:
-        """M1 says that a vehicle holds the place: to these copies, and to the vehicle."""
+    def table(
+        self, atv: str, number: int, *to: str, by: tuple[GivenBack, ...] = (), version: int = 0
+    ) -> None:
+        """M1 says that a vehicle holds the place: to these copies, and to the vehicle. The version is the number, if it is not named."""
         lines = line(atv, number, mark=atv.encode())
         replicated = TableReplicated(
-            district="M1", epoch=self.epoch, version=number, reservations=lines, given_back=by
+            district="M1", epoch=self.epoch, version=version or number, reservations=lines, given_back=by
         )
         for copy in to:
             self.deliver("M1", Send(copy, replicated))
@@ -113,11 +121,24 @@ class Floor(Trio):
         self.vehicles[name] = Vehicle(name, self.epoch, before.requests.life + 1)
         return word
 
+    def begin_epoch(self) -> None:
+        """M1 leads anew, and the copies tell so."""
+        self.epoch += len(NAMES)
+        for vehicle in self.vehicles.values():
+            for copy in COPIES:
+                vehicle.requests.on_holds_asked(copy, HoldsAsked(district="M1", epoch=self.epoch))
+
+    def pretend_poll(self) -> None:
+        """M1 asks the vehicles as if in a recovery poll."""
+        for vehicle in self.vehicles.values():
+            asked = HoldsAsked(district="M1", epoch=self.epoch + len(NAMES), recovery_poll=True)
+            vehicle.on_message("M1", asked)
+
     def ask_witness(self, name: str) -> None:
         """The witness receives a vehicle's newest request, as after its start."""
         said, witness = self.vehicles[name].said, self.replicas["M2"]
         witness.note_life(name, said)
-        witness.confirm(name, said.mark)
+        witness.confirm(name, said.mark, said.seen)
         self.carry()
         self.tell()
 
@@ -175,10 +196,7 @@ def test_of_two_copies_that_are_told_different_tables_one_is_the_witness() -> No
 
 def test_in_an_epoch_that_it_begins_anew_it_is_the_same(floor: Floor) -> None:
     """It starts again, and has forgotten what it likes."""
-    floor.epoch += len(NAMES)
-    for vehicle in floor.vehicles.values():
-        for copy in COPIES:
-            vehicle.requests.on_holds_asked(copy, HoldsAsked(district="M1", epoch=floor.epoch))
+    floor.begin_epoch()
     floor.table("B", 6, *COPIES)
     assert floor.holders == {"A"}
 
@@ -254,6 +272,42 @@ def test_nor_one_that_has_come_before_it_has_said_anything() -> None:
 def test_a_release_counts_until_its_vehicle_has_made_itself_known_in_a_later_life(floor: Floor) -> None:
     floor.table("B", 6, *COPIES, by=(floor.begin_next_life("A"),))
     assert floor.holders == {"B"}
+
+
+def pretend_lower_numbers(floor: Floor) -> None:
+    """After a recovery poll numbers may begin below those that A has seen. M1 pretends one, so that A takes its old line for a new grant."""
+    vehicle = floor.vehicles["A"]
+    word = GivenBack(atv="A", request=vehicle.give_back())
+    vehicle.say((), WANTED)
+    floor.table("A", 5, *COPIES, version=6)
+    floor.replicas["M2"].on_misses((PlaceReservation(place="b4", number=6, atv="A", mark=b"A"),))
+    floor.carry()
+    vehicle.on_message("M1", HoldsAsked(district="M1", epoch=floor.epoch, misses=6))
+    floor.tell()
+    assert vehicle.said.seen == 6
+    floor.pretend_poll()
+    floor.begin_epoch()
+    floor.table("A", 5, *COPIES, version=7)
+    floor.ask_witness("A")
+    floor.table("B", 8, *COPIES, by=(word,))
+
+
+def test_nor_does_one_of_before_a_recovery_poll_that_the_thief_alone_pretends(floor: Floor) -> None:
+    pretend_lower_numbers(floor)
+    assert floor.holders == {"B"}
+
+
+def test_it_would_if_vehicles_believed_the_one_that_leads_that_numbers_have_fallen(
+    floor: Floor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    take = PlaceRequests._take_confirmed
+    monkeypatch.setattr(
+        PlaceRequests,
+        "_take_confirmed",
+        lambda self, line, confirmed: take(self, line, replace(confirmed, polled=FAR)),
+    )
+    pretend_lower_numbers(floor)
+    assert floor.holders == {"A", "B"}
 
 
 def test_the_witness_names_a_life_to_the_key_that_has_said_so_alone(floor: Floor) -> None:
@@ -518,10 +572,9 @@ def anything(seed: int) -> bool:
         to = random.choice((COPIES, ("M2",), ("M3",), ()))
         later = random.choice((0, 0, 0, 1, 5, -3))
         if random.random() < 0.1:
-            floor.epoch += len(NAMES)
-            for one in floor.vehicles.values():
-                for copy in COPIES:
-                    one.requests.on_holds_asked(copy, HoldsAsked(district="M1", epoch=floor.epoch))
+            if random.random() < 0.5:
+                floor.pretend_poll()
+            floor.begin_epoch()
         newest = max((one.number for one in floor.replicas["M2"].kept.reservations), default=0)
         floor.table(atv, newest if random.random() < 0.2 else max(number + later, 1), *to, by=said)
         if floor.holders == {"A", "B"}:

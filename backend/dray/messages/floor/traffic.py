@@ -195,6 +195,9 @@ class PlaceConfirmed(Message, said_by=DOCKS, radio=True, frozen=True):
     life: Count | UnsetType = UNSET
     """The vehicle's newest life that the witness knows by its signed request; unset for the first life and for requests without a
     key. A later life believes no other confirmation: from then on the witness believes no release by an earlier life."""
+    polled: Count | UnsetType = UNSET
+    """Epoch of the recovery poll from whose table the witness's copy comes. Told to a vehicle that has seen a higher number than the
+    copy's: without this it believes no lower numbers."""
 
 
 class OnFloor(Part, frozen=True):

@@ -267,7 +267,7 @@ class District:
             if not self.copies.lost and self.copies.leader != self._me:
                 asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
                 self._life.send(sender, asked)
-                self.copies.confirm(sender, request.mark)
+                self.copies.confirm(sender, request.mark, request.seen)
                 self._doubt(now_s)
             return
         if request.epoch > self.copies.kept.epoch and now_s - self._outbid_s >= OUTBID_S:
