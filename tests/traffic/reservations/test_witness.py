@@ -310,6 +310,21 @@ def test_it_would_if_vehicles_believed_the_one_that_leads_that_numbers_have_fall
     assert floor.holders == {"A", "B"}
 
 
+@pytest.mark.xfail(strict=True, reason="its line keeps its old number: docs/decisions/12-witness.md")
+def test_nor_does_one_that_was_kept_back_when_the_vehicle_stands_there_again(floor: Floor) -> None:
+    """In the same life A is moved to where it has given the place back, and asks for it."""
+    vehicle = floor.vehicles["A"]
+    word = GivenBack(atv="A", request=vehicle.give_back())
+    vehicle.state = replace(vehicle.state, asks=True)
+    vehicle.say((), WANTED)
+    floor.ask_witness("A")
+    own = (PlaceReservation(place="b3", number=5),)
+    granted = PlaceGranted(district="M1", epoch=floor.epoch, life=1, upto=vehicle.said.seq, grants=own)
+    is_taken = vehicle.requests.on_granted("M1", granted, 1.0) is not None
+    floor.table("B", 6, *COPIES, by=(word,))
+    assert not (is_taken and floor.holders == {"B"})
+
+
 def test_the_witness_names_a_life_to_the_key_that_has_said_so_alone(floor: Floor) -> None:
     witness = floor.replicas["M2"]
     floor.begin_next_life("A")
