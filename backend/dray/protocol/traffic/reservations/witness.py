@@ -30,7 +30,6 @@ class Witness:
         self._is_signed = is_signed
         self._carried: dict[str, int] = {}
         """Vehicle -> the copy's version when people last reported its removal: what it held until then is free."""
-
         self._lives: dict[str, dict[bytes, int]] = {}
         """Vehicle -> mark of its key -> its newest life. Several keys only while each of them holds a place."""
 
