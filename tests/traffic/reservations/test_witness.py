@@ -310,6 +310,27 @@ def test_it_would_if_vehicles_believed_the_one_that_leads_that_numbers_have_fall
     assert floor.holders == {"A", "B"}
 
 
+def test_a_copy_that_has_missed_it_waits_until_the_later_life_has_said_it_once_more(floor: Floor) -> None:
+    """The leader is honest; its table reaches the witness only after the vehicle has started again."""
+    leader, witness = floor.replicas["M1"], floor.replicas["M2"]
+    leader.note_word("A", floor.begin_next_life("A").request, struck=True)
+    floor.cut = {"M2"}
+    leader.write(6, ())
+    floor.carry()
+    floor.cut = set()
+    floor.ask_witness("A")
+    leader.repeat()
+    floor.carry()
+    assert witness.kept.version == 5
+    floor.tell()
+    word = floor.vehicles["A"].said
+    assert (word.life, word.seen, word.holds) == (2, 5, ())
+    leader.note_word("A", word, struck=False)
+    leader.repeat()
+    floor.carry()
+    assert witness.kept.version == 6
+
+
 @pytest.mark.xfail(strict=True, reason="its line keeps its old number: docs/decisions/12-witness.md")
 def test_nor_does_one_that_was_kept_back_when_the_vehicle_stands_there_again(floor: Floor) -> None:
     """In the same life A is moved to where it has given the place back, and asks for it."""
