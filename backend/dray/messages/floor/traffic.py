@@ -55,6 +55,9 @@ MARK_BYTES = 12
 Mark = Annotated[bytes, Meta(max_length=MARK_BYTES)]
 """The first bytes of the key that signs a request; empty for none. The holder of a place is identified by name and mark."""
 
+FIRST_LIFE = 1
+"""The life of a vehicle's first start: there is no word of an earlier one."""
+
 UNSIGNED = b"unsigned"
 """Stands for the mark of requests without a key."""
 
@@ -188,7 +191,13 @@ class PlaceConfirmed(Message, said_by=DOCKS, radio=True, frozen=True):
     district: Id
     epoch: Count
     grants: PlaceReservations
-    """All lines of that vehicle, with the mark of its key."""
+    """All lines of that vehicle, with the mark of its key; when `life` is set, only those under the key that has said so."""
+    life: Count | UnsetType = UNSET
+    """The vehicle's newest life that the witness knows by its signed request; unset for the first life and for requests without a
+    key. A later life believes no other confirmation: from then on the witness believes no release by an earlier life."""
+    polled: Count | UnsetType = UNSET
+    """Epoch of the recovery poll from whose table the witness's copy comes. Told to a vehicle that has seen a higher number than the
+    copy's: without this it believes no lower numbers."""
 
 
 class OnFloor(Part, frozen=True):

@@ -15,6 +15,7 @@ import msgspec
 from msgspec import UNSET
 
 from dray.messages.floor.traffic import (
+    FIRST_LIFE,
     UNSIGNED,
     Blocked,
     HoldsAsked,
@@ -103,6 +104,7 @@ class _Line:
         "lives",
         "missed",
         "misses",
+        "polled",
         "repeats_s",
         "request",
         "rolled",
@@ -143,6 +145,8 @@ class _Line:
         self.rolled_after: int | None = None
         """`agreed` when the last recovery poll asked; None once a table made since has answered with grants."""
         self.confirmed_epoch = NO_EPOCH
+        self.polled = NO_EPOCH
+        """Epoch of the recovery poll from whose table the witness of `confirmed_epoch` has its copy, as it has told; else `NO_EPOCH`."""
         self.misses: dict[str, tuple[int, int]] = {}
         """Replica -> epoch and number of its newest question for a release that a copy misses (`HoldsAsked.misses`)."""
         self.settles = False
@@ -168,20 +172,29 @@ class _Line:
         self.lives = False
         """Whether the replica knows of places that are held or wanted."""
 
-    def note_new_table(self, granted: PlaceGranted) -> None:
-        """Note an answer under the agreed epoch. The first table after a recovery poll may have lower numbers: then `seen` is void."""
+    def is_of_new_table(self, granted: PlaceGranted) -> bool:
+        """Whether an answer under the agreed epoch is the first one with grants since the vehicle has answered a recovery poll."""
         after, (_, answer) = self.rolled_after, self.rolled
-        if (
-            after is None
-            or granted.epoch <= after
-            or granted.upto < max(answer, self.since)
-            or not granted.grants
-        ):
-            return
-        self.rolled_after = None
-        self.misses.clear()
-        if max(reservation.number for reservation in granted.grants) < self.seen:
-            self.seen = 0
+        return (
+            after is not None
+            and granted.epoch > after
+            and granted.upto >= max(answer, self.since)
+            and bool(granted.grants)
+        )
+
+    def falls(self, granted: PlaceGranted) -> bool:
+        """Whether an answer's table begins below what the vehicle has seen: then `seen` is void."""
+        return (
+            self.is_of_new_table(granted)
+            and max(reservation.number for reservation in granted.grants) < self.seen
+        )
+
+    def note_new_table(self, granted: PlaceGranted) -> None:
+        """Note a confirmed answer: the first table after a recovery poll may have lower numbers."""
+        if self.is_of_new_table(granted):
+            self.seen = 0 if self.falls(granted) else self.seen
+            self.rolled_after = None
+            self.misses.clear()
 
 
 class PlaceRequests:
@@ -403,12 +416,12 @@ class PlaceRequests:
             line.missed = (sender, granted)
             self._say_to_all(line, sender)
             return None
-        line.note_new_table(granted)
         if not self._is_confirmed(line, granted):
             if line.missed is None and not line.unanswered:
                 self._life.alarm((REQUEST_AGAIN, granted.district), now_s + LEAST_AGAIN_S)
             line.missed = (sender, granted)
             return None
+        line.note_new_table(granted)
         line.epoch, line.turn, line.missed = granted.epoch, 0, None
         fresh = tuple(reservation.place for reservation in granted.grants if reservation.number > line.seen)
         line.seen = max((line.seen, *(reservation.number for reservation in granted.grants)))
@@ -438,14 +451,25 @@ class PlaceRequests:
         line = self._lines.setdefault(confirmed.district, _Line())
         if confirmed.epoch < line.confirmed_epoch:
             return False
-        if not self._is_agreed(line, sender, confirmed.district, confirmed.epoch):
+        is_agreed = self._is_agreed(line, sender, confirmed.district, confirmed.epoch)
+        if not self._is_to_this_life(confirmed):
+            return True
+        if not is_agreed:
             line.early = confirmed
             return True
         self._take_confirmed(line, confirmed)
         return True
 
+    def _is_to_this_life(self, confirmed: PlaceConfirmed) -> bool:
+        """Whether the witness has confirmed to this life. Otherwise it may still believe an earlier life's release of these lines."""
+        return confirmed.life == self.life or self.life <= FIRST_LIFE or not self._mark
+
     def _take_confirmed(self, line: _Line, confirmed: PlaceConfirmed) -> None:
+        if confirmed.epoch != line.confirmed_epoch:
+            line.polled = NO_EPOCH
         line.early, line.witness_asked, line.confirmed_epoch = None, 0, confirmed.epoch
+        if confirmed.polled is not UNSET:
+            line.polled = confirmed.polled
         line.confirmed = {one.place: one.number for one in confirmed.grants if one.mark == self._mark}
 
     def _is_confirmed(self, line: _Line, granted: PlaceGranted) -> bool:
@@ -453,14 +477,20 @@ class PlaceRequests:
         replicas = self._replicas_of[granted.district]
         if len(replicas) == 1 or line.witness_asked > WITNESS_ASKED:
             return True
-        if line.early is not None and line.early.epoch == granted.epoch:
-            self._take_confirmed(line, line.early)
+        early = line.early
+        if early is not None and early.epoch == granted.epoch and self._is_to_this_life(early):
+            self._take_confirmed(line, early)
         known = line.confirmed if line.confirmed_epoch == granted.epoch else {}
+        falls = line.falls(granted)
+        if falls and (line.confirmed_epoch != granted.epoch or line.polled <= (line.rolled_after or 0)):
+            # A leader alone may have asked as if in a recovery poll, to have an old line taken for a new grant.
+            return False
+        seen = 0 if falls else line.seen
         asked = {place for group in line.groups for place in group} if line.asks else ()
         return all(
             known.get(reservation.place) == reservation.number
             for reservation in granted.grants
-            if reservation.number > line.seen or reservation.place in asked
+            if reservation.number > seen or reservation.place in asked
         )
 
     def _is_meant(self, granted: PlaceGranted) -> bool:

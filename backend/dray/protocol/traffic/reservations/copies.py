@@ -25,6 +25,7 @@ import msgspec
 from msgspec import UNSET
 
 from dray.messages.floor.traffic import (
+    FIRST_LIFE,
     MISSES_MAX,
     AllGivenBack,
     AllRemoved,
@@ -126,6 +127,8 @@ class Copies:
         self._copied = False
         """Whether it has copied a table since its start: later tables are checked against that copy."""
         self._began = 0
+        self._polled = 0
+        """Epoch of the recovery poll from whose table its copy comes, if it has lost its memory in this life; 0 otherwise."""
         self._elsewhere: TableReported | None = None
         """Newest report of a replica other than the leader, since the last table was copied."""
         self._versions: dict[str, int] = {}
@@ -262,7 +265,8 @@ class Copies:
         if joins and not self._may_join(sender, replicated):
             return True
         self.lost = False
-        self._began = replicated.epoch if joins else self._began
+        if joins:
+            self._began = self._polled = replicated.epoch
         self._note(sender, replicated.epoch)
         follows = joins or self._follows(sender, replicated.epoch, silent=silent)
         if replicated.epoch >= self.kept.epoch and sender != self._me and follows:
@@ -344,19 +348,43 @@ class Copies:
         """Whether vehicles need a confirmation by `me` to believe a grant."""
         return not self.lost and not self.leads and self._turn_of(self.kept.epoch + 1) == self._me
 
-    def confirm(self, atv: str) -> None:
-        """Confirm to a vehicle its lines of the copy."""
+    def note_life(self, atv: str, request: PlaceRequested) -> None:
+        """Note the life of a vehicle that has sent a request to `me`."""
+        self._witness.note_life(atv, request, self.kept.reservations)
+
+    def confirm(self, atv: str, mark: bytes, seen: int = 0) -> None:
+        """Confirm to a vehicle its lines of the copy, and to a life after its first one those under its key.
+
+        Args:
+            atv: the vehicle.
+            mark: of its key.
+            seen: the highest grant number that it says it has seen; 0 when it has not asked.
+        """
         if not self.is_witness:
             return
-        lines = tuple(line for line in self.kept.reservations if line.atv == atv)
-        self._life.send(atv, PlaceConfirmed(district=self.district, epoch=self.kept.epoch, grants=lines))
+        life = self._witness.life_of(atv, mark)
+        names_life = life > FIRST_LIFE
+        lines = tuple(
+            line
+            for line in self.kept.reservations
+            if line.atv == atv and (line.mark == mark or not names_life)
+        )
+        confirmed = PlaceConfirmed(
+            district=self.district,
+            epoch=self.kept.epoch,
+            grants=lines,
+            life=life if names_life else UNSET,
+            polled=self._polled if self._polled and seen > self.kept.version else UNSET,
+        )
+        self._life.send(atv, confirmed)
 
     def _confirm_new(self, before: Iterable[PlaceReservation]) -> None:
         """Confirm to the vehicles their new lines."""
         if self.is_witness:
             known = set(before)
-            for atv in dict.fromkeys(line.atv for line in self.kept.reservations if line not in known):
-                self.confirm(atv)
+            new = {line.atv: line.mark for line in self.kept.reservations if line not in known}
+            for atv, mark in new.items():
+                self.confirm(atv, mark)
 
     def _may_join(self, sender: str, replicated: TableReplicated) -> bool:
         """Whether a table restores a lost memory: its writer was lost, too, and all others have reported no later epoch since.
@@ -546,6 +574,7 @@ class Copies:
             The highest version that any replica has reported: numbers of this table are higher.
         """
         self.lost, self.needs_recovery_poll, self.leads = False, False, True
+        self._polled = epoch
         self.kept = Kept(epoch, epoch, 0, ())
         self._has, self._led_from, self._proofs, self.counted = {}, None, Proofs(), 0
         return highest_believed(self._versions.values())

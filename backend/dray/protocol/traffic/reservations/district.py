@@ -256,6 +256,7 @@ class District:
         ):
             self._life.ignore("a request for a place outside of this district")
             return
+        self.copies.note_life(sender, request)
         if self._poll is not None:
             if request.holds:
                 self._spoke_s[sender] = now_s
@@ -266,7 +267,7 @@ class District:
             if not self.copies.lost and self.copies.leader != self._me:
                 asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
                 self._life.send(sender, asked)
-                self.copies.confirm(sender)
+                self.copies.confirm(sender, request.mark, request.seen)
                 self._doubt(now_s)
             return
         if request.epoch > self.copies.kept.epoch and now_s - self._outbid_s >= OUTBID_S:

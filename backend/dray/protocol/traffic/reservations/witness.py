@@ -3,6 +3,9 @@
 A line may be struck out in two cases. The vehicle has signed the release after it saw that very grant; or a person has reported
 the vehicle's removal, and this replica has received that report itself. So a leader alone cannot take a place from a vehicle and
 give it to another one.
+
+A leader may keep a release back, and have the line confirmed to the vehicle's next life, which has seen no grant. So a release counts
+only if its vehicle has not made itself known in a later life, and a later life believes only confirmations that name it.
 """
 
 from __future__ import annotations
@@ -10,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dray.messages.floor.traffic import PlaceRequested, PlaceReservation, PlaceReservations, TableReplicated
+from dray.protocol.traffic.numbers import FAR
 from dray.protocol.traffic.traffic_map import IsSigned
 
 
@@ -26,6 +30,28 @@ class Witness:
         self._is_signed = is_signed
         self._carried: dict[str, int] = {}
         """Vehicle -> the copy's version when people last reported its removal: what it held until then is free."""
+        self._lives: dict[str, dict[bytes, int]] = {}
+        """Vehicle -> mark of its key -> its newest life. Several keys only while each of them holds a place."""
+
+    def note_life(self, atv: str, request: PlaceRequested, own: PlaceReservations) -> None:
+        """Note the life of a vehicle that has sent a signed request.
+
+        Args:
+            atv: the vehicle.
+            request: what it has sent to this replica itself.
+            own: the lines of the copy.
+        """
+        if not request.mark or request.life > FAR:
+            return
+        lives = self._lives.get(atv, {})
+        if request.mark not in lives:
+            holding = {line.mark for line in own if line.atv == atv} if lives else set()
+            lives = self._lives[atv] = {mark: life for mark, life in lives.items() if mark in holding}
+        lives[request.mark] = max(request.life, lives.get(request.mark, 0))
+
+    def life_of(self, atv: str, mark: bytes) -> int:
+        """The newest known life of a vehicle under a key; 0 for none."""
+        return self._lives.get(atv, {}).get(mark, 0)
 
     def on_carried(self, atv: str, version: int) -> None:
         """A person has carried a vehicle away."""
@@ -68,6 +94,7 @@ class Witness:
     def _gives_back(self, request: PlaceRequested, line: PlaceReservation) -> bool:
         return (
             request.district == self._district
+            and request.life >= self.life_of(line.atv, line.mark)
             and line.number <= request.seen
             and line.place not in request.holds
             and self._is_signed(line.atv, request)
