@@ -318,6 +318,8 @@ def test_a_process_takes_part_when_its_controller_speaks_and_ends_when_that_begi
             assert process.stdout is not None
             assert (await process.stdout.readline()).decode() == f"{agent} is ready\n"
             controller.life = 0
+            # At once: a letter of the agent that is under way makes the controller serve it again.
+            controller.tell()
             _, told = await process.communicate()
             assert process.returncode == 1
             assert f"the body of {agent}: has fallen silent" in told.decode()
