@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from dray.messages import Event
 from dray.messages.base import COUNT_MAX
 from dray.messages.fact import GoalLost, GoalWithdrawn
+from dray.messages.history import LIVES_TOLD
 from dray.messages.overtaken import OVERTAKES_S
 from dray.store.orders.progress import (
     Goal,
@@ -330,3 +331,17 @@ def test_a_goal_is_lost_although_its_strategist_began_again_with_a_clock_an_hour
     before = tell("strategist", contracted("G1", 0, 4), at_s=5000.0)
     after = tell("strategist", GoalLost("G1", "M1", 0, ""), life=2, at_s=1400.0)
     assert reached([*before, *after], 4).status is OrderStatus.RELEASED
+
+
+def test_an_acceptance_of_the_far_future_makes_no_goal_unknown() -> None:
+    """A thief of the strategist's certificate has told it. A life with goals of its own is at most some lives later."""
+    events = [*tell("strategist", contracted("G1", 0, 4), life=3), *tell("M1", made("G1", 3))]
+    for life, status, count in [
+        (3 + LIVES_TOLD, OrderStatus.RELEASED, 0),
+        (4 + LIVES_TOLD, OrderStatus.IN_PRODUCTION, 3),
+        (COUNT_MAX, OrderStatus.IN_PRODUCTION, 3),
+    ]:
+        result = reached(events, 4, life=life)
+        assert (result.status, result.made) == (status, (count,))
+    without_contract = reached(tell("M1", made("G1", 3)), 4, life=COUNT_MAX)
+    assert without_contract.status is OrderStatus.RELEASED

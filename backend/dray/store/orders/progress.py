@@ -112,8 +112,12 @@ class Goal(msgspec.Struct, gc=False):
         return self.incarnation > 0 and not self.machine
 
     def is_known(self, life: int) -> bool:
-        """Whether the strategist at work on its order knows it, by its newest life that has accepted the order."""
-        return self.held > 0 or self.incarnation >= life
+        """Whether the strategist at work on its order knows it, by its newest life that has accepted the order.
+
+        A life far later than that of the goal is a thief's word, and makes no goal unknown.
+        """
+        is_far = 0 < self.incarnation < life - FAR_APART[1]
+        return self.held > 0 or self.incarnation >= life or is_far
 
 
 class Progress(msgspec.Struct, frozen=True, gc=False):
