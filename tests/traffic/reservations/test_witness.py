@@ -461,6 +461,22 @@ def test_a_vehicle_that_asks_for_the_place_where_it_stands_does_not_give_that_ba
     assert (said.seen, said.holds) == (5, ("b3",))
 
 
+def test_what_a_vehicle_gives_back_that_counts_its_lives_from_one_again_counts_when_people_have_carried_it_away(
+    floor: Floor,
+) -> None:
+    """Its journal is lost, or an old copy, and its key is not."""
+    floor.vehicles["A"] = Vehicle("A", floor.epoch, life=7)
+    floor.ask_witness("A")
+    for copy in COPIES:
+        floor.replicas[copy].on_carried("A")
+    floor.vehicles["A"] = Vehicle("A", floor.epoch, life=1)
+    floor.table("A", 6, *COPIES)
+    assert floor.holders == {"A"}
+    word = GivenBack(atv="A", request=floor.vehicles["A"].give_back())
+    floor.table("B", 7, *COPIES, by=(word,))
+    assert floor.holders == {"B"}
+
+
 def test_whom_people_have_carried_away_gives_nothing_back_itself(floor: Floor) -> None:
     for copy in COPIES:
         floor.replicas[copy].on_carried("A")
