@@ -586,6 +586,19 @@ def test_nor_as_long_as_the_witness_answers_that_it_has_no_such_line() -> None:
     assert not vehicle.holds
 
 
+def test_a_later_life_takes_a_witness_of_earlier_software_for_one_that_does_not_answer() -> None:
+    """It names no life."""
+    vehicle = Vehicle("A", 3, life=2)
+    own = (PlaceReservation(place="b3", number=5),)
+    granted = PlaceGranted(district="M1", epoch=3, life=2, upto=1, grants=own)
+    vehicle.on_message("M1", granted)
+    for _ in range(WITNESS_ASKED + 1):
+        assert not vehicle.holds
+        vehicle.requests.repeat("M1", (), WANTED, vehicle.state, LEAST_AGAIN_S)
+        vehicle.on_message("M2", PlaceConfirmed(district="M1", epoch=3, grants=line("A", 5, mark=b"A")))
+    assert vehicle.holds
+
+
 @pytest.mark.parametrize(("sender", "mark"), [("M3", b"A"), ("M1", b"A"), ("M2", b""), ("M2", b"B")])
 def test_nobody_else_confirms_and_no_line_that_any_key_gives_back(sender: str, mark: bytes) -> None:
     vehicle = Vehicle("A", 3)
