@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import msgspec
 import pytest
 from history import accepted, contracted, delivered, made, same_clock, tell
 from hypothesis import given
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from dray.messages import Event
 from dray.messages.base import COUNT_MAX
 from dray.messages.fact import GoalLost, GoalWithdrawn
+from dray.messages.history import LIVES_TOLD
 from dray.messages.overtaken import OVERTAKES_S
 from dray.store.orders.progress import (
     Goal,
@@ -278,3 +280,68 @@ def test_the_order_and_the_doubling_of_facts_change_nothing(events: list[Event],
     shuffled = [*events, *events]
     chance.shuffle(shuffled)  # type: ignore[attr-defined]
     assert reached(shuffled, 4) == reached(events, 4)
+
+
+@st.composite
+def facts_by_set_clocks(draw: st.DrawFn) -> list[Event]:
+    """One strategist's facts about G1, in the order in which it told them; its clock was set, forth or back, before any of them."""
+    events, told = (
+        [],
+        draw(st.lists(st.tuples(st.integers(0, 1), st.floats(0.0, 1e4)), min_size=1, max_size=5)),
+    )
+    life, number = 1, 0
+    for restarts, at_s in told:
+        life, number = life + restarts, 1 if restarts else number + 1
+        events.append(Event("strategist", life, number, at_s, contracted("G1", 0, len(events) + 1)))
+    return events
+
+
+@given(facts_by_set_clocks(), st.data())
+def test_a_clock_that_was_set_makes_no_fact_of_a_goal_old(events: list[Event], data: st.DataObject) -> None:
+    """In any order, and however two records of it share the facts."""
+    shuffled = data.draw(st.permutations(events))
+    cut = data.draw(st.integers(0, len(shuffled)))
+    here, there = Goal("G1"), Goal("G1")
+    for goal, told in ((here, shuffled[:cut]), (there, shuffled[cut:])):
+        for event in told:
+            note(goal, event, same_clock)
+    both, other_way = msgspec.structs.replace(here), msgspec.structs.replace(there)
+    merge(both, there)
+    merge(other_way, here)
+    assert both == other_way
+    assert both.quantity == len(events)
+
+
+@given(st.data(), st.lists(st.floats(0.0, 200.0), min_size=1, max_size=4), st.floats(0.0, 200.0))
+def test_what_a_thief_tells_of_a_goal_weighs_the_same_in_any_order(
+    data: st.DataObject, times_s: list[float], stolen_s: float
+) -> None:
+    own = [
+        Event("strategist", 1, number, at_s, contracted("G1", 0, number))
+        for number, at_s in enumerate(sorted(times_s), 1)
+    ]
+    stolen = Event("strategist", COUNT_MAX, 1, stolen_s, GoalLost("G1", "M1", 0, ""))
+    goal = Goal("G1")
+    for event in data.draw(st.permutations([*own, stolen])):
+        note(goal, event, same_clock)
+    assert goal.over is (max(times_s) - stolen_s <= OVERTAKES_S)
+
+
+def test_a_goal_is_lost_although_its_strategist_began_again_with_a_clock_an_hour_slow() -> None:
+    before = tell("strategist", contracted("G1", 0, 4), at_s=5000.0)
+    after = tell("strategist", GoalLost("G1", "M1", 0, ""), life=2, at_s=1400.0)
+    assert reached([*before, *after], 4).status is OrderStatus.RELEASED
+
+
+def test_an_acceptance_of_the_far_future_makes_no_goal_unknown() -> None:
+    """A thief of the strategist's certificate has told it. A life with goals of its own is at most some lives later."""
+    events = [*tell("strategist", contracted("G1", 0, 4), life=3), *tell("M1", made("G1", 3))]
+    for life, status, count in [
+        (3 + LIVES_TOLD, OrderStatus.RELEASED, 0),
+        (4 + LIVES_TOLD, OrderStatus.IN_PRODUCTION, 3),
+        (COUNT_MAX, OrderStatus.IN_PRODUCTION, 3),
+    ]:
+        result = reached(events, 4, life=life)
+        assert (result.status, result.made) == (status, (count,))
+    without_contract = reached(tell("M1", made("G1", 3)), 4, life=COUNT_MAX)
+    assert without_contract.status is OrderStatus.RELEASED

@@ -257,6 +257,20 @@ def test_a_vehicle_that_was_let_in_and_asks_again_may_load_still_when_it_has_no_
     assert instructed(stands_there(rig, aboard="shaft", node="elsewhere"), Book) == [OUT]
 
 
+def test_a_vehicle_that_a_life_without_notes_finds_let_in_may_load_still_when_it_asks_again() -> None:
+    first = before_a_shut_dock()
+    opens(first)
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+    rig.answers, rig.opened, rig.now_s = True, (CART,), first.now_s
+    rig.start()
+    # Its body loads while its agent is started again, and is released before the dock is ready once more.
+    rig.on_message("PRESS1", StockAsked(TASK, 1, "shaft", 6))
+    assert instructed(rig.on_message(CART, Docked(TASK, 1, "LATHE1", "shaft", 6)), OpenDock)
+    stands_there(rig)
+    rig.run(rig.now_s + 60.0)
+    assert instructed(stands_there(rig, aboard="shaft", node="elsewhere"), Book) == [OUT]
+
+
 def test_what_a_vehicle_has_on_board_before_the_dock_opens_is_not_from_here() -> None:
     rig = before_a_shut_dock()
     assert instructed(stands_there(rig, aboard="shaft"), Book) == []

@@ -461,6 +461,22 @@ def test_a_vehicle_that_asks_for_the_place_where_it_stands_does_not_give_that_ba
     assert (said.seen, said.holds) == (5, ("b3",))
 
 
+def test_what_a_vehicle_gives_back_that_counts_its_lives_from_one_again_counts_when_people_have_carried_it_away(
+    floor: Floor,
+) -> None:
+    """Its journal is lost, or an old copy, and its key is not."""
+    floor.vehicles["A"] = Vehicle("A", floor.epoch, life=7)
+    floor.ask_witness("A")
+    for copy in COPIES:
+        floor.replicas[copy].on_carried("A")
+    floor.vehicles["A"] = Vehicle("A", floor.epoch, life=1)
+    floor.table("A", 6, *COPIES)
+    assert floor.holders == {"A"}
+    word = GivenBack(atv="A", request=floor.vehicles["A"].give_back())
+    floor.table("B", 7, *COPIES, by=(word,))
+    assert floor.holders == {"B"}
+
+
 def test_whom_people_have_carried_away_gives_nothing_back_itself(floor: Floor) -> None:
     for copy in COPIES:
         floor.replicas[copy].on_carried("A")
@@ -568,6 +584,19 @@ def test_nor_as_long_as_the_witness_answers_that_it_has_no_such_line() -> None:
         vehicle.requests.repeat("M1", (), WANTED, vehicle.state, LEAST_AGAIN_S)
         vehicle.on_message("M2", PlaceConfirmed(district="M1", epoch=3, grants=()))
     assert not vehicle.holds
+
+
+def test_a_later_life_takes_a_witness_of_earlier_software_for_one_that_does_not_answer() -> None:
+    """It names no life."""
+    vehicle = Vehicle("A", 3, life=2)
+    own = (PlaceReservation(place="b3", number=5),)
+    granted = PlaceGranted(district="M1", epoch=3, life=2, upto=1, grants=own)
+    vehicle.on_message("M1", granted)
+    for _ in range(WITNESS_ASKED + 1):
+        assert not vehicle.holds
+        vehicle.requests.repeat("M1", (), WANTED, vehicle.state, LEAST_AGAIN_S)
+        vehicle.on_message("M2", PlaceConfirmed(district="M1", epoch=3, grants=line("A", 5, mark=b"A")))
+    assert vehicle.holds
 
 
 @pytest.mark.parametrize(("sender", "mark"), [("M3", b"A"), ("M1", b"A"), ("M2", b""), ("M2", b"B")])

@@ -110,16 +110,21 @@ class Departures:
             self._leaving[vehicle] = replace(load, let_in=True)
             self._life.commit()
 
-    def note_done(self, vehicle: str, now_s: float, *, aboard: bool) -> None:
+    def note_done(self, vehicle: str, now_s: float, *, aboard: bool) -> bool:
         """A vehicle that stands here for another task has done what it was watched for. Ignored if not watched.
 
         Args:
             vehicle: its id.
             now_s: the present time.
             aboard: whether it has a load on board.
+
+        Returns:
+            Whether it is unknown what it was let in for: perhaps for this task, and then its body may still load.
         """
-        if (load := self._leaving.get(vehicle)) is not None:
-            self._end(load, aboard=aboard or not self._was_heard(load, now_s))
+        if (load := self._leaving.get(vehicle)) is None:
+            return False
+        self._end(load, aboard=aboard or not self._was_heard(load, now_s))
+        return not load.task
 
     def on_put_down(self, vehicle: str, task: str, epoch: int, quantity: int) -> None:
         """A vehicle reports `quantity` pieces as put down. Ignored if it was not watched for them.

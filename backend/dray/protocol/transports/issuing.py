@@ -121,7 +121,8 @@ class Issuing:
 
     def on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to load."""
-        self._departures.note_done(sender, now_s, aboard=False)
+        if self._departures.note_done(sender, now_s, aboard=False):
+            self._door.restore((sender,))
         self._booking_out.on_docked(sender, docked, now_s)
         ask = self._book.get(docked.task)
         if ask is None or not ask.reserved:

@@ -28,8 +28,12 @@ from dray.messages.fact import (
     OrderAccepted,
     PieceMade,
 )
+from dray.messages.history import HISTORY_KEPT, LIVES_TOLD
 from dray.messages.overtaken import OVERTAKES_S
 from dray.store.history.clocks import ToWall
+
+FAR_APART = (LIVES_TOLD, LIVES_TOLD, HISTORY_KEPT)
+"""Epochs, lives and facts of one life beyond which two facts about one goal are far apart (`Goal.told`)."""
 
 
 class OrderStatus(StrEnum):
@@ -88,11 +92,13 @@ class Goal(msgspec.Struct, gc=False):
     def has_newer(self, told: tuple[int, int, int], at_s: float | None) -> bool:
         """Whether its newest fact is newer than one with this number, told at this time (wall clock; None if unknown).
 
-        The higher number is newer, unless the lower one was told so much later that no late one can be: then a thief of a
-        strategist's certificate has told the number of the far future.
+        The higher number is newer, whatever clocks say: they are set, and a restarted strategist's may be wrong. But between
+        numbers so far apart that no strategist tells both of one goal, a clearly later time decides: a thief of a strategist's
+        certificate has told the number of the far future.
         """
-        if at_s is not None and self.told_at_s is not None and abs(self.told_at_s - at_s) > OVERTAKES_S:
-            return self.told_at_s > at_s
+        if at_s is not None and self.told_at_s is not None and _are_far_apart(self.told, told):
+            if abs(self.told_at_s - at_s) > OVERTAKES_S:
+                return self.told_at_s > at_s
         return self.told > told
 
     @property
@@ -106,8 +112,12 @@ class Goal(msgspec.Struct, gc=False):
         return self.incarnation > 0 and not self.machine
 
     def is_known(self, life: int) -> bool:
-        """Whether the strategist at work on its order knows it, by its newest life that has accepted the order."""
-        return self.held > 0 or self.incarnation >= life
+        """Whether the strategist at work on its order knows it, by its newest life that has accepted the order.
+
+        A life far later than that of the goal is a thief's word, and makes no goal unknown.
+        """
+        is_far = 0 < self.incarnation < life - FAR_APART[1]
+        return self.held > 0 or self.incarnation >= life or is_far
 
 
 class Progress(msgspec.Struct, frozen=True, gc=False):
@@ -184,6 +194,10 @@ def _is_news(goal: Goal, event: Event, held: int, to_wall_s: ToWall) -> bool:
     goal.held, goal.incarnation, goal.number = told
     goal.told_at_s = at_s
     return True
+
+
+def _are_far_apart(one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
+    return next((abs(a - b) > far for a, b, far in zip(one, other, FAR_APART, strict=True) if a != b), False)
 
 
 def merge(goal: Goal, other: Goal) -> None:

@@ -54,8 +54,9 @@ class Witness:
         return self._lives.get(atv, {}).get(mark, 0)
 
     def on_carried(self, atv: str, version: int) -> None:
-        """A person has carried a vehicle away."""
+        """A person has carried a vehicle away. It may count its lives from one again, because its journal is lost."""
         self._carried[atv] = version
+        self._lives.pop(atv, None)
 
     def objections(
         self, own: PlaceReservations, version: int, replicated: TableReplicated
