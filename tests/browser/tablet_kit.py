@@ -82,13 +82,14 @@ def enter(open_page: OpenPage, house: OpenHouse) -> Enter:
         beside: Page | None = None,
         before: Callable[[Page], None] = lambda _page: None,
         area: str = AREA,
+        station: str = STATION,
         **look: Any,
     ) -> Page:
         if beside is not None:
             page = beside.context.new_page()
         else:
             page = open_page("about:blank", who=None, has_touch=True, **{"viewport": LYING} | look)
-            token = house.do(partial(_session, area=area))
+            token = house.do(partial(_session, area=area, station=station))
             cookie = {"name": "dray_session", "value": token, "url": house.url}
             page.context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])
         before(page)
@@ -98,10 +99,10 @@ def enter(open_page: OpenPage, house: OpenHouse) -> Enter:
     return enter
 
 
-async def _session(house: House, area: str) -> str:
+async def _session(house: House, area: str, station: str) -> str:
     browser = await house.log_in(WHO, Role.OPERATOR, area)
-    if area == AREA:
-        await browser.post("/login/station", data={"station": STATION})
+    if area == AREA and station:
+        await browser.post("/login/station", data={"station": station})
     return browser.cookies["dray_session"]
 
 

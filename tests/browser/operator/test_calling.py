@@ -167,3 +167,19 @@ def test_what_is_taken_away_begins_here_and_can_be_called_off(
 
     house.do(called_off)
     expect(job).to_contain_text(was_off)
+
+
+def test_who_works_at_no_station_is_told_to_choose_a_machine(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    page = enter(station="")
+    expect(page.get_by_role("region", name="Material")).to_contain_text("brought there")
+    expect(card_of(page)).to_have_count(0)
+
+
+def test_no_more_is_taken_away_than_is_there(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    page = enter()
+    tile(page, 1, "38").tap()
+    expect(card_of(page).locator(".call-amounts button").first).to_have_text("Take 38 away")

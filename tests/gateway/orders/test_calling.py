@@ -18,6 +18,7 @@ from dray.gateway.calling.code import drawn
 from dray.gateway.calling.texts import TEXTS
 from dray.messages import (
     THING,
+    BufferLevel,
     Role,
     StrandedGoods,
     TaskBrief,
@@ -124,6 +125,18 @@ async def test_what_is_taken_away_begins_at_the_place(house: House) -> None:
     await pressed(house, token, page, "take")
     [row] = (await house.visitor(**header).get(PATH)).json()["items"]
     assert row["from"] == "M8"
+
+
+@pytest.mark.parametrize(("level", "away"), [(33, 33), (90, 40)])
+async def test_no_more_is_taken_away_than_is_there(house: House, level: int, away: int) -> None:
+    stock = (BufferLevel(item="shaft", level=level, on_order=0, capacity=120, reorder_point=20),)
+    await house.say([machine_heartbeat("M8", buffers=stock)])
+    token, header = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    page = (await opened(house, token, item="shaft")).text
+    assert f"Take {away} away" in page
+    await pressed(house, token, page, "take")
+    [row] = (await house.visitor(**header).get(PATH)).json()["items"]
+    assert (row["from"], row["quantity"]) == ("M8", away)
 
 
 @pytest.mark.parametrize(

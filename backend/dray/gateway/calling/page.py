@@ -26,6 +26,8 @@ class Tile(msgspec.Struct, frozen=True):
     """Quantity there, in words; empty if unknown."""
     chosen: bool
     lot: int
+    away: int
+    """Pieces that one load can take away; 0 if none are there."""
 
 
 class Choices(msgspec.Struct, frozen=True):
@@ -68,6 +70,7 @@ def tiles(
             here="" if item not in levels else texts["here"].format(level=levels[item]),
             chosen=item == chosen,
             lot=spec.lot,
+            away=min(spec.lot, levels.get(item, spec.lot)),
         )
         for item, spec in plant.materials.items()
         if (not items or item in items) and plant.keeps(place, item)

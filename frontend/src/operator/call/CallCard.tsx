@@ -7,16 +7,16 @@ import { vehicleName } from "../../text/elsewhere";
 import { format, t, word } from "../../text/operator";
 import { placeOf } from "../../text/place";
 import { shortageText } from "../../text/shortage";
-import { moment, names, plant, station } from "../state";
-import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
+import { moment, names, plant } from "../state";
+import { busy, calls, choice, choose, failed, followCalls, place, send, sent, withdraw } from "./call";
 import "./call.css";
-import { canCallOff, LOADS, shownCalls, stepOf, STEPS, unwillingOf } from "./steps";
+import { canCallOff, loadFrom, LOADS, shownCalls, stepOf, STEPS, unwillingOf } from "./steps";
 import { ThingForm } from "./ThingForm";
 
-/** Bring and take away for the own station: first touch what, second touch, in another place, how much; that sends. */
+/** Bring and take away for one place: first touch what, second touch, in another place, how much; that sends. */
 export function CallCard() {
   useEffect(followCalls, []);
-  const spec = station.value;
+  const spec = place.value;
   if (!spec) return null;
   const machine = world.value?.machines.get(spec.id);
   const buffers = machine?.buffers ?? [];
@@ -30,7 +30,7 @@ export function CallCard() {
         <Tiles buffers={buffers} way="bring" lasts={(item) => (machine ? lastsS(machine, spec, plant.value?.products ?? [], item) : null)} />
         <Tiles buffers={buffers.filter(({ level }) => level > 0)} way="take" lasts={() => null} />
       </div>
-      <Second spec={spec} />
+      <Second spec={spec} buffers={buffers} />
       <ThingForm />
       {shown.length > 0 && (
         <ul class="call-jobs">
@@ -83,31 +83,33 @@ function Tiles({ buffers, way, lasts }: TilesProps) {
 }
 
 /** The place of the second touch is always there, so that nothing moves under a finger. */
-function Second({ spec }: { spec: MachineSpec }) {
+function Second({ buffers, spec }: { buffers: readonly BufferView[]; spec: MachineSpec }) {
   const chosen = choice.value;
   const lot = plant.value?.materials.find(({ id }) => id === chosen?.item)?.lot;
   if (!chosen || lot === undefined) {
     return (
       <div class="call-send" role="status">
-        <p class="muted">{failed.value === "" ? t("calling.first") : t("calling.failed", { reason: failed.value })}</p>
+        {sent.value !== "" && <p><b>{sent.value}</b></p>}
+        <p class={failed.value === "" ? "muted" : "tone-warn"}>{failed.value || t("calling.first")}</p>
       </div>
     );
   }
   const what = names.value(chosen.item);
+  const load = chosen.way === "bring" ? lot : loadFrom(buffers, chosen.item, lot);
   return (
     <div class="call-send" role="status">
       <p>
         <b>{t(`calling.${chosen.way}What`, { what, place: spec.id })}</b>{" "}
-        <span class="muted">{failed.value === "" ? t("calling.notSent") : t("calling.failed", { reason: failed.value })}</span>
+        <span class={failed.value === "" ? "muted" : "tone-warn"}>{failed.value || t("calling.notSent")}</span>
       </p>
       <div class="call-amounts">
         {(chosen.way === "bring" ? LOADS : [1]).map((loads) => (
-          <button key={loads} type="button" class={`button act ${loads === 1 ? "primary" : ""}`} disabled={busy.value} onClick={() => void send(lot, loads, false)}>
-            {t(`calling.${chosen.way}Amount`, { quantity: format.count(lot * loads) })}
+          <button key={loads} type="button" class={`button act ${loads === 1 ? "primary" : ""}`} disabled={busy.value} onClick={() => void send(load, loads, false)}>
+            {t(`calling.${chosen.way}Amount`, { quantity: format.count(load * loads) })}
           </button>
         ))}
-        <button type="button" class="button act" disabled={busy.value} onClick={() => void send(lot, 1, true)}>
-          {t("calling.urgent", { quantity: format.count(lot) })}
+        <button type="button" class="button act" disabled={busy.value} onClick={() => void send(load, 1, true)}>
+          {t("calling.urgent", { quantity: format.count(load) })}
         </button>
       </div>
     </div>
@@ -177,7 +179,9 @@ function why(call: TransportAnswer): string {
     if (vehicle !== null && waits !== null && call.wait !== "no_room" && call.wait !== "short")
       return t("calling.wait.vehicle", { vehicle, why: word("unwilling", waits) });
     if (call.wait !== "no_room" && call.wait !== "short" && call.wait !== "no_bid") return t("calling.wait.undecided");
-    return t("calling.waitsSince", { why: t(`calling.wait.${call.wait}`), at: format.due(Date.parse(call.updated_at) / 1000, moment.value.nowS) });
+    const at = format.due(Date.parse(call.updated_at) / 1000, moment.value.nowS);
+    if (call.wait === "no_room") return t("calling.noRoom", { place: placeOf(call.to), at });
+    return t("calling.waitsSince", { why: t(`calling.wait.${call.wait}`), at });
   }
   const at = call.expected_at === null ? "" : ` · ${t("card.there", { at: format.due(Date.parse(call.expected_at) / 1000, moment.value.nowS) })}`;
   return `${call.carrier ?? ""}${at}${call.status === "on_board" ? ` · ${t("calling.tooLate")}` : ""}`;

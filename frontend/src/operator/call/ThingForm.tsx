@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { t } from "../../text/operator";
-import { plant, station } from "../state";
-import { busy, sendThing } from "./call";
+import { plant } from "../state";
+import { busy, place as here, sendThing } from "./call";
 import { abilitiesOf } from "./steps";
 
 /** As long as the gateway lets it be. */
@@ -12,7 +12,7 @@ export function ThingForm() {
   const thing = useSignal("");
   const place = useSignal("");
   const carried = useSignal("");
-  const own = station.value?.id ?? "";
+  const own = here.value?.id ?? "";
   const places = [...(plant.value?.storages ?? []), ...(plant.value?.machines ?? [])].filter(({ id }) => id !== own);
   const kinds = abilitiesOf(plant.value?.vehicle_types ?? []);
   const ability = carried.value || (kinds[0] ?? "");

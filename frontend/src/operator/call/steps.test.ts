@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { TransportAnswer } from "../../api/transports";
-import { abilitiesOf, canCallOff, loadOf, shownCalls, stepOf, unwillingOf } from "./steps";
+import { abilitiesOf, canCallOff, loadFrom, loadOf, shownCalls, stepOf, unwillingOf } from "./steps";
 
 const call = (more: Partial<TransportAnswer> = {}): TransportAnswer => ({
   id: "T1", status: "waiting", from: "S3", to: "M8", item: "shaft", thing: null, quantity: 40, priority: "normal", vehicle: null, vehicle_until: null, vehicle_waits: null, shortage: null, ability: null, called_by: "anna",
@@ -34,6 +34,12 @@ test("each load of a choice is sent under a key of its own, and again under the 
   expect(loadOf(choice, "M8", 40, false, 1).draft).toEqual({ from: "M8", item: "shaft", quantity: 40, priority: "normal" });
   expect(loadOf(choice, "M8", 40, false, 1).key).toBe(loadOf(choice, "M8", 40, false, 1).key);
   expect(loadOf(choice, "M8", 40, false, 2).key).not.toBe(loadOf(choice, "M8", 40, false, 1).key);
+});
+
+test("no more is taken away than is there, nor than one load", () => {
+  const buffers = [{ item: "shaft", level: 33 }, { item: "bearing", level: 90 }];
+  expect(loadFrom(buffers, "shaft", 40)).toBe(33);
+  expect(loadFrom(buffers, "bearing", 40)).toBe(40);
 });
 
 test("of each vehicle its newest reason is told, and what holds for most first", () => {

@@ -1,6 +1,6 @@
 /** How far a call is: four steps, and the reason where it stays at one. */
 import type { TransportAnswer } from "../../api/transports";
-import type { TaskView } from "../../api/types";
+import type { BufferView, TaskView } from "../../api/types";
 
 export const STEPS = ["called", "taken", "aboard", "here"] as const;
 
@@ -48,6 +48,12 @@ export interface Choice {
 
 /** How many loads the second touch offers: a pallet more is a transport more. */
 export const LOADS = [1, 2] as const;
+
+/** What one load takes away: what is there, and no more than a load. */
+export function loadFrom(buffers: readonly Pick<BufferView, "item" | "level">[], item: string, lot: number): number {
+  const level = buffers.find((each) => each.item === item)?.level ?? lot;
+  return level > 0 ? Math.min(lot, level) : lot;
+}
 
 /** One load as it is sent; each has a key of its own, so that none is done twice. */
 export function loadOf(choice: Choice, place: string, lot: number, urgent: boolean, load: number) {

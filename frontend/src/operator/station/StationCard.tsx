@@ -1,4 +1,3 @@
-import { computed } from "@preact/signals";
 import type { BufferView, MachineSpec, MachineView } from "../../api/types";
 import { Documents } from "../../parts/Documents";
 import { Later } from "../../parts/Later";
@@ -6,21 +5,15 @@ import { Meter } from "../../parts/Meter";
 import { Tag, toneOfMachine } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
 import { filledFrac, isLow } from "../../plant/stock";
-import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/operator";
-import { moment, names, plant, station } from "../state";
+import { moment, names } from "../state";
+import { shown } from "./shown";
 
 const loadPieces = async () => (await import("../../parts/pieces/Pieces")).load();
 const nameOf = (product: string): string => names.value(product);
-
-/** The machine that was touched on the map, else the one at which this person works. */
-export const shown = computed(() => {
-  const touched = selection.value.place;
-  return plant.value?.machines.find(({ id }) => id === touched?.id) ?? station.value;
-});
 
 /** What the station has of its material, and who brings more. */
 export function StationCard() {

@@ -23,6 +23,9 @@ export function Settings() {
           {soundRefusal.value !== "" && <small class="tone-warn" role="status">{t(`settings.${soundRefusal.value}`)}</small>}
         </span>
       </label>
+      <a class="button" href="/login/station">
+        {t("settings.station")}
+      </a>
       <button type="button" class="button" onClick={() => void leave()}>
         {t("settings.logOut")}
       </button>

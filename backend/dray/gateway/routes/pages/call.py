@@ -182,7 +182,8 @@ def _wanted(form: Mapping[str, str], station: str) -> dict[str, object]:
     if "thing" in form:
         place, ability = form.get("place") or None, form.get("ability") or None
         return {"thing": form["thing"], "ability": ability, other: place, end: station}
-    return {"item": form.get("item", ""), "quantity": _pieces(form.get("quantity", "")), end: station}
+    written = (form.get("away") if end == "from" else None) or form.get("quantity", "")
+    return {"item": form.get("item", ""), "quantity": _pieces(written), end: station}
 
 
 def _pieces(written: str) -> int:
