@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
 from spoken import rhb
 
-from dray.body import Book, DockReady, OpenDock
+from dray.body import Book, CloseDock, DockReady, OpenDock
 from dray.messages import (
     Docked,
     DockOpened,
@@ -219,6 +219,15 @@ def test_the_next_life_knows_that_a_vehicle_has_ended_its_task_before_the_dock_o
     assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 4)), StockReserved)
     effects = rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4))
     assert (instructed(effects, Book), len(instructed(effects, OpenDock))) == ([], 1)
+
+
+def test_the_dock_is_shut_for_a_vehicle_that_was_let_in_and_is_elsewhere_for_another_task() -> None:
+    rig = before_a_shut_dock()
+    opens(rig)
+    beats(rig, Phase.LOADING)
+    effects = stands_there(rig, node="elsewhere")
+    assert instructed(effects, CloseDock) == [CloseDock(vehicle=CART)]
+    assert instructed(effects, Book) == []
 
 
 def test_a_vehicle_that_names_its_task_again_may_load_after_all() -> None:

@@ -187,11 +187,33 @@ def test_a_vehicle_that_goes_away_waits_for_no_dock() -> None:
 
 def test_whoever_stands_behind_another_one_waits_from_its_turn_on() -> None:
     door, _, _ = alone()
-    for vehicle in ("ATV1", "ATV2"):
-        door.open(vehicle, docked(), "housing", 24, 0.0, comes=True)
-    door.on_ready("ATV1", 50.0)
+    for now_s in (0.0, 25.0, 50.0, 75.0, 100.0):
+        for vehicle in ("ATV1", "ATV2"):
+            if vehicle not in door.visits.inside:
+                door.open(vehicle, docked(), "housing", 24, now_s, comes=True)
+        if now_s == 50.0:
+            door.on_ready("ATV1", now_s)
     assert door.wait(110.0) is UNSET
     assert door.wait(111.0) == DockWait(vehicle="ATV2", since_s=50.0)
+
+
+def test_the_dock_does_not_wait_for_a_vehicle_that_asks_no_more() -> None:
+    door, _, effects = alone()
+    door.open("ATV1", docked(), "housing", 24, 0.0, comes=False)
+    for now_s in range(0, 40, 5):
+        assert instructed(effects, CloseDock) == []
+        door.open("ATV2", docked(), "housing", 24, float(now_s), comes=True)
+    assert instructed(effects, CloseDock) == [CloseDock(vehicle="ATV1")]
+    assert not door.is_opening("ATV1")
+    assert door.on_ready("ATV2", 40.0)
+
+
+def test_a_dock_that_opens_for_a_vehicle_that_asks_no_more_is_shut() -> None:
+    door, _, effects = alone()
+    door.open("ATV1", docked(), "housing", 24, 0.0, comes=False)
+    assert not door.on_ready("ATV1", 35.0)
+    assert instructed(effects, CloseDock) == [CloseDock(vehicle="ATV1")]
+    assert sent(effects, DockOpened) == []
 
 
 def test_a_vehicle_that_is_not_wanted_any_more_is_not_let_in_by_a_dock_that_opens_late() -> None:

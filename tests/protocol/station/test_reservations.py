@@ -114,9 +114,10 @@ def test_a_dock_that_does_not_get_ready_is_told_by_the_station() -> None:
     rig = where_the_dock_takes_time()
     rig.docks("ATV2", "M8-1")
     since_s = rig.now_s
-    rig.run(since_s + SAFE_WITHIN_S)
+    while rig.now_s < since_s + SAFE_WITHIN_S:
+        rig.run(rig.now_s + 5.0)
+        rig.docks("ATV2", "M8-1")
     assert {beat.dock_wait for beat in rig.heartbeats(StationHeartbeat)} == {UNSET}
-    rig.docks("ATV2", "M8-1")
     rig.run(rig.now_s + 6.0)
     assert rig.heartbeats(StationHeartbeat)[-1].dock_wait == DockWait(vehicle="ATV2", since_s=since_s)
     rig.report(DockReady(vehicle="ATV2"))

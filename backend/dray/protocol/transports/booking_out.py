@@ -192,7 +192,7 @@ class BookingOut:
 
     def _leave(self, vehicle: str) -> None:
         """A vehicle has left without its load."""
-        self._departures.note_left(vehicle)
+        self._departures.note_left(vehicle, self._let_in[vehicle].task)
         self._forget(vehicle)
 
     def _forget(self, vehicle: str) -> None:

@@ -38,6 +38,9 @@ def ready_within_s(plant: Plant, place: str) -> float:
     )
 
 
+ASKS_STILL_S = 30.0
+"""Time (s) after which a vehicle that asks no more has left: it repeats its request every 5 s while the dock is shut."""
+
 NOT_READY = "the dock is not ready yet"
 """Reason for a vehicle to wait until the controller has made the dock safe."""
 
@@ -70,7 +73,9 @@ class Door:
         self._life.instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity))
         entry = Entry(asked.task, asked.epoch, item, comes)
         if self.visits.answers:
+            self._forget_silent(now_s)
             self.visits.asked[vehicle] = asked, entry
+            self.visits.asked_s[vehicle] = now_s
             self.visits.since_s.setdefault(vehicle, now_s)
             self.hold(vehicle, asked, NOT_READY)
         else:
@@ -94,6 +99,7 @@ class Door:
 
     def on_ready(self, vehicle: str, now_s: float) -> bool:
         """The body has opened the dock for a vehicle; returns whether that vehicle waited here."""
+        self._forget_silent(now_s)
         waited = self.visits.forget_request(vehicle)
         if waited is None:
             return False
@@ -103,6 +109,16 @@ class Door:
         # The body works, and the other vehicles have only waited for their turn: restart their clocks.
         self.visits.since_s = dict.fromkeys(self.visits.since_s, now_s)
         return True
+
+    def _forget_silent(self, now_s: float) -> None:
+        """Withdraw requests that are not repeated any more: the dock must not wait for a vehicle that has gone elsewhere."""
+        silent = [
+            vehicle
+            for vehicle, at_s in self.visits.asked_s.items()
+            if now_s - at_s > ASKS_STILL_S and vehicle not in self.visits.inside
+        ]
+        for vehicle in silent:
+            self.shut(vehicle, "")
 
     def agree(self, vehicle: str, asked: Docked) -> None:
         """Tell a vehicle that it may load or unload at a dock that is not this agent's to open."""

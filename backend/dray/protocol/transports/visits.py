@@ -35,6 +35,7 @@ class Visits:
         counts: whether the body counts what vehicles bring and take.
         asked: by vehicle, its request that waits for the dock to open.
         since_s: by vehicle, since when it is the next one (plant clock, s).
+        asked_s: by vehicle, when it last asked (plant clock, s).
         inside: vehicles that were let in and may be inside.
     """
 
@@ -43,11 +44,13 @@ class Visits:
         self.counts = True
         self.asked: dict[str, tuple[Docked, Entry]] = {}
         self.since_s: dict[str, float] = {}
+        self.asked_s: dict[str, float] = {}
         self.inside: dict[str, Entry] = {}
 
     def forget_request(self, vehicle: str) -> tuple[Docked, Entry] | None:
         """Forget a request. Returns it; None if the vehicle has not asked."""
         self.since_s.pop(vehicle, None)
+        self.asked_s.pop(vehicle, None)
         return self.asked.pop(vehicle, None)
 
     def note_departed(self, vehicle: str, task: str) -> None:
