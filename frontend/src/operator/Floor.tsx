@@ -26,7 +26,7 @@ import { StopBar } from "./stop/StopBar";
 import { WordsCard } from "./words/WordsCard";
 import { Unconfirmed } from "./stop/Unconfirmed";
 
-/** Who needs somebody, then the place and what is called for it, then who is well: one page that scrolls. Every Stop is below it, always. */
+/** Who needs somebody, then the place, then who is well: one page that scrolls. Every Stop is below it, always. */
 export function Floor() {
   const page = useRef<HTMLElement>(null);
   const held = useSignal(false);
@@ -92,9 +92,9 @@ export function Floor() {
         <GateCard />
         <WordsCard />
         <Place />
-        <CallCard />
         <Cards class="well" ids={well} all={all.value} tooSoon={tooSoon.value} label={t("cards.well", { name })} />
         {needing.length + well.length === 0 && <p class="empty">{t(world.value ? "cards.none" : "loading")}</p>}
+        <CallCard />
         <DutyCard />
       </main>
       <footer id="stops" tabIndex={-1}>
