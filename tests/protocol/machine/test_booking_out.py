@@ -225,6 +225,8 @@ def test_the_dock_is_shut_for_a_vehicle_that_was_let_in_and_is_elsewhere_for_ano
     rig = before_a_shut_dock()
     opens(rig)
     beats(rig, Phase.LOADING)
+    late = replace(rhb(CART, 1, rig.now_s), node="elsewhere", task=None)
+    assert instructed(rig.on_message(CART, late), CloseDock) == []
     effects = stands_there(rig, node="elsewhere")
     assert instructed(effects, CloseDock) == [CloseDock(vehicle=CART)]
     assert instructed(effects, Book) == []

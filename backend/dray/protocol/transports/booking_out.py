@@ -103,6 +103,8 @@ class BookingOut:
             self._heard_s[load.vehicle] = now_s
         elif was_heard or load.ended:
             self._leave(load.vehicle)
+            if not is_here:
+                self._departures.on_elsewhere(load.vehicle, load.task)
         else:
             self._ask(self._mark(load, gone=load.gone or not is_here), now_s)
 
@@ -192,7 +194,7 @@ class BookingOut:
 
     def _leave(self, vehicle: str) -> None:
         """A vehicle has left without its load."""
-        self._departures.note_left(vehicle, self._let_in[vehicle].task)
+        self._departures.note_left(vehicle)
         self._forget(vehicle)
 
     def _forget(self, vehicle: str) -> None:

@@ -158,21 +158,16 @@ class Departures:
         if carries is not None:
             self._at_task[heartbeat.atv] = (carries.task, carries.epoch, now_s)
 
-    def note_left(self, vehicle: str, task: str = "") -> None:
-        """A vehicle has left without the load it was let in for: tell a body that waits for its report, or holds the dock open.
-
-        Args:
-            vehicle: its id.
-            task: what it was let in for; empty if that is unknown.
-        """
-        if vehicle in self._leaving:
-            return
-        let_in = self._visits.inside.get(vehicle)
-        is_open = self._visits.answers and let_in is not None and bool(task) and let_in.task == task
-        if is_open or self._visits.is_report_awaited(vehicle):
+    def note_left(self, vehicle: str) -> None:
+        """A vehicle has left without the load it was let in for: tell a body that waits for its report."""
+        if self._visits.is_report_awaited(vehicle) and vehicle not in self._leaving:
             self._life.instruct(CloseDock(vehicle=vehicle))
-        if is_open:
-            self._visits.note_departed(vehicle, task)
+
+    def on_elsewhere(self, vehicle: str, task: str) -> None:
+        """A vehicle that was let in by this task is heard elsewhere: shut the dock, unless that heartbeat has come late."""
+        let_in = self._visits.inside.get(vehicle)
+        if self._visits.answers and let_in is not None and let_in.task == task:
+            self.watch(DepartureMemory(vehicle))
 
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away. What it put down before is unknown, so nothing is booked."""
