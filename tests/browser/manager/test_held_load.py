@@ -36,5 +36,6 @@ def test_the_alert_leads_to_the_page_which_says_that_the_load_is_missing(
     row.get_by_role("link", name=f"Show {TASK}").click()
     page.get_by_role("button", name="It is not there").click()
     expect(page.locator(".load-seen")).to_have_count(0)
-    said = [(command.kind, command.task) for command in machine.heard]
+    heard = house.until(lambda _: machine.heard)
+    said = [(command.kind, command.task) for command in heard]
     assert said == [(MachineCommandKind.LOAD_MISSING, TASK)]

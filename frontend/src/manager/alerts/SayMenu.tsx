@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { useId, useRef } from "preact/hooks";
+import { useId } from "preact/hooks";
 import { acknowledgeAlert } from "../../api/client";
 import { isOpen } from "../../alerts/alerts";
 import type { AlertView } from "../../api/types";
@@ -21,7 +21,6 @@ export function SayMenu({ alert, what }: { alert: AlertView; what: string }) {
   const later = useSignal("");
   const busy = useSignal(false);
   const failed = useSignal("");
-  const field = useRef<HTMLInputElement>(null);
   const id = useId();
   const open = isOpen(alert);
   const mine = open || alert.acknowledged_by === me.value?.name;
@@ -38,9 +37,8 @@ export function SayMenu({ alert, what }: { alert: AlertView; what: string }) {
       busy.value = false;
     }
   };
-  const toggle = (opened: boolean) => {
+  const toggle = () => {
     comment.value = later.value = failed.value = "";
-    if (opened) field.current?.focus();
   };
   const about = { subject: subjectOf(alert), what };
   return (
@@ -56,7 +54,7 @@ export function SayMenu({ alert, what }: { alert: AlertView; what: string }) {
         >
           <div class="field">
             <label for={id}>{t("alerts.comment")}</label>
-            <input ref={field} id={id} autoComplete="off" maxLength={COMMENT_CHARS} value={comment.value} onInput={(event) => { comment.value = event.currentTarget.value; }} />
+            <input autoFocus id={id} autoComplete="off" maxLength={COMMENT_CHARS} value={comment.value} onInput={(event) => { comment.value = event.currentTarget.value; }} />
           </div>
           {mine && (
             <div class="field">

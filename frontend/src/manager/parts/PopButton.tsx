@@ -10,7 +10,7 @@ interface Props {
   icon: IconName;
   label: string;
   title: string;
-  /** Told when the sheet opens or closes. */
+  /** Told just before the sheet opens or closes: nothing can be typed on it before that. */
   onToggle?: (open: boolean) => void;
   /** What is on the sheet; it is given how to close it. */
   children: (close: () => void) => ComponentChildren;
@@ -52,10 +52,9 @@ export function PopButton({ icon, label, title, onToggle, children }: Props) {
         id={id}
         popover="auto"
         class="pop-sheet card"
-        onToggle={(event) => {
-          place();
-          onToggle?.(event.newState === "open");
-        }}
+        // `toggle` comes some time after the sheet is open: what somebody quick has typed by then must stay.
+        onBeforeToggle={(event) => onToggle?.(event.newState === "open")}
+        onToggle={place}
       >
         {children(() => sheet.current?.hidePopover())}
       </div>

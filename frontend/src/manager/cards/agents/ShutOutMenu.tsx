@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { useId, useRef } from "preact/hooks";
+import { useId } from "preact/hooks";
 import { shutOut } from "../../../api/client";
 import { t } from "../../../text/manager";
 import { PopButton } from "../../parts/PopButton";
@@ -13,7 +13,6 @@ export function ShutOutMenu({ agent, kind }: { agent: string; kind: "atv" | "mac
   const reason = useSignal("");
   const busy = useSignal(false);
   const failed = useSignal("");
-  const field = useRef<HTMLInputElement>(null);
   const id = useId();
   const send = async (close: () => void) => {
     busy.value = true;
@@ -27,9 +26,8 @@ export function ShutOutMenu({ agent, kind }: { agent: string; kind: "atv" | "mac
       busy.value = false;
     }
   };
-  const toggle = (open: boolean) => {
+  const toggle = () => {
     reason.value = failed.value = "";
-    if (open) field.current?.focus();
   };
   return (
     <PopButton icon="shutOut" label={t("shutOut.open")} title={t(`shutOut.hint.${kind}`, { id: agent })} onToggle={toggle}>
@@ -45,7 +43,7 @@ export function ShutOutMenu({ agent, kind }: { agent: string; kind: "atv" | "mac
           <div class="field">
             <label for={id}>{t("shutOut.reason")}</label>
             <input
-              ref={field}
+              autoFocus
               id={id}
               required
               autoComplete="off"

@@ -51,7 +51,6 @@ export function CloseMenu() {
   };
   const onToggle = (open: boolean) => {
     if (open && outline.value.drawing) outline.value = { ...outline.value, drawing: false };
-    // Not as it opens: what is typed at once would be lost, since one is told of that a little later.
     if (!open) change(EMPTY);
   };
   const { kind, reason, speed, until, what } = wanted();
