@@ -232,6 +232,22 @@ def test_the_dock_is_shut_for_a_vehicle_that_was_let_in_and_is_elsewhere_for_ano
     assert instructed(effects, Book) == []
 
 
+def test_the_dock_does_not_open_for_a_vehicle_that_has_waited_for_it_and_is_elsewhere() -> None:
+    rig = before_a_shut_dock()
+    stands_there(rig)
+    effects = stands_there(rig, node="elsewhere")
+    assert instructed(effects, CloseDock) == [CloseDock(vehicle=CART)]
+    assert sent(rig.report(DockReady(vehicle=CART)), DockOpened) == []
+
+
+def test_a_vehicle_whose_heartbeat_from_elsewhere_has_come_late_asks_again_and_is_let_in() -> None:
+    rig = before_a_shut_dock()
+    late = replace(rhb(CART, 1, rig.now_s), node="elsewhere", task=None)
+    assert instructed(rig.on_message(CART, late), CloseDock) == [CloseDock(vehicle=CART)]
+    assert instructed(rig.on_message(CART, Docked(TASK, 1, "LATHE1", "shaft", 6)), OpenDock)
+    opens(rig)
+
+
 def test_a_vehicle_that_names_its_task_again_may_load_after_all() -> None:
     rig = before_a_shut_dock()
     stands_there(rig)  # A heartbeat of before, which has come late.

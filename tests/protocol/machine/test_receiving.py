@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from bureau import contract_all, order, released
-from effects import award_number, facts, instructed, sent
+from effects import award_number, committed, facts, instructed, sent
 from m7 import FULL, NO_HOUSINGS, handover, m7
 from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
@@ -262,6 +262,22 @@ def test_where_the_body_does_not_count_goods_are_booked_out_once_their_carrier_h
     beats(rig, rig.now_s + 3.0, task=task, phase=Phase.CARRYING)
     says(rig, LOT, task)
     assert instructed(rig.all, Book) == [Book("ATV2", "pump-p3", -LOT, task=task, epoch=1)]
+
+
+@pytest.mark.parametrize("is_answered", [True, False])
+def test_goods_that_were_booked_out_are_booked_out_no_more_by_the_next_life(*, is_answered: bool) -> None:
+    first, task = blind_with_goods()
+    beats(first, first.now_s + 3.0, task=task, phase=Phase.CARRYING)
+    if is_answered:
+        first.stocked("pump-p3", -LOT, "ATV2")
+    # Its body's memory was damaged meanwhile, and people have counted: it knows of no report.
+    rig = BlindRig("M7", first.stock, incarnation=2)
+    rig.memory, rig.now_s = committed(first.all), first.now_s
+    rig.start()
+    beats(rig, rig.now_s + 3.0, task=task, phase=Phase.CARRYING)
+    says(doubting(rig), LOT, task)
+    again = [] if is_answered else [Book("ATV2", "pump-p3", -LOT, task=task, epoch=1)]
+    assert instructed(rig.all, Book) == again
 
 
 def test_goods_whose_carrier_was_not_heard_on_its_way_are_booked_out_by_its_handover() -> None:

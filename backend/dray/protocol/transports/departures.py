@@ -164,10 +164,17 @@ class Departures:
             self._life.instruct(CloseDock(vehicle=vehicle))
 
     def on_elsewhere(self, vehicle: str, task: str) -> None:
-        """A vehicle that was let in by this task is heard elsewhere: shut the dock, unless that heartbeat has come late."""
-        let_in = self._visits.inside.get(vehicle)
-        if self._visits.answers and let_in is not None and let_in.task == task:
-            self.watch(DepartureMemory(vehicle))
+        """A vehicle that was let in by this task, or waits to be, is heard elsewhere: shut the dock.
+
+        If that heartbeat has come late, a later one tells so of a vehicle inside, and one that waits asks again.
+        """
+        asked, let_in = self._visits.asked.get(vehicle), self._visits.inside.get(vehicle)
+        if let_in is not None:
+            if self._visits.answers and let_in.task == task:
+                self.watch(DepartureMemory(vehicle))
+        elif asked is not None and asked[1].task == task:
+            self._visits.forget_request(vehicle)
+            self._life.instruct(CloseDock(vehicle=vehicle))
 
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away. What it put down before is unknown, so nothing is booked."""

@@ -445,6 +445,8 @@ class Transports(Coordinator):
         task.assign(CarrierContract(memory.primary, memory.source, memory.promised_s))
         if memory.loaded:
             task.states.enter(TaskState.IN_TRANSIT)
+            # Goods from here were booked out when they left. People may have counted since: once more would be wrong.
+            task.contract.receipt.booked = memory.work.destination != self._place
         task.contract.forgotten_aboard = memory.forgotten_aboard
         self.failover.follow(task, IDLE_INTERVAL_S, now_s)
         if memory.secondary:
