@@ -1,7 +1,8 @@
 """Invariant 1 in time: when all faults have ended, every announced task ends within a computed bound.
 
-A vehicle's work for an ended task must end, too. The check hears everything and takes no part. Before the quiet phase
-it only keeps books.
+A vehicle's work for an ended task must end, too. Unneeded parts may stay at their machine while no storage has room
+for them, however often it asks. The check hears everything and takes no part. Before the quiet phase it only keeps
+books.
 """
 
 from __future__ import annotations
@@ -17,10 +18,12 @@ from dray.messages import (
     OrderReleased,
     Refusal,
     RevocationTaken,
+    StationHeartbeat,
     Transport,
     TransportAnswered,
     TransportOrdered,
     TransportState,
+    TransportWait,
 )
 from dray.messages.fact import (
     BidRefused,
@@ -65,6 +68,10 @@ class LivenessCheck:
         """Coordinator of every announced transport."""
         self._orders: dict[str, str] = {}
         """Undelivered orders, and plain transports; with the agent that asked for each."""
+        self._told: dict[str, TransportProgressed] = {}
+        """By plain transport: what its destination has told last."""
+        self._room: dict[tuple[str, str], int] = {}
+        """Pieces that would find room, by item and station."""
         self._ended_orders: dict[str, None] = {}
         self._returned: dict[str, int] = {}
         """Newest known release of each withdrawn order."""
@@ -102,15 +109,16 @@ class LivenessCheck:
         elif type(message) is TransportOrdered:
             if message.transport not in self._ended_orders:
                 self._orders[message.transport] = sender
-        elif type(message) is TransportAnswered:
-            if message.state in TRANSPORT_ENDED:
-                self._end_order(message.transport)
+        elif type(message) is TransportAnswered and message.state in TRANSPORT_ENDED:
+            self._end_order(message.transport)
         elif type(message) is CancellationTaken:
             self._end_order(message.order)
         elif type(message) is RevocationTaken:
             self._return_order(message)
         elif type(message) is AtvHeartbeat and message.atv != self._liar:
             self._note_work(message, at_s)
+        elif type(message) is StationHeartbeat:
+            self._room.update({(each.item, sender): each.capacity - each.level for each in message.stocks})
         if at_s >= self._look_s:
             self._look_s = at_s + LOOK_S
             self._look(at_s)
@@ -124,6 +132,7 @@ class LivenessCheck:
         elif type(fact) is MemoryLost:
             self._forget_those_of(event.agent)
         elif type(fact) is TransportProgressed:
+            self._told[fact.transport] = fact
             if fact.state in TRANSPORT_ENDED:
                 self._end_order(fact.transport)
             if fact.state is TransportState.DELIVERED:
@@ -170,7 +179,7 @@ class LivenessCheck:
             if at_s - max(since_s, self._since_s) > bound_s:
                 seen = f"{atv} still works for {task}, which ended {at_s - since_s:.0f} s ago"
                 raise InvariantBroken(1, at_s, seen)
-        if not self._open and not self._orders and not self._busy:
+        if not self._open and not self._busy and all(map(self._is_in_vain, self._orders)):
             self.over.set()
             return
         self.over.clear()
@@ -186,6 +195,13 @@ class LivenessCheck:
             waiting = ", ".join((*self._orders, *self._open))
             seen = f"nothing came forward in {stood_s:.0f} s of quiet while these were open: {waiting}"
             raise InvariantBroken(1, at_s, seen)
+
+    def _is_in_vain(self, order: str) -> bool:
+        """Whether a machine asks to have parts fetched for which no storage has room, whatever is on order."""
+        told = self._told.get(order)
+        if told is None or told.wait is not TransportWait.NO_ROOM or told.source != self._orders[order]:
+            return False
+        return all(room < told.quantity for (item, _), room in self._room.items() if item == told.item)
 
     def _charging_bound_s(self, since_s: float) -> float:
         """Additional time for a bound that counts from that moment."""

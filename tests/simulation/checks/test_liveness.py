@@ -14,8 +14,11 @@ from dray.messages import (
     Refusal,
     RevocationTaken,
     Role,
+    StationHeartbeat,
+    StockLevel,
     TransportOrdered,
     TransportState,
+    TransportWait,
 )
 from dray.messages.fact import BidRefused, Fact, MemoryLost, OrderFulfilled, PieceMade, TransportProgressed
 from dray.protocol.people.patience import PATIENCE_MAX_S
@@ -107,6 +110,54 @@ def test_what_a_machine_has_forgotten_to_have_asked_for_needs_nothing() -> None:
     watched.say("M5", MemoryLost("the disk has failed"))
     with pytest.raises(InvariantBroken, match=r"nothing came forward .* open: M1-away-1$"):
         watched.wait(watched.bounds.stall_s + 10.0)
+
+
+def full(watched: Watched, *, machine: str = "M5", room: int = 0) -> None:
+    """Two storages, the second one with some room, and parts that lie unneeded at a machine; the first one answers."""
+    watched.say("S1", StationHeartbeat("S1", 1, 1, 0.0, stocks=(StockLevel("pump-p3", 10, 10),)))
+    watched.say("S2", StationHeartbeat("S2", 1, 1, 0.0, stocks=(StockLevel("pump-p3", 25 - room, 25),)))
+    watched.say(machine, TransportOrdered("M5-away-1", "M5", "pump-p3", 5, 300.0))
+    waiting = TransportState.WAITING
+    told = TransportProgressed("M5-away-1", waiting, "pump-p3", 5, "M5", "S1", wait=TransportWait.NO_ROOM)
+    watched.say("S1", told)
+
+
+def test_parts_for_which_no_storage_has_room_may_stay_at_their_machine() -> None:
+    watched = Watched()
+    watched.liveness.start(0.0)
+    full(watched, room=4)
+    watched.wait(10.0)
+    assert watched.liveness.over.is_set()
+    watched.say("desk", OrderReleased(order="D1", items=(), due_s=0.0))
+    watched.wait(10.0)
+    assert not watched.liveness.over.is_set()
+
+
+def test_parts_for_which_another_storage_has_room_must_come_there() -> None:
+    watched = Watched()
+    watched.liveness.start(0.0)
+    full(watched, room=5)
+    with pytest.raises(InvariantBroken, match=r"nothing came forward .* M5-away-1"):
+        watched.wait(watched.bounds.stall_s + 10.0)
+
+
+def test_what_people_have_called_for_must_come_or_be_called_off() -> None:
+    watched = Watched()
+    watched.liveness.start(0.0)
+    full(watched, machine="desk")
+    with pytest.raises(InvariantBroken, match=r"nothing came forward .* M5-away-1"):
+        watched.wait(watched.bounds.stall_s + 10.0)
+
+
+def test_parts_that_find_room_later_must_be_fetched() -> None:
+    watched = Watched()
+    watched.liveness.start(0.0)
+    full(watched)
+    watched.wait(10.0)
+    undecided = TransportProgressed("M5-away-1", TransportState.WAITING, "pump-p3", 5, "M5", "S1")
+    watched.say("S1", undecided)
+    watched.wait(10.0)
+    assert not watched.liveness.over.is_set()
 
 
 def test_the_check_is_over_when_everything_has_ended() -> None:
