@@ -64,6 +64,8 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     problem: ProblemMemory | None = None
     node: str = ""
     """The last node that it had passed then, for people who look for it; empty where it is not known."""
+    put_down: tuple[Contract, ...] = ()
+    """Ended transports whose coordinators have not confirmed that the load is down."""
 
 
 class ClosuresMemory(Part, tag_field="kind", tag="closures", frozen=True):

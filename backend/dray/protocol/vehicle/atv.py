@@ -234,6 +234,8 @@ class Atv(AgentBase):
         self._commands.stopped = state.held
         if isinstance(note, AtvMemory):
             self._commands.restore(note)
+            for ended in note.put_down:
+                self._contracts.put_down.add(ended, now_s)
         else:
             self._commands.forget()
         if isinstance(note, AtvMemory) and note.contract is not None:
@@ -259,6 +261,7 @@ class Atv(AgentBase):
             answered=self._commands.answered,
             problem=self.problems.memory,
             node=self._driver.node,
+            put_down=self._contracts.put_down.memories(),
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

@@ -50,6 +50,7 @@ from dray.protocol.vehicle.job.job_messages import ASK, CLAIM_TASK
 from dray.protocol.vehicle.job.job_moves import RETRY
 from dray.protocol.vehicle.job.transport_job import TransportJob
 from dray.protocol.vehicle.pricing import Quote, Unable
+from dray.protocol.vehicle.put_down import PutDown
 from dray.protocol.vehicle.work_search import ASK_FOR_WORK, SEEK, WorkSearch
 
 
@@ -104,6 +105,7 @@ class Contracts:
     Attributes:
         job: the transport that it carries; None without one.
         standby: its watches.
+        put_down: loads that it has put down, and of which it still tells.
         probation: its progress on probation.
         subscriptions: its heartbeat subscriptions.
         message_handlers: by message type, handlers called with (sender, message, now_s).
@@ -138,6 +140,7 @@ class Contracts:
         self.job: TransportJob | None = None
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.standby = Standby(self.subscriptions, life)
+        self.put_down = PutDown(life)
         contract = self._on_of_contract
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
             AtvHeartbeat: lambda _sender, message, now_s: self.standby.on_heartbeat(message, now_s),
@@ -158,6 +161,7 @@ class Contracts:
             WATCHED_SILENCE: self._look_after,
             ASK_FOR_WORK: self._ask_for_work,
             SEEK: self._seek_on,
+            **self.put_down.alarms,
         }
 
     def bring_back(self, now_s: float) -> None:
@@ -318,6 +322,7 @@ class Contracts:
         self.go_on(begin, now_s)
 
     def bind(self, contract: Contract) -> None:
+        self.put_down.forget(contract.task)
         self.job = TransportJob(contract, self._plant, self._type, self._driver, self._life)
         self._life.commit()
 
@@ -335,7 +340,9 @@ class Contracts:
     def _on_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
         job = self.job
         if job is None or not job.is_meant_by(message):
-            self._life.ignore("a message about another contract")
+            is_of_load = isinstance(message, HandoverAccepted | Superseded | Withdrawn)
+            if not (is_of_load and self.put_down.on_answer(message)):
+                self._life.ignore("a message about another contract")
             return
         self.go_on(lambda job: job.on_answer(message, now_s), now_s)
 
@@ -350,7 +357,7 @@ class Contracts:
         if role is Role.SECONDARY:
             return self.standby.coordinator_of(task)
         job = self.job
-        return job.coordinator if job is not None and job.task == task else ""
+        return job.coordinator if job is not None and job.task == task else self.put_down.coordinator_of(task)
 
     def _wake_job(self, _about: str | None, now_s: float) -> None:
         self.go_on(lambda job: job.wake(self._owner.load[0], now_s), now_s)
@@ -392,6 +399,8 @@ class Contracts:
         )
         self._life.record(ended)
         self.job = None
+        if reason is Reason.NOT_CONFIRMED:
+            self.put_down.add(job.memory(), now_s)
         self._life.commit()
         if reason is Reason.HANDED_OVER:
             self.probation.note_done()
