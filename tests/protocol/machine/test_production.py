@@ -51,6 +51,14 @@ def test_a_goal_that_is_made_is_not_made_again() -> None:
     assert goals.next_to_make(PLENTY) is goals.get("B")
 
 
+def test_a_goal_that_is_made_has_no_part_in_the_running_cycle() -> None:
+    done = goal("A")
+    done.made = 24
+    goals = book(done, goal("B"))
+    assert goals.need("housing", "") == 24
+    assert goals.need("housing", "pump-p3") == 23
+
+
 def test_the_need_is_over_all_goals_without_what_is_made_or_running() -> None:
     half = goal("A")
     half.made = 20

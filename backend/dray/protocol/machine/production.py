@@ -157,10 +157,10 @@ class GoalBook:
         pieces = 0
         for goal in self.at_work():
             takes = per_piece(goal.work, material)
-            if takes:
+            if takes and goal.to_make > 0:
                 running = 1 if goal.work.product == cycling else 0
-                pieces += takes * max(0, goal.to_make - running)
-                # One cycle runs at a time: only the first goal of that product has it.
+                pieces += takes * (goal.to_make - running)
+                # One cycle runs at a time: only the first goal of that product with a piece to make has it.
                 cycling = "" if running else cycling
         return pieces
 
