@@ -166,12 +166,8 @@ class Issuing:
             self._door.shut(ask.vehicle, ask.task)
         ask.open(vehicle, docked.epoch, now_s)
         self._book.renew(ask, now_s)
+        self._door.open(vehicle, docked, ask.item, ask.quantity, now_s, comes=False)
         self._changed(now_s)
-        if ask.opened:
-            self._door.open(vehicle, docked, ask.item, ask.quantity, now_s, comes=False)
-        else:
-            # The stock does not cover it: the place needs the pieces itself.
-            self._door.hold(vehicle, docked, f"{self._place} has no {ask.item}")
 
     # --- consequences ---
 
