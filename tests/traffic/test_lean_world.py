@@ -9,7 +9,7 @@ from variants import variants
 
 from dray.messages.floor.traffic import PlaceRequested, PlaceReservation
 from dray.plant import Plant
-from dray.protocol.traffic.driving import place_requests, yielding
+from dray.protocol.traffic.driving import evidence, yielding
 from dray.protocol.traffic.places import Footprint, Places
 from dray.protocol.traffic.reservations.copies import Copies
 from dray.protocol.traffic.reservations.reservation_table import ReservationTable
@@ -163,7 +163,7 @@ def test_a_grant_without_the_table_is_found(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.slow
 def test_a_grant_that_no_majority_has_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     # Else the witness refuses nearly all of them.
-    monkeypatch.setattr(place_requests, "WITNESS_ASKED", -1)
+    monkeypatch.setattr(evidence, "WITNESS_ASKED", -1)
     monkeypatch.setattr(Copies, "majority", property(lambda self: 1))
     assert faults_of("bridge", range(12), POOR, 8.0).double_holds
 

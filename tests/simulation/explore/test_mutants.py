@@ -43,6 +43,7 @@ from dray.protocol.strategist.order_book import OrderInWork
 from dray.protocol.strategist.order_revocations import OrderRevocations
 from dray.protocol.takeover import left_aboard
 from dray.protocol.traffic.driving import place_requests, yielding
+from dray.protocol.traffic.driving.evidence import Evidence
 from dray.protocol.traffic.driving.place_requests import PlaceRequests
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
@@ -308,12 +309,12 @@ def that_does_not_examine_signatures(patch: pytest.MonkeyPatch) -> None:
 def that_follows_whoever_says_a_later_epoch(patch: pytest.MonkeyPatch) -> None:
     """Whoever keeps a copy follows one replica that says a later epoch, and does not ask whether the present one lives."""
     patch.setattr(Copies, "_follows", lambda *_args, **_words: True)
-    patch.setattr(PlaceRequests, "_is_agreed", lambda *_: True)
+    patch.setattr(Evidence, "is_agreed", lambda *_: True)
 
 
 def that_believes_one_replica_alone(patch: pytest.MonkeyPatch) -> None:
     """A vehicle takes the grant of one replica under an epoch that nobody else has told."""
-    patch.setattr(PlaceRequests, "_is_agreed", lambda *_: True)
+    patch.setattr(Evidence, "is_agreed", lambda *_: True)
 
 
 def that_does_not_mind_its_double(patch: pytest.MonkeyPatch) -> None:

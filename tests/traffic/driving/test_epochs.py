@@ -10,7 +10,7 @@ from dray.messages.base import COUNT_MAX
 from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceRequested, PlaceReservation
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving import place_requests as correspondence
+from dray.protocol.traffic.driving import evidence
 from dray.protocol.traffic.driving.place_requests import PlaceRequests, State
 from dray.protocol.traffic.numbers import LEAP_MAX, OUTBID_MAX
 
@@ -24,7 +24,7 @@ WANTED = (("b3",),)
 @pytest.fixture(autouse=True)
 def no_witness(monkeypatch: pytest.MonkeyPatch) -> None:
     """It does not answer: what it has to say is another matter (`reservations/test_witness.py`)."""
-    monkeypatch.setattr(correspondence, "WITNESS_ASKED", -1)
+    monkeypatch.setattr(evidence, "WITNESS_ASKED", -1)
 
 
 class Correspondence:

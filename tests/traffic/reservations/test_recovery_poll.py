@@ -10,7 +10,8 @@ from dray.messages.base import COUNT_MAX
 from dray.messages.floor.traffic import HoldsAsked, PlaceRequested
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving.place_requests import NO_EPOCH, PlaceRequests, State
+from dray.protocol.traffic.driving.evidence import NO_EPOCH
+from dray.protocol.traffic.driving.place_requests import PlaceRequests, State
 from dray.protocol.traffic.numbers import FAR, OUTBID_MAX, VERSION_LEAP
 from dray.protocol.traffic.reservations.recovery_poll import (
     AGAIN_AT_MOST_S,

@@ -21,8 +21,9 @@ from dray.messages.floor.traffic import (
 )
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving import place_requests
-from dray.protocol.traffic.driving.place_requests import LEAST_AGAIN_S, WITNESS_ASKED, PlaceRequests, State
+from dray.protocol.traffic.driving import evidence
+from dray.protocol.traffic.driving.evidence import WITNESS_ASKED, Evidence
+from dray.protocol.traffic.driving.place_requests import LEAST_AGAIN_S, PlaceRequests, State
 from dray.protocol.traffic.numbers import FAR
 from dray.protocol.traffic.reservations.copies import Copies
 from dray.protocol.traffic.reservations.witness import Witness
@@ -300,11 +301,9 @@ def test_nor_does_one_of_before_a_recovery_poll_that_the_thief_alone_pretends(fl
 def test_it_would_if_vehicles_believed_the_one_that_leads_that_numbers_have_fallen(
     floor: Floor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    take = PlaceRequests._take_confirmed
+    take = Evidence._take
     monkeypatch.setattr(
-        PlaceRequests,
-        "_take_confirmed",
-        lambda self, line, confirmed: take(self, line, replace(confirmed, polled=FAR)),
+        Evidence, "_take", lambda self, confirmed, mark: take(self, replace(confirmed, polled=FAR), mark)
     )
     pretend_lower_numbers(floor)
     assert floor.holders == {"A", "B"}
@@ -655,7 +654,7 @@ def test_whatever_it_says_no_two_hold_the_place(seed: int) -> None:
 
 
 def test_two_would_if_vehicles_believed_the_one_that_leads_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(place_requests, "WITNESS_ASKED", -1)
+    monkeypatch.setattr(evidence, "WITNESS_ASKED", -1)
     assert all(anything(seed) for seed in range(10))
 
 
@@ -677,5 +676,5 @@ def test_two_would_if_copies_believed_words_of_an_earlier_life(monkeypatch: pyte
 def test_two_would_if_a_later_life_believed_confirmations_to_an_earlier_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(PlaceRequests, "_is_to_this_life", lambda *_: True)
+    monkeypatch.setattr(Evidence, "_is_to_this_life", lambda *_: True)
     assert any(anything(seed) for seed in range(40))

@@ -1,10 +1,7 @@
 """A vehicle's requests to the replicas of reservation tables: its whole state in each district, repeated until it is answered.
 
-A vehicle accepts grants only under the epoch that a majority of the replicas have reported. While one replica alone reports a later
-epoch, the vehicle sends its request to all replicas: those that keep copies answer with their epoch.
-
-Nor does the vehicle trust the leader alone: the *witness*, whose turn is next, confirms each line that it has copied. A grant
-without confirmation is accepted only when the witness does not answer.
+A vehicle accepts only grants that it can believe (`evidence.py`). While one replica alone reports a later epoch, the vehicle sends its
+request to all replicas: those that keep copies answer with their epoch.
 """
 
 from __future__ import annotations
@@ -15,7 +12,6 @@ import msgspec
 from msgspec import UNSET
 
 from dray.messages.floor.traffic import (
-    FIRST_LIFE,
     UNSIGNED,
     Blocked,
     HoldsAsked,
@@ -25,6 +21,7 @@ from dray.messages.floor.traffic import (
     Rank,
 )
 from dray.protocol.runtime.life import Life
+from dray.protocol.traffic.driving.evidence import NO_EPOCH, Evidence
 from dray.protocol.traffic.numbers import ALONE_MAX, OUTBID_MAX
 
 REQUEST_AGAIN = "request again"
@@ -54,12 +51,6 @@ then. An answer to a repetition is no measurement: the request was lost, or its 
 
 LATE_IN_ROW = 3
 """Late answers in a row that show a slow link, and not only a replica that has just started or taken a table over."""
-
-WITNESS_ASKED = 4
-"""Unanswered questions after which the witness counts as silent: at 20 % loss each way, 1 of 60 living ones."""
-
-NO_EPOCH = -1
-"""The epoch before the first one."""
 
 LOSS_GAIN = 0.05
 """Weight of the newest request in the share of unanswered ones."""
@@ -91,24 +82,17 @@ class _Line:
     """The correspondence about one district."""
 
     __slots__ = (
-        "agreed",
         "asked_all",
         "asks",
-        "confirmed",
-        "confirmed_epoch",
         "content",
-        "early",
         "epoch",
+        "evidence",
         "groups",
         "hindered",
         "lives",
-        "missed",
-        "misses",
-        "polled",
         "repeats_s",
         "request",
         "rolled",
-        "rolled_after",
         "said_s",
         "seen",
         "seq",
@@ -117,44 +101,24 @@ class _Line:
         "tries",
         "turn",
         "unanswered",
-        "witness_asked",
-        "words",
     )
 
-    def __init__(self) -> None:
+    def __init__(self, evidence: Evidence) -> None:
+        self.evidence = evidence
         self.seq = 0
         self.since = 0
         """The first request with the present content."""
         self.seen = 0
         self.epoch = 0
-        """The table's epoch; answers under earlier ones are refused. It may be above `agreed` while a recovery poll runs."""
-        self.agreed = NO_EPOCH
-        """The latest epoch that a majority of the replicas have reported."""
-        self.words: dict[str, int] = {}
-        """Replica -> the latest epoch that it has reported."""
+        """The table's epoch; answers under earlier ones are refused. It may be above the agreed one while a recovery poll runs."""
         self.request: PlaceRequested | None = None
         """The newest request."""
         self.asked_all = False
         """Whether that request went to all replicas."""
-        self.missed: tuple[str, PlaceGranted] | None = None
-        """Sender and answer: the newest one whose epoch was not agreed, or that was not confirmed."""
         self.asks = False
         """Whether the newest request asks for the place where the vehicle stands."""
-        self.confirmed: dict[str, int] = {}
-        """Place -> number of the grant, as the witness has it."""
-        self.rolled_after: int | None = None
-        """`agreed` when the last recovery poll asked; None once a table made since has answered with grants."""
-        self.confirmed_epoch = NO_EPOCH
-        self.polled = NO_EPOCH
-        """Epoch of the recovery poll from whose table the witness of `confirmed_epoch` has its copy, as it has told; else `NO_EPOCH`."""
-        self.misses: dict[str, tuple[int, int]] = {}
-        """Replica -> epoch and number of its newest question for a release that a copy misses (`HoldsAsked.misses`)."""
         self.settles = False
-        """Whether the next request is that release."""
-        self.early: PlaceConfirmed | None = None
-        """The witness's newest confirmation under an epoch that was not agreed."""
-        self.witness_asked = 0
-        """Questions to the witness since it was last heard."""
+        """Whether the next request is a release that a copy misses."""
         self.content: object = None
         """The content of the newest request; None before the first one."""
         self.groups: tuple[tuple[str, ...], ...] = ()
@@ -172,29 +136,10 @@ class _Line:
         self.lives = False
         """Whether the replica knows of places that are held or wanted."""
 
-    def is_of_new_table(self, granted: PlaceGranted) -> bool:
-        """Whether an answer under the agreed epoch is the first one with grants since the vehicle has answered a recovery poll."""
-        after, (_, answer) = self.rolled_after, self.rolled
-        return (
-            after is not None
-            and granted.epoch > after
-            and granted.upto >= max(answer, self.since)
-            and bool(granted.grants)
-        )
-
-    def falls(self, granted: PlaceGranted) -> bool:
-        """Whether an answer's table begins below what the vehicle has seen: then `seen` is void."""
-        return (
-            self.is_of_new_table(granted)
-            and max(reservation.number for reservation in granted.grants) < self.seen
-        )
-
-    def note_new_table(self, granted: PlaceGranted) -> None:
-        """Note a confirmed answer: the first table after a recovery poll may have lower numbers."""
-        if self.is_of_new_table(granted):
-            self.seen = 0 if self.falls(granted) else self.seen
-            self.rolled_after = None
-            self.misses.clear()
+    @property
+    def since_poll(self) -> int:
+        """The request from which on the table of a recovery poll answers."""
+        return max(self.rolled[1], self.since)
 
 
 class PlaceRequests:
@@ -231,7 +176,7 @@ class PlaceRequests:
 
     def open(self, district: str) -> None:
         """Let the next requests include this district, even if nothing is held or wanted there."""
-        self._lines.setdefault(district, _Line()).lives = True
+        self._line(district).lives = True
 
     def groups(self, district: str) -> tuple[tuple[str, ...], ...]:
         """The groups of the newest request."""
@@ -271,7 +216,7 @@ class PlaceRequests:
         if line is None:
             if not holds and not groups and not anew and not asked:
                 return
-            line = self._lines[district] = _Line()
+            line = self._line(district)
         content = _content(holds, groups, state)
         if line.content == content and not anew:
             if not asked:
@@ -294,9 +239,10 @@ class PlaceRequests:
     ) -> None:
         """Repeat a request whose alarm has come: it was not answered, or not granted in full."""
         line = self._lines[district]
-        if line.missed is not None and line.missed[1].epoch == line.agreed:
+        evidence = line.evidence
+        if evidence.waits_for_witness:
             # The answer may be forged, so the leader is asked again, too.
-            line.witness_asked += 1
+            evidence.witness_asked += 1
         elif line.unanswered:
             self._lost_frac += LOSS_GAIN * (1.0 - self._lost_frac)
             line.tries += 1
@@ -311,9 +257,9 @@ class PlaceRequests:
             line.repeats_s.clear()
         line.content, line.groups = content, groups
         self._send(district, line, holds, groups, state, now_s)
-        if line.missed is not None and line.missed[1].epoch == line.agreed and line.request is not None:
+        if evidence.waits_for_witness and line.request is not None:
             line.asked_all = True
-            self._life.send(_witness(self._replicas_of[district], line.agreed), line.request)
+            self._life.send(evidence.witness(evidence.agreed), line.request)
 
     def _send(
         self,
@@ -363,12 +309,9 @@ class PlaceRequests:
                 # Other replicas are not told this epoch, which only the poll's own replica has reported.
                 said = self._sign(msgspec.structs.replace(request, epoch=line.epoch, key=b"", signature=b""))
         line.request, line.asked_all, line.asks = said, False, state.asks and bool(groups)
-        for place in [
-            one for one, number in line.confirmed.items() if number <= line.seen and one not in holds
-        ]:
-            del line.confirmed[place]
+        line.evidence.forget_released(line.seen, holds)
         self._life.send(to or replicas[(line.epoch + line.turn) % len(replicas)], request)
-        if waits and not to and line.agreed == NO_EPOCH:
+        if waits and not to and line.evidence.agreed == NO_EPOCH:
             self._say_to_all(line, replicas[(line.epoch + line.turn) % len(replicas)])
         if not waits or repeats:
             return
@@ -399,7 +342,7 @@ class PlaceRequests:
             return False
         if not self._is_meant(granted):
             return False
-        self._lines.setdefault(granted.district, _Line()).seq = max(said, min(granted.upto, ALONE_MAX))
+        self._line(granted.district).seq = max(said, min(granted.upto, ALONE_MAX))
         return True
 
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> tuple[str, ...] | None:
@@ -409,20 +352,21 @@ class PlaceRequests:
             return None
         if not self._is_meant(granted):
             return None
-        line = self._lines.setdefault(granted.district, _Line())
+        line = self._line(granted.district)
+        evidence = line.evidence
         if _is_over(line, granted):
             return None
-        if not self._is_agreed(line, sender, granted.district, granted.epoch):
-            line.missed = (sender, granted)
+        if not evidence.is_agreed(sender, granted.epoch):
+            evidence.waiting = (sender, granted)
             self._say_to_all(line, sender)
             return None
         if not self._is_confirmed(line, granted):
-            if line.missed is None and not line.unanswered:
+            if evidence.waiting is None and not line.unanswered:
                 self._life.alarm((REQUEST_AGAIN, granted.district), now_s + LEAST_AGAIN_S)
-            line.missed = (sender, granted)
+            evidence.waiting = (sender, granted)
             return None
-        line.note_new_table(granted)
-        line.epoch, line.turn, line.missed = granted.epoch, 0, None
+        line.seen = evidence.accept(granted, line.seen, line.since_poll)
+        line.epoch, line.turn = granted.epoch, 0
         fresh = tuple(reservation.place for reservation in granted.grants if reservation.number > line.seen)
         line.seen = max((line.seen, *(reservation.number for reservation in granted.grants)))
         if granted.upto >= line.since:
@@ -445,53 +389,13 @@ class PlaceRequests:
 
     def on_confirmed(self, sender: str, confirmed: PlaceConfirmed) -> bool:
         """Note the witness's confirmation of the lines that it has copied; False when it is refused."""
-        replicas = self._replicas_of.get(confirmed.district, ())
-        if not replicas or _witness(replicas, confirmed.epoch) != sender:
+        if confirmed.district not in self._replicas_of:
             return False
-        line = self._lines.setdefault(confirmed.district, _Line())
-        if confirmed.epoch < line.confirmed_epoch:
-            return False
-        is_agreed = self._is_agreed(line, sender, confirmed.district, confirmed.epoch)
-        if not self._is_to_this_life(confirmed):
-            return True
-        if not is_agreed:
-            line.early = confirmed
-            return True
-        self._take_confirmed(line, confirmed)
-        return True
-
-    def _is_to_this_life(self, confirmed: PlaceConfirmed) -> bool:
-        """Whether the witness has confirmed to this life. Otherwise it may still believe an earlier life's release of these lines."""
-        return confirmed.life == self.life or self.life <= FIRST_LIFE or not self._mark
-
-    def _take_confirmed(self, line: _Line, confirmed: PlaceConfirmed) -> None:
-        if confirmed.epoch != line.confirmed_epoch:
-            line.polled = NO_EPOCH
-        line.early, line.witness_asked, line.confirmed_epoch = None, 0, confirmed.epoch
-        if confirmed.polled is not UNSET:
-            line.polled = confirmed.polled
-        line.confirmed = {one.place: one.number for one in confirmed.grants if one.mark == self._mark}
+        return self._line(confirmed.district).evidence.on_confirmed(sender, confirmed, self._mark)
 
     def _is_confirmed(self, line: _Line, granted: PlaceGranted) -> bool:
-        """Whether the witness has confirmed all new lines of an answer, or is silent."""
-        replicas = self._replicas_of[granted.district]
-        if len(replicas) == 1 or line.witness_asked > WITNESS_ASKED:
-            return True
-        early = line.early
-        if early is not None and early.epoch == granted.epoch and self._is_to_this_life(early):
-            self._take_confirmed(line, early)
-        known = line.confirmed if line.confirmed_epoch == granted.epoch else {}
-        falls = line.falls(granted)
-        if falls and (line.confirmed_epoch != granted.epoch or line.polled <= (line.rolled_after or 0)):
-            # A leader alone may have asked as if in a recovery poll, to have an old line taken for a new grant.
-            return False
-        seen = 0 if falls else line.seen
         asked = {place for group in line.groups for place in group} if line.asks else ()
-        return all(
-            known.get(reservation.place) == reservation.number
-            for reservation in granted.grants
-            if reservation.number > seen or reservation.place in asked
-        )
+        return line.evidence.is_confirmed(granted, self._mark, line.seen, line.since_poll, asked)
 
     def _is_meant(self, granted: PlaceGranted) -> bool:
         """Whether an answer is for this vehicle's key, and not for another key under its name."""
@@ -514,65 +418,47 @@ class PlaceRequests:
         """
         if not self.keeps(sender, asked.district):
             return False
-        line = self._lines.setdefault(asked.district, _Line())
+        line = self._line(asked.district)
+        evidence = line.evidence
         if asked.recovery_poll:
             # Only the poll's replica reports this epoch. It accepts no other, so the answer carries it (`say`). An answer is no
             # grant. From now on, grants under earlier epochs are refused.
-            line.words[sender] = max(line.words.get(sender, 0), asked.epoch)
-            line.rolled_after = line.agreed
-            line.misses.clear()
+            evidence.on_poll(sender, asked.epoch)
             # The raise is limited, so that others can lead again: a leader that hears of a later epoch begins a still later one.
-            line.epoch, line.turn = max(line.epoch, min(asked.epoch, line.agreed + OUTBID_MAX)), 0
+            line.epoch, line.turn = max(line.epoch, min(asked.epoch, evidence.agreed + OUTBID_MAX)), 0
             return True
         if asked.epoch < line.epoch:
             return False
-        replicas = self._replicas_of[asked.district]
         if asked.misses is not UNSET and settles:
-            line.misses[sender] = asked.epoch, asked.misses
-        if not self._is_agreed(line, sender, asked.district, asked.epoch):
+            evidence.on_release_missed(sender, asked.epoch, asked.misses)
+        if not evidence.is_agreed(sender, asked.epoch):
             if line.lives or line.unanswered:
                 self._say_to_all(line, "")
                 return False
             # Only a replica whose copy misses a release may ask under such an epoch, and not the epoch's leader.
-            return replicas[asked.epoch % len(replicas)] != sender
+            return evidence.leader(asked.epoch) != sender
         line.epoch, line.turn = asked.epoch, 0
-        settles = settles and asked.misses is not UNSET and self._settles(line, replicas)
-        return settles or not line.asked_all
-
-    def _settles(self, line: _Line, replicas: Sequence[str]) -> bool:
-        """Whether the next request is the release that a copy misses, as leader and witness have told under the agreed epoch.
-
-        One of the two is honest, and numbers no later grant so low. All grants up to that number count as seen: one that is still
-        under way is void.
-        """
-        leader = replicas[line.agreed % len(replicas)]
-        told = [
-            line.misses.get(replica, (NO_EPOCH, 0)) for replica in (leader, _witness(replicas, line.agreed))
-        ]
-        settled = min(number for _, number in told)
-        line.settles = settled > 0 and all(epoch == line.agreed for epoch, _ in told)
-        if line.settles:
-            line.seen = max(line.seen, settled)
-        return line.settles
+        if settles and asked.misses is not UNSET:
+            # All grants up to that number count as seen: one that is still under way is void.
+            settled = evidence.number_to_settle()
+            line.settles, line.seen = settled > 0, max(line.seen, settled)
+            return line.settles or not line.asked_all
+        return not line.asked_all
 
     def take_missed(self, district: str) -> tuple[str, PlaceGranted] | None:
         """A missed answer, with its sender, that is agreed and confirmed by now; None for none."""
         line = self._lines.get(district)
-        if line is None or line.missed is None or line.missed[1].epoch != line.agreed:
+        waiting = line.evidence.waiting if line is not None and line.evidence.waits_for_witness else None
+        if line is None or waiting is None or not self._is_confirmed(line, waiting[1]):
             return None
-        if not self._is_confirmed(line, line.missed[1]):
-            return None
-        missed, line.missed = line.missed, None
-        return missed
+        line.evidence.waiting = None
+        return waiting
 
-    def _is_agreed(self, line: _Line, sender: str, district: str, epoch: int) -> bool:
-        """Note an epoch that a replica reports; whether it is the one that a majority have reported."""
-        if epoch > line.agreed:
-            line.words[sender] = max(line.words.get(sender, 0), epoch)
-            alike = sum(word == epoch for word in line.words.values())
-            if alike > len(self._replicas_of[district]) // 2:
-                line.agreed = epoch
-        return epoch == line.agreed
+    def _line(self, district: str) -> _Line:
+        line = self._lines.get(district)
+        if line is None:
+            line = self._lines[district] = _Line(Evidence(self._replicas_of[district], self.life))
+        return line
 
     def _say_to_all(self, line: _Line, but: str) -> None:
         """Send the newest request to all other replicas, once: those that keep copies answer with the table's epoch."""
@@ -582,11 +468,6 @@ class PlaceRequests:
         for replica in self._replicas_of[line.request.district]:
             if replica != but:
                 self._life.send(replica, line.request)
-
-
-def _witness(replicas: Sequence[str], epoch: int) -> str:
-    """The replica that confirms the leader's grants under an epoch."""
-    return replicas[(epoch + 1) % len(replicas)]
 
 
 def _is_over(line: _Line, granted: PlaceGranted) -> bool:
