@@ -100,7 +100,7 @@ async def test_the_newest_lives_are_known_with_their_holes(store: Store) -> None
             )
         await work.events.add(tell("M2", made("G2", 1), first=3), same_clock)
         assert await work.events.known() == [
-            *(Known("M1", life, 9, (2, 3 + life % 6), cut=life == lives[1]) for life in lives[1:]),
+            *(Known("M1", life, 9, (2, 3 + life % 6), is_first_asked=life == lives[1]) for life in lives[1:]),
             Known("M2", 1, 3, (1, 2)),
         ]
 
@@ -116,4 +116,4 @@ async def test_pruned_events_are_not_missing(store: Store) -> None:
     async with store.write() as work:
         await work.events.add(tell("M1", *[made("G1", 1)] * 9), same_clock)
         await work.events.forget(1, 5)
-        assert await work.events.known() == [Known("M1", 1, 9, cut=True)]
+        assert await work.events.known() == [Known("M1", 1, 9, is_first_asked=True)]

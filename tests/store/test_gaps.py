@@ -335,7 +335,7 @@ def test_an_end_that_was_lost_is_asked_for_when_a_later_answer_tells_of_it() -> 
 
 
 def test_lives_that_were_deleted_are_not_fetched_once_more() -> None:
-    gaps = Gaps([Known("M1", 5, 9, cut=True), Known("M1", 6, 2)])
+    gaps = Gaps([Known("M1", 5, 9, is_first_asked=True), Known("M1", 6, 2)])
     gaps.answered("M1", kept(1, 2, life=6, earlier=[(3, 1, 8), (4, 1, 8), (5, 1, 9)]), 0.1)
     assert gaps.missing == 0
     assert asked(gaps, 0.2) == []
@@ -436,7 +436,7 @@ def test_for_a_number_of_the_far_future_no_number_that_is_kept_stays_unsought() 
 
 
 def test_an_agent_is_followed_in_the_life_it_says_it_is_in_though_a_thief_has_named_the_next_one() -> None:
-    gaps = note(Gaps([Known("M1", 3, 1, cut=True)]), 1, life=4)
+    gaps = note(Gaps([Known("M1", 3, 1, is_first_asked=True)]), 1, life=4)
     now_s = OVERTAKES_S + 1.0
     for later_s in (0.0, 1.0):
         gaps.note_alive("M1", 3, now_s + later_s)

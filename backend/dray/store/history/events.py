@@ -136,7 +136,7 @@ class Events:
         for _, grouped in groupby(lives.all(), key=lambda row: row[0]):
             of_agent = list(grouped)
             # Deleted rows are not fetched once more: their pieces were counted.
-            cut = oldest != 1 or len(of_agent) > LIVES
+            is_first_asked = oldest != 1 or len(of_agent) > LIVES
             for agent, life, first, last, count in of_agent[-LIVES:]:
                 # Deleted rows are no hole; none were deleted as long as the very first row exists.
                 start = 1 if oldest == 1 else first
@@ -144,8 +144,8 @@ class Events:
                 if count < last - start + 1:
                     start = max(start, last - HISTORY_KEPT + 1)
                     missing = await self._missing(agent, life, start, last)
-                found.append(Known(agent, life, last, missing, cut))
-                cut = False
+                found.append(Known(agent, life, last, missing, is_first_asked))
+                is_first_asked = False
         return found
 
     async def _missing(self, agent: str, incarnation: int, first: int, last: int) -> tuple[int, ...]:

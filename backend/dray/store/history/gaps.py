@@ -59,8 +59,8 @@ class Known(msgspec.Struct, frozen=True, gc=False):
     incarnation: int
     last: int
     missing: tuple[int, ...] = ()
-    cut: bool = False
-    """Whether earlier lives are not asked for: they were deleted, or are older than those followed."""
+    is_first_asked: bool = False
+    """Whether no earlier life is asked for: they were deleted, or are older than those followed."""
 
 
 class _Life(msgspec.Struct, gc=False):
@@ -73,8 +73,8 @@ class _Life(msgspec.Struct, gc=False):
     missing: set[int] = msgspec.field(default_factory=set)
     open: bool = True
     """Whether its end is unknown: not reported since its beginning, or since the next life's beginning."""
-    unsought: int = COUNT_MAX
-    """The first number that is not looked for, without the agent's word, because a far later one was heard."""
+    skipped_from: int = COUNT_MAX
+    """The first number that was skipped without being looked for, since a far later one was heard."""
 
 
 class _Teller(msgspec.Struct, gc=False):
@@ -94,8 +94,8 @@ class _Teller(msgspec.Struct, gc=False):
     """A question was asked, and its answer may still come."""
     filled: int = 0
     """Missing numbers that have come since the last question."""
-    whole_before: int = 0
-    """Nothing is asked for of lives before this one, unless they are in `lives`."""
+    first_asked: int = 0
+    """The first life that is asked for; earlier ones only if they are in `lives`."""
 
 
 class Gaps:
@@ -118,14 +118,14 @@ class Gaps:
         self._tellers: dict[str, _Teller] = {}
         for one in known:
             teller = self._tellers.setdefault(one.agent, _Teller(heard_s=now_s, due_s=now_s, newest_s=now_s))
-            if one.cut:
-                teller.whole_before = one.incarnation
+            if one.is_first_asked:
+                teller.first_asked = one.incarnation
             self._begin_life(teller, one.incarnation)
             life = teller.lives[one.incarnation]
             life.last = one.last
             life.missing.update(one.missing[-HISTORY_KEPT:])
             if one.last > HISTORY_KEPT:
-                life.unsought = 1
+                life.skipped_from = 1
             self.missing += len(life.missing)
             self._bound(teller)
         for agent in agents:
@@ -183,7 +183,7 @@ class Gaps:
         if kept.earlier is not None and _is_credible(kept.earlier):
             gone += self._compare(teller, kept.life, kept.earlier)
         _forget_whole_lives(teller)
-        teller.whole_before = max(teller.whole_before, min(kept.life, next(iter(teller.lives))))
+        teller.first_asked = max(teller.first_asked, min(kept.life, next(iter(teller.lives))))
         self._trim(teller)
         teller.waiting = False
         lacking = any(life.missing or life.open for life in teller.lives.values())
@@ -226,7 +226,7 @@ class Gaps:
             # Nobody speaks in that life any more: a thief of its certificate has named it.
             for later in [life for life in teller.lives if life > incarnation]:
                 self._give_up(life := teller.lives.pop(later), life.last + 1)
-            teller.whole_before = min(teller.whole_before, incarnation)
+            teller.first_asked = min(teller.first_asked, incarnation)
             newest = next(reversed(teller.lives), 0)
         if incarnation > newest:
             self._begin_life(teller, incarnation)
@@ -240,7 +240,7 @@ class Gaps:
         newest = next(reversed(teller.lives), 0)
         if newest:
             teller.lives[newest].open = True
-        for life in range(max(newest, incarnation - LIVES, teller.whole_before - 1) + 1, incarnation + 1):
+        for life in range(max(newest, incarnation - LIVES, teller.first_asked - 1) + 1, incarnation + 1):
             teller.lives[life] = _Life()
         self._trim(teller)
 
@@ -257,7 +257,7 @@ class Gaps:
         """
         gone = 0
         for kept in earlier:
-            if not teller.whole_before <= kept.incarnation < present:
+            if not teller.first_asked <= kept.incarnation < present:
                 continue
             if (life := teller.lives.get(kept.incarnation)) is None:
                 life = teller.lives[kept.incarnation] = _Life()
@@ -286,8 +286,8 @@ class Gaps:
             life.missing = {number for number in life.missing if number <= last}
             if last < life.last - HISTORY_KEPT:
                 # For a thief's number, others were not looked for that it keeps.
-                life.missing.update(range(max(life.unsought, first, last + 1 - HISTORY_KEPT), last + 1))
-                life.unsought = COUNT_MAX
+                life.missing.update(range(max(life.skipped_from, first, last + 1 - HISTORY_KEPT), last + 1))
+                life.skipped_from = COUNT_MAX
             self.missing += len(life.missing)
             life.last = last
         if last <= life.last:
@@ -308,12 +308,12 @@ class Gaps:
         sought = max(first, end - HISTORY_KEPT)
         self.gone += sought - first
         if sought > first:
-            life.unsought = min(life.unsought, first)
+            life.skipped_from = min(life.skipped_from, first)
         life.missing.update(range(sought, end))
         self.missing += end - sought
         if len(life.missing) > HISTORY_KEPT:
             missing = sorted(life.missing)
-            life.unsought = min(life.unsought, missing[0])
+            life.skipped_from = min(life.skipped_from, missing[0])
             self._give_up(life, missing[-HISTORY_KEPT])
         self._bound(teller)
 
