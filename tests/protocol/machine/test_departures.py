@@ -614,4 +614,6 @@ def test_a_load_for_which_an_earlier_life_may_have_opened_the_dock_is_booked_in_
     assert sent(rig.on_message("ATV2", GIVES_BACK), Superseded, to="ATV2")
     effects = tells(rig)
     assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, booked)
+    # Its report counts also once it has gone, and once.
+    assert instructed(told_by_handover(rig), Book) == ([] if booked else BROUGHT)
     assert instructed(told_by_handover(rig), Book) == []
