@@ -242,6 +242,8 @@ class DepartureMemory(Part, frozen=True):
     """Whether the dock was opened for it; before that it cannot have put anything down."""
     returns: bool = False
     """Whether it waits there to put its load back."""
+    gone: bool = False
+    """Whether it has left, and only its own report can tell that the load lies there."""
 
 
 class ReservationMemory(Part, frozen=True):

@@ -156,6 +156,26 @@ def test_a_life_that_begins_while_a_vehicle_unloads_keeps_the_dock_open_for_it()
     assert rig.state.opened == ()
 
 
+@pytest.mark.parametrize("again", [False, True], ids=["cut", "begun-again"])
+def test_a_ready_of_the_vehicle_before_is_waited_out_once_the_connection_is_back(*, again: bool) -> None:
+    rig = Rig(TWO_BITS)
+    for vehicle in ("ATV1", "ATV2"):
+        rig.body.instruct(OpenDock(vehicle=vehicle, item=ITEM, quantity=10))
+    rig.tell(Signal.DOCK_READY, True)
+    rig.body.on_link_lost("it is away")
+    if again:
+        rig.begin()
+    rig.body.instruct(Book("ATV1", ITEM, 10, task="M1-1", epoch=1))
+    rig.body.on_link()
+    rig.heard()
+    rig.tell(Signal.DOCK_READY, True)
+    assert (rig.body.outputs[Signal.DOCK_PERMIT], rig.heard()) == (False, [])
+    rig.tell(Signal.DOCK_READY, False)
+    assert (rig.body.outputs[Signal.DOCK_PERMIT], rig.body.outputs[Signal.DOCK_VEHICLE]) == (True, "ATV2")
+    rig.tell(Signal.DOCK_READY, True)
+    assert rig.heard() == [DockReady(vehicle="ATV2")]
+
+
 def test_a_dock_without_a_handshake_is_open_at_once() -> None:
     rig = Rig()
     rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))

@@ -45,6 +45,7 @@ from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.departures import UNHEARD_S, Departures
 from dray.protocol.transports.dock_door import Door
+from dray.protocol.transports.transports import RECOVERY_WAIT_S
 
 DOCK = "m7"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
@@ -542,6 +543,52 @@ def test_what_came_through_the_open_dock_while_the_notes_were_lost_is_booked_in_
     assert instructed(beats(rig, phase, node=node), Book) == []
 
 
+@pytest.mark.parametrize(
+    ("coordinator", "item", "phase", "node", "opened", "listens", "booked"),
+    [
+        ("M7", "pump-p3", Phase.CARRYING, DOCK, ("ATV2",), True, True),
+        ("M7", "pump-p3", Phase.CARRYING, DOCK, ("ATV2",), False, True),
+        ("S1", "pump-p3", Phase.CARRYING, DOCK, ("ATV2",), True, True),
+        ("M7", "housing", Phase.CARRYING, DOCK, ("ATV2",), True, False),
+        ("S1", "seal-kit", Phase.CARRYING, DOCK, ("ATV2",), True, False),
+        ("S1", "pump-p3", Phase.UNLOADING, DOCK, ("ATV2",), True, False),
+        ("M7", "pump-p3", Phase.CARRYING, "c1", ("ATV2",), True, False),
+        ("M7", "pump-p3", Phase.CARRYING, DOCK, (), True, False),
+    ],
+    ids=[
+        "goods",
+        "later",
+        "another-s",
+        "comes",
+        "more-than-there",
+        "brings",
+        "elsewhere",
+        "not-let-in",
+    ],
+)
+def test_what_left_through_the_open_dock_while_the_notes_were_lost_is_booked_out_once(
+    coordinator: str,
+    item: str,
+    phase: Phase,
+    node: str,
+    opened: tuple[str, ...],
+    *,
+    listens: bool,
+    booked: bool,
+) -> None:
+    rig = BlindRig("M7", NO_HOUSINGS | {"pump-p3": 8, "housing": 8, "seal-kit": 0}, incarnation=2)
+    rig.answers, rig.opened = True, opened
+    rig.start()
+    rig.run(rig.now_s + (0.0 if listens else 2 * RECOVERY_WAIT_S))
+    beat = rhb("ATV2", 1000, rig.now_s, task="M7-1", coordinator=coordinator)
+    assert beat.task is not None
+    carries = replace(beat.task, phase=phase, item=item, quantity=8)
+    beat = replace(beat, task=carries, node=node, load=item, load_quantity=8)
+    out = [Book("ATV2", item, -8, task="M7-1", epoch=1)] if booked else []
+    assert instructed(rig.on_message("ATV2", beat), Book) == out
+    assert instructed(rig.on_message("ATV2", replace(beat, seq=1001)), Book) == []
+
+
 def told_by_heartbeat(rig: MachineRig) -> list[Effect]:
     return beats(rig, Phase.HANDING_OVER)
 
@@ -567,4 +614,6 @@ def test_a_load_for_which_an_earlier_life_may_have_opened_the_dock_is_booked_in_
     assert sent(rig.on_message("ATV2", GIVES_BACK), Superseded, to="ATV2")
     effects = tells(rig)
     assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, booked)
+    # Its report counts also once it has gone, and once.
+    assert instructed(told_by_handover(rig), Book) == ([] if booked else BROUGHT)
     assert instructed(told_by_handover(rig), Book) == []

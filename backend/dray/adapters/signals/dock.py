@@ -10,7 +10,7 @@
     controller resumes work                      dock_ready off
 
 Only then is the dock free for another vehicle. A broken connection counts as a controller that is not ready: no other vehicle is let in,
-and one inside finishes. A controller must not let machines move while `dock_permit` is on, or while `alive` stands still.
+and one inside finishes. If the vehicle has changed meanwhile, a ready that is on afterwards is the earlier vehicle's: the permit is withdrawn first. A controller must not let machines move while `dock_permit` is on, or while `alive` stands still.
 """
 
 from __future__ import annotations
@@ -38,6 +38,8 @@ class DockEvent(StrEnum):
     DONE = "done"
     """The vehicle has left, or no longer requests entry."""
     READY = "ready"
+    OLD_READY = "ready for an earlier vehicle"
+    """The first ready after a broken connection, during which the vehicle has changed."""
     NOT_READY = "not ready"
     """The controller is not ready, or not connected."""
 
@@ -47,18 +49,21 @@ NEXT: dict[DockState, dict[DockEvent, DockState]] = {
         DockEvent.WANTED: DockState.ASKED,
         DockEvent.DONE: DockState.SHUT,
         DockEvent.READY: DockState.CLOSING,
+        DockEvent.OLD_READY: DockState.CLOSING,
         DockEvent.NOT_READY: DockState.SHUT,
     },
     DockState.ASKED: {
         DockEvent.WANTED: DockState.ASKED,
         DockEvent.DONE: DockState.SHUT,
         DockEvent.READY: DockState.OPEN,
+        DockEvent.OLD_READY: DockState.CLOSING,
         DockEvent.NOT_READY: DockState.ASKED,
     },
     DockState.OPEN: {
         DockEvent.WANTED: DockState.OPEN,
         DockEvent.DONE: DockState.CLOSING,
         DockEvent.READY: DockState.OPEN,
+        DockEvent.OLD_READY: DockState.OPEN,
         DockEvent.NOT_READY: DockState.ASKED,
     },
     DockState.CLOSING: {
@@ -66,6 +71,7 @@ NEXT: dict[DockState, dict[DockEvent, DockState]] = {
         DockEvent.WANTED: DockState.CLOSING,
         DockEvent.DONE: DockState.CLOSING,
         DockEvent.READY: DockState.CLOSING,
+        DockEvent.OLD_READY: DockState.CLOSING,
         DockEvent.NOT_READY: DockState.SHUT,
     },
 }
@@ -85,6 +91,8 @@ class DockHandshake:
     def __init__(self, *, answers: bool) -> None:
         self._answers = answers
         self._waiting: list[str] = []
+        self._is_heard, self._is_old = False, False
+        """Whether the signal is known now; whether the vehicle has changed since it was last known."""
         self.state = DockState.SHUT
 
     @property
@@ -109,12 +117,21 @@ class DockHandshake:
         if vehicle in self._waiting:
             self._waiting.remove(vehicle)
         if was_first:
+            self._is_old = self._is_old or not self._is_heard
             self._enter(DockEvent.DONE)
         self._go_on()
 
     def ready(self, *, is_ready: bool) -> None:
         """The controller signals whether it is ready."""
-        self._enter(DockEvent.READY if is_ready else DockEvent.NOT_READY)
+        ready = DockEvent.OLD_READY if self._is_old else DockEvent.READY
+        self._is_heard, self._is_old = True, False
+        self._enter(ready if is_ready else DockEvent.NOT_READY)
+        self._go_on()
+
+    def lose(self) -> None:
+        """The signal is not known any more: the connection is broken, or its value is none."""
+        self._is_heard = False
+        self._enter(DockEvent.NOT_READY)
         self._go_on()
 
     def _go_on(self) -> None:

@@ -16,7 +16,7 @@ count is told of it (`Book`).
     it brings the same item back for another task              it has lost its memory, and found the load on board
     it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
     it names another task, or stands elsewhere, after a time   where it has been is unknown: a load to take is booked out,
-    in which it was not heard                                  a load to bring is not booked in
+    in which it was not heard                                  a load to bring is booked in once it reports that it is down
 """
 
 from __future__ import annotations
@@ -41,6 +41,9 @@ UNHEARD_S = 8.0
 
 HEARD_KEPT = 256
 """Vehicles whose last heartbeat time is kept: more than any dock serves at a time."""
+
+GONE_KEPT = 64
+"""Loads of vehicles that have left, of which each may still report that it is down."""
 
 _MAY_BE_INSIDE = frozenset({Phase.LOADING, Phase.UNLOADING, Phase.RETURNING})
 
@@ -67,6 +70,8 @@ class Departures:
         self._subscriptions, self._bookings, self._life = subscriptions, bookings, life
         self._leaving: dict[str, DepartureMemory] = {}
         """By vehicle: the load that it may have moved."""
+        self._gone: BoundedMap[tuple[str, str, int], DepartureMemory] = BoundedMap(GONE_KEPT)
+        """Loads that were not booked in when their vehicle left, by vehicle, task and epoch."""
         self._newest: LatestNumbers[str] = LatestNumbers(HEARD_KEPT)
         """By vehicle: its newest heartbeat, by incarnation and number."""
         self._at_task: BoundedMap[str, tuple[str, int, float]] = BoundedMap(HEARD_KEPT)
@@ -126,15 +131,24 @@ class Departures:
         self._end(load, aboard=aboard or not self._was_heard(load, now_s))
         return not load.task
 
-    def on_put_down(self, vehicle: str, task: str, epoch: int, quantity: int) -> None:
+    def on_put_down(self, vehicle: str, task: str, epoch: int, quantity: int) -> bool:
         """A vehicle reports `quantity` pieces as put down. Ignored if it was not watched for them.
 
         Its report counts even after silence: no vehicle reports this of a load that lies elsewhere.
+
+        Returns:
+            Whether it must report again: it is here for another load, and a body shuts its dock when it books.
         """
-        load = self._leaving.get(vehicle)
+        load, gone = self._leaving.get(vehicle), self._gone.get((vehicle, task, epoch))
         if load is not None and (load.task, load.epoch) == (task, epoch) and load.change > 0:
             # A vehicle brings at most what it was given.
             self._end(_reported(replace(load, change=min(load.change, quantity))), aboard=False)
+        elif gone is not None:
+            if load is not None or vehicle in self._visits.inside or vehicle in self._visits.asked:
+                return True
+            del self._gone[vehicle, task, epoch]
+            self._bookings.say(replace(gone, change=min(gone.change, quantity)))
+        return False
 
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """Handle a vehicle's heartbeat."""
@@ -187,12 +201,16 @@ class Departures:
 
     def memories(self) -> tuple[DepartureMemory, ...]:
         """The watched vehicles, for the next life."""
-        return tuple(self._leaving.values())
+        gone = tuple(replace(load, gone=True) for load in self._gone.values())
+        return (*self._leaving.values(), *gone)
 
     def restore(self, memories: Iterable[DepartureMemory]) -> None:
         """Go on watching the vehicles of an earlier life."""
         for load in memories:
-            self.watch(load)
+            if load.gone:
+                self._gone[load.vehicle, load.task, load.epoch] = replace(load, gone=False)
+            else:
+                self.watch(load)
 
     def _was_heard(self, load: DepartureMemory, now_s: float) -> bool:
         """Whether a vehicle has named the task in its recent heartbeats."""
@@ -203,6 +221,8 @@ class Departures:
         """A vehicle has left; `aboard`: with its load, or that is unknown."""
         if load.let_in and load.change and aboard is (load.change < 0):
             self._bookings.say(load)
+        elif load.change > 0 and not load.returns:
+            self._gone[load.vehicle, load.task, load.epoch] = load
         self._close(load.vehicle)
 
     def _close(self, vehicle: str) -> None:

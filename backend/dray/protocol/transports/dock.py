@@ -82,7 +82,9 @@ class Dock:
         task = self._tasks.get(message.task)
         if task is not None and message.epoch == task.epoch and sender == task.primary:
             return task
-        self._departures.on_put_down(sender, message.task, message.epoch, message.quantity)
+        if self._departures.on_put_down(sender, message.task, message.epoch, message.quantity):
+            self._life.ignore("a handover of a vehicle that is here for another load")
+            return None
         closed = self._tasks.closed(message.task)
         if closed is not None and closed.carrier == sender and closed.outcome == "delivered":
             self._accept(sender, message.task, message.epoch)

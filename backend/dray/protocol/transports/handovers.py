@@ -84,6 +84,9 @@ class Handovers:
         """
         for task in list(self._tasks):
             if not self.counts and (word is None or (word.task, word.epoch) != (task.id, task.epoch)):
+                if word is not None and self._has_come(task, word):
+                    self._tasks.conclude_for(task, word.vehicle)
+                    self._life.settle(now_s)
                 continue
             if report.vehicle and task.primary == report.vehicle and task.work_item == report.item:
                 task.contract.receipt.counted += max(report.change, 0)
@@ -162,6 +165,16 @@ class Handovers:
             where=work.destination,
         )
         self._life.record(disputed)
+
+    def _has_come(self, task: OpenTask, word: DepartureMemory) -> bool:
+        """Whether an earlier carrier has brought a task's load, and the present one has no other on board.
+
+        A second load comes as surplus: it is booked if there is room, and taken back if there is none.
+        """
+        is_it = word.task == task.id and word.epoch < task.epoch and self._comes(task)
+        is_whole = word.change >= cast(Transport, task.work).quantity
+        other = task.contract.phase in GOODS_ABOARD or task.is_loaded or task.is_counted
+        return is_it and is_whole and not other and not task.is_held
 
     def _comes(self, task: OpenTask) -> bool:
         return cast(Transport, task.work).destination == self._place

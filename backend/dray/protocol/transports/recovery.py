@@ -14,7 +14,7 @@ from dray.messages.base import COUNT_MAX
 from dray.plant import Plant
 from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
 from dray.protocol.runtime.life import Life
-from dray.protocol.transports.transports import RECOVERY_WAIT_S, Transports
+from dray.protocol.transports.transports import RECOVERY_WAIT_S, Stock, Transports
 
 RECOVERY_WAIT = "recovery wait"
 
@@ -33,6 +33,7 @@ class Recovery:
         plant: the plant, for the sources of materials.
         subscriptions: its heartbeat subscriptions.
         tasks: its transports.
+        stock: its stock.
         items: the items that are brought to it.
         life: the agent's life; alarms are named `RECOVERY_WAIT`.
     """
@@ -43,6 +44,7 @@ class Recovery:
         plant: Plant,
         subscriptions: HeartbeatSubscriptions,
         tasks: Transports,
+        stock: Stock,
         life: Life,
         *,
         items: Collection[str],
@@ -50,7 +52,7 @@ class Recovery:
         self._place = place
         self._plant = plant
         self._subscriptions = subscriptions
-        self._tasks = tasks
+        self._tasks, self._stock = tasks, stock
         self._items = items
         self._life = life
         self._forgetful = False
@@ -116,6 +118,24 @@ class Recovery:
         ):
             return None
         return DepartureMemory(heartbeat.atv, brief.task, brief.epoch, brief.item, brief.quantity)
+
+    def taken(self, heartbeat: AtvHeartbeat) -> DepartureMemory | None:
+        """The load that a vehicle, let in here, has just taken for a task without notes; None for none.
+
+        A vehicle that carries its own coordinator's material comes; whatever else it carries here is from here.
+        """
+        brief, pieces = heartbeat.task, heartbeat.load_quantity
+        if (
+            brief is None
+            or brief.phase is not Phase.CARRYING
+            or heartbeat.load != brief.item
+            or not 0 < pieces <= self._stock.level(brief.item)
+            or self._tasks.get(brief.task) is not None
+            or self._tasks.closed(brief.task) is not None
+            or (brief.coordinator == self._place and brief.item in self._items)
+        ):
+            return None
+        return DepartureMemory(heartbeat.atv, brief.task, brief.epoch, brief.item, -pieces)
 
     def _carries_already(self, atv: str) -> bool:
         """Whether a vehicle has a contract already: one vehicle has at most one."""

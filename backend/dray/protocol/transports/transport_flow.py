@@ -137,7 +137,7 @@ class TransportFlow:
             self.bookings,
             life,
         )
-        self._recovery = Recovery(place, plant, self.subscriptions, self.tasks, life, items=items)
+        self._recovery = Recovery(place, plant, self.subscriptions, self.tasks, stock, life, items=items)
         self.called = CalledTransports(place, plant, stock, self, life)
         self.message_handlers: dict[type[Message], Callable[..., None]] = {
             AtvHeartbeat: self._on_vehicle,
@@ -333,10 +333,14 @@ class TransportFlow:
         self.called.review(now_s)
 
     def _book_unnoted(self, heartbeat: AtvHeartbeat) -> None:
-        """Book a load in that came through the open dock while the notes were lost: its carrier hands it over still."""
+        """Book a load that came or went through the open dock while the notes were lost.
+
+        Its carrier hands it over still, or has not driven away with it yet.
+        """
         if self._handovers.counts or not self.departures.is_unnoted(heartbeat.atv, heartbeat.node):
             return
-        if (load := self._recovery.put_down(heartbeat)) is not None:
+        load = self._recovery.put_down(heartbeat) or self._recovery.taken(heartbeat)
+        if load is not None:
             self.bookings.say(load)
 
     def _on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:

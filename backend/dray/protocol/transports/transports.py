@@ -34,6 +34,7 @@ from dray.messages import (
     TakenOver,
     Transport,
     Wait,
+    Withdrawn,
     Work,
 )
 from dray.messages.fact import Outcome
@@ -230,6 +231,17 @@ class Transports(Coordinator):
         """Close a task as delivered: its load was counted, although no handover was received."""
         self.close(task, "delivered")
         self._life.note(TaskDelivered(task, "", cast(Transport, task.work).quantity))
+
+    def conclude_for(self, task: OpenTask, carrier: str) -> None:
+        """Close a task as delivered by an earlier carrier, and call the present one off."""
+        self.sourcing.on_task_closed(task, fetched=False)
+        if present := task.primary:
+            self._let_go(task, Reason.TASK_ENDED)
+            self._life.send(present, Withdrawn(task=task.id, epoch=task.epoch, reason=Reason.NOT_NEEDED))
+        task.contract = CarrierContract(carrier)
+        task.contract.receipt.booked = True
+        self.close(task, "delivered")
+        self._life.note(TaskDelivered(task, carrier, cast(Transport, task.work).quantity))
 
     def close(self, task: OpenTask, outcome: Outcome) -> None:
         """End a task; a delivered one is rated as kept or late."""
