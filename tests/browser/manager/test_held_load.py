@@ -50,9 +50,11 @@ def test_a_press_that_began_before_the_panel_knew_anything_still_leads_to_the_al
         return MachineThatWaits(inside, 0.0)
 
     who: list[Route] = []
-    page = as_manager(
-        house, open_page, before=lambda page: page.route("**/api/me", lambda route: who.append(route))
-    )
+
+    def hold(route: Route) -> None:
+        who.append(route)
+
+    page = as_manager(house, open_page, before=lambda page: page.route("**/api/me", hold))
     alerts, person = page.locator(".alerts-button"), page.locator("button.person")
     alerts.hover()
     page.mouse.down()

@@ -1,8 +1,8 @@
 import { Icon } from "../../parts/Icon";
+import { world } from "../../stream/stream";
 import { n, t } from "../../text/manager";
 import { countsOf } from "../../alerts/alerts";
 import { alerts } from "../state";
-import { world } from "../../stream/stream";
 import { view } from "../views";
 
 /** How much is wrong, wherever one is: what nobody has taken on, and what somebody has, until it ends. */
