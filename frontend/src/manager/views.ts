@@ -49,9 +49,10 @@ export function addressWith(path: string, more: Asked): string {
 
 /**
  * Says something else in the address of what is shown. Going back leads to what it said before, unless that is to be
- * replaced: letters that are typed are no steps.
+ * replaced: letters that are typed are no steps. Nothing is said once somebody has left for another view, which one is told of a little later.
  */
 export function ask(more: Asked, how: "step" | "replace" = "step"): void {
+  if (viewFrom(location.hash) !== view.peek()) return;
   const path = location.hash.split("?", 1)[0] ?? "";
   const address = addressWith(path === "" ? `#${view.value}` : path, { ...asked.value, ...more });
   if (address === location.hash) return;

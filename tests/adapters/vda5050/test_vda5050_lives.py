@@ -337,5 +337,7 @@ def test_a_vehicle_that_has_not_told_a_place_has_a_state_that_says_what_is_missi
     assert rig.body.sense() == UnplacedVehicle("the broker has not answered yet")
     rig.link()
     assert rig.body.sense() == UnplacedVehicle("the vehicle has not said anything yet")
+    assert not rig.body.placed.is_set()
     rig.run(1.0)
     assert isinstance(rig.body.sense(), VehicleState)
+    assert rig.body.placed.is_set()

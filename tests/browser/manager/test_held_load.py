@@ -8,7 +8,7 @@ import pytest
 from held_load import TASK, MachineThatWaits
 from manager_kit import GoingWall, as_manager
 from open_house import OpenHouse, open_house
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from dray.messages import MachineCommandKind
 
@@ -39,3 +39,30 @@ def test_the_alert_leads_to_the_page_which_says_that_the_load_is_missing(
     heard = house.until(lambda _: machine.heard)
     said = [(command.kind, command.task) for command in heard]
     assert said == [(MachineCommandKind.LOAD_MISSING, TASK)]
+
+
+def test_a_press_that_began_before_the_panel_knew_anything_still_leads_to_the_alerts(
+    house: OpenHouse, open_page: OpenPage
+) -> None:
+    """What stands in the bar does not move away under a finger, neither for a name nor for a count."""
+
+    async def join(inside: House) -> MachineThatWaits:
+        return MachineThatWaits(inside, 0.0)
+
+    who: list[Route] = []
+
+    def hold(route: Route) -> None:
+        who.append(route)
+
+    page = as_manager(house, open_page, before=lambda page: page.route("**/api/me", hold))
+    alerts, person = page.locator(".alerts-button"), page.locator("button.person")
+    alerts.hover()
+    page.mouse.down()
+    box = person.bounding_box()
+    house.do(join)
+    expect(alerts).to_have_text("1 warning")
+    who.pop().continue_()
+    expect(person).to_have_text("Manager")
+    page.mouse.up()
+    expect(alerts).to_have_attribute("aria-current", "page")
+    assert person.bounding_box() == box

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import logging
 import sys
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,6 +19,7 @@ from brokers import TestBroker
 from yard import LIGHT, PICK, PLANT, Yard, drive
 
 from dray.adapters.system_clock import SystemClock
+from dray.adapters.vda5050.body import VehicleBody
 from dray.adapters.vda5050.link import BrokerAddress
 from dray.body import (
     ActionDone,
@@ -26,7 +27,6 @@ from dray.body import (
     ProblemCleared,
     ProblemRaised,
     Report,
-    VehicleState,
     WayDone,
 )
 from dray.cli.runtime.bodies import on_floor
@@ -35,7 +35,6 @@ from dray.cli.runtime.bodies.on_floor import counted_on_floor
 from dray.cli.runtime.bodies.vda5050 import RealVehicle, by_vda5050
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError, UnavailableError
-from dray.ports import Body
 from dray.settings import Settings
 from dray_sim.vda5050.on_broker import VehicleOnBroker, on_broker, words_of
 
@@ -81,10 +80,11 @@ class Hall:
         return on_broker(VehicleOnBroker(self.sim, LIGHT, PLANT, self.clock, broker, words))
 
     @asynccontextmanager
-    async def agent(self) -> AsyncIterator[Body]:
+    async def agent(self) -> AsyncIterator[VehicleBody]:
         self.life += 1
         embody = by_vda5050(self.where, "ATV1", LIGHT, RealVehicle.of(self.settings))
         async with embody(None, SimpleNamespace(incarnation=self.life)) as embodied:  # type: ignore[arg-type]
+            assert isinstance(embodied.body, VehicleBody)
             embodied.body.attach(self._hear)
             yield embodied.body
 
@@ -99,33 +99,36 @@ class Hall:
                 await self._changed.wait()
 
 
-async def placed(body: Body) -> None:
-    """Wait until the vehicle has told its place: nothing is reported then."""
-    while not isinstance(body.sense(), VehicleState):  # noqa: ASYNC110
-        # The broker needs the processor, too.
-        await asyncio.sleep(0.01)
+@contextmanager
+def logged(words: str) -> Iterator[asyncio.Event]:
+    """An event that is set once a warning has these words."""
+    told, handler = asyncio.Event(), logging.Handler(logging.WARNING)
+    handler.emit = lambda record: told.set() if words in record.getMessage() else None  # type: ignore[method-assign]
+    logging.getLogger().addHandler(handler)
+    try:
+        yield told
+    finally:
+        logging.getLogger().removeHandler(handler)
 
 
 def test_a_real_vehicle_is_driven_over_a_broker_by_one_life_of_its_agent_after_the_other(
-    tmp_path: Path, broker: TestBroker, caplog: pytest.LogCaptureFixture
+    tmp_path: Path, broker: TestBroker
 ) -> None:
     async def play() -> None:
         hall = Hall(tmp_path, broker)
         starting = hall.agent()
-        with caplog.at_level(logging.WARNING):
+        with logged("the broker is away: mqtt://127.0.0.1") as told:
             begun = asyncio.create_task(starting.__aenter__())
-            # Nobody sets an event when something is logged.
-            while "the broker is away: mqtt://127.0.0.1" not in caplog.text:  # noqa: ASYNC110
-                await asyncio.sleep(0)
+            await told.wait()
         await asyncio.to_thread(broker.start)
         async with hall.vehicle():
             body = await begun
-            await placed(body)
+            await body.placed.wait()
             body.instruct(PICK)
             await hall.until(lambda: ActionDone(order=5) in hall.heard)
             await starting.__aexit__(None, None, None)
             async with hall.agent() as body:
-                await placed(body)
+                await body.placed.wait()
                 assert body.sense().load == "shaft"  # type: ignore[union-attr]
                 body.instruct(drive("west", "middle", "east", order=1006))
                 await hall.until(lambda: WayDone(order=1006, node="east") in hall.heard)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Any, Protocol
@@ -72,6 +73,7 @@ class VehicleBody:
         said: number of messages to the vehicle, by topic; the header contains the next number.
         control: its master.
         address: the vehicle's address.
+        placed: set once the vehicle has told its place, which no report tells.
         failures: failed events, by topic of a message, or by name of another event.
         record: called with every event and its effects; by default it does nothing.
     """
@@ -95,6 +97,7 @@ class VehicleBody:
         self._waiting: list[Report] = []
         self._armed_s = float("inf")
         self._is_ended = False
+        self.placed = asyncio.Event()
 
     # --- the port --------------------------------------------------------------------------------
 
@@ -141,6 +144,8 @@ class VehicleBody:
             return
         now_s = self._clock.now_s()
         effects = self._effects(event, now_s)
+        if self.control.is_known:
+            self.placed.set()
         if self.record is not None:
             self.record(now_s, event, *effects)
         for effect in effects:

@@ -1,4 +1,5 @@
 import { Icon } from "../../parts/Icon";
+import { world } from "../../stream/stream";
 import { n, t } from "../../text/manager";
 import { countsOf } from "../../alerts/alerts";
 import { alerts } from "../state";
@@ -10,7 +11,8 @@ export function AlertsTag() {
   const open = alarms + warnings;
   return (
     <a class="alerts-button" href="#alerts" aria-current={view.value === "alerts" ? "page" : undefined}>
-      {open + alarmsTaken + warningsTaken === 0 && (
+      {world.value === null && <span class="tag">{t("alerts.title")}</span>}
+      {world.value !== null && open + alarmsTaken + warningsTaken === 0 && (
         <span class="tag">
           <Icon name="check" />
           {t("alerts.none")}

@@ -14,7 +14,7 @@ export function PersonMenu() {
   return (
     <>
       <button type="button" class="button person" popovertarget="person-menu">
-        <span class="clip">{person?.name ?? t("person.menu")}</span>
+        <span class="clip" title={person?.name}>{person?.name ?? t("person.menu")}</span>
         <Icon name="down" />
       </button>
       <section id="person-menu" class="card person-menu" popover="auto" aria-label={t("person.menu")}>

@@ -25,7 +25,7 @@ from dray.plant.model import VehicleType
 from dray.settings import Settings
 
 LOOK_EVERY_S = 0.2
-"""Seconds between checks whether the vehicle has told its place."""
+"""Seconds between checks what is missing until the vehicle has told its place."""
 
 
 _log = logging.getLogger(__name__)
@@ -159,10 +159,18 @@ async def reminded(body: VehicleBody, name: str) -> AsyncIterator[None]:
 
 async def _remind(body: VehicleBody, name: str) -> None:
     waited_s, told = REMIND_EVERY_S, ""
-    while not body.control.is_known:
-        await asyncio.sleep(LOOK_EVERY_S)
+    while not await _is_placed(body, LOOK_EVERY_S):
         waited_s += LOOK_EVERY_S
         why = body.control.why_unknown
         if waited_s >= REMIND_EVERY_S or why != told:
             _log.warning("%s waits for its vehicle: %s", name, why)
             waited_s, told = 0.0, why
+
+
+async def _is_placed(body: VehicleBody, within_s: float) -> bool:
+    """Wait until the vehicle has told its place, but no longer than this (wall seconds)."""
+    try:
+        async with asyncio.timeout(within_s):
+            return await body.placed.wait()
+    except TimeoutError:
+        return False
