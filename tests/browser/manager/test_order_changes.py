@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from accessibility import violations
 from complaints import Complaints
 from playwright.sync_api import Locator, Page, expect
 
@@ -36,9 +37,30 @@ def test_an_order_in_work_is_changed_and_moved_and_who_comes_too_late_is_told_so
     expect(rows).to_have_count(3)
     expect(rows.first).to_contain_text("FIRST")
     page.locator("tr", has_text="THIRD").drag_to(page.locator("tr", has_text="FIRST"))
+    bar = page.get_by_role("region", name="How the order is moved in the queue")
+    expect(bar).to_contain_text(
+        "THIRD before FIRST? It would pass 2 for the same products, first FIRST and SECOND."
+    )
+    # Nothing is saved before somebody says so.
+    assert references(rows) == ["FIRST", "SECOND", "THIRD"]
+    assert violations(page) == []
+    screenshot(page, "orders-moving")
+    bar.get_by_role("button", name="Move", exact=True).click()
     expect(rows.first).to_contain_text("THIRD")
     assert references(rows) == ["THIRD", "FIRST", "SECOND"]
-    page.get_by_role("button", name="Sooner: SECOND one place on").click()
+    expect(bar).to_have_count(0)
+    # By the keyboard alone: further than one place, left as it is, and one place.
+    sooner = page.get_by_role("button", name="Sooner: SECOND one place on")
+    sooner.press("Enter")
+    expect(bar.get_by_role("button", name="Move", exact=True)).to_be_focused()
+    bar.get_by_role("button", name="One place further").press("Enter")
+    expect(bar).to_contain_text("SECOND before THIRD?")
+    page.keyboard.press("Escape")
+    expect(bar).to_have_count(0)
+    assert references(rows) == ["THIRD", "FIRST", "SECOND"]
+    sooner.press("Enter")
+    expect(bar.get_by_role("button", name="Move", exact=True)).to_be_focused()
+    page.keyboard.press("Enter")
     expect(rows.nth(1)).to_contain_text("SECOND")
     screenshot(page, "orders-moved")
 

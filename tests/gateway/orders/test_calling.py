@@ -70,7 +70,7 @@ async def test_the_page_shows_what_its_key_calls_for_and_says_when_it_has_called
     assert (await pressed(house, token, page, "bring")).status_code == 303
     second = await pressed(house, token, (await opened(house, token, item="shaft")).text, "bring")
     assert second.status_code == 422
-    assert "1 calls of this key may be open at once, and are" in second.text
+    assert "calls of this key that may be open at once, and are: 1" in second.text
     assert len((await house.visitor(**header).get(PATH)).json()["items"]) == 1
 
 

@@ -119,9 +119,14 @@ async def test_what_is_forgotten_is_said(house: House) -> None:
     async with house.store.write() as work:
         assert await work.change_log.prune(1e12, 100)
     answer = await house.client.get("/api/changes", params={"since": begin})
-    assert "read GET /api/orders" in problem(answer, 410, "changes-forgotten")["detail"]
+    told = problem(answer, 410, "changes-forgotten")["detail"]
+    assert "older than what is kept" in told
+    assert "read GET /api/orders" in told
     # A database that was restored from a backup knows less than the one before.
-    problem(await house.client.get("/api/changes", params={"since": now + 1}), 410, "changes-forgotten")
+    ahead = await house.client.get("/api/changes", params={"since": now + 1, "wait": 30})
+    told = problem(ahead, 410, "changes-forgotten")["detail"]
+    assert "was not given out" in told
+    assert "older" not in told
     assert statuses(await changes(house, now)) == []
 
 

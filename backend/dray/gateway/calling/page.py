@@ -120,7 +120,9 @@ def _called(
     )
     is_open = row.status in (TransportState.WAITING, TransportState.ASSIGNED)
     ending = row.cancel_at_s is not None and not row.has_ended
-    why = texts.get(f"wait_{row.wait}", "") if row.status is TransportState.WAITING else ""
+    why = ""
+    if row.status is TransportState.WAITING:
+        why = texts.get(f"wait_{row.wait}", "").format(place=row.destination)
     if row.expected_at_s is not None and not row.has_ended:
         minutes = round((row.expected_at_s - now_s) / 60)
         why = texts["minutes"].format(n=minutes) if minutes >= 1 else texts["soon"]

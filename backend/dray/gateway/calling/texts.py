@@ -100,7 +100,7 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         here
         called off
         being called off""",
-        """there is no room for it yet
+        """{place} has no room for it yet; it comes by itself as soon as there is room
         there is not enough of it yet
         no vehicle can take it yet
         it is being offered
@@ -150,7 +150,7 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         da
         abbestellt
         wird abbestellt""",
-        """dort ist noch kein Platz dafür
+        """{place} hat noch keinen Platz dafür; es kommt von selbst, sobald Platz ist
         es ist noch nicht genug davon da
         noch kann kein Fahrzeug
         es wird angeboten
@@ -200,7 +200,7 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         aquí
         anulado
         anulándose""",
-        """todavía no hay sitio
+        """{place} todavía no tiene sitio; llega por sí solo en cuanto haya
         todavía no hay bastante
         todavía no puede ningún vehículo
         se está ofreciendo

@@ -35,8 +35,9 @@ class Changes(msgspec.Struct, frozen=True):
     more: bool
     """Whether more changes follow."""
     is_forgotten: bool = False
-    """Whether the log no longer has the changes after the requested position, or the position is from another
-    log."""
+    """Whether the log no longer has the changes after the requested position."""
+    is_ahead: bool = False
+    """Whether the requested position comes after the newest one: this log has not given it out."""
 
 
 class ChangeFeed:
@@ -75,7 +76,7 @@ class ChangeFeed:
             UnavailableError: the database cannot be read.
         """
         found = await self._read(since, seen, limit)
-        if found.rows or found.is_forgotten or wait_s <= 0.0:
+        if found.rows or found.is_forgotten or found.is_ahead or wait_s <= 0.0:
             return found
         if self.waiting[caller] >= share_of(WAITING_MOST):
             raise share_used(
@@ -84,7 +85,7 @@ class ChangeFeed:
         self.waiting[caller] += 1
         try:
             async with asyncio.timeout(wait_s):
-                while not found.rows and not found.is_forgotten:
+                while not (found.rows or found.is_forgotten or found.is_ahead):
                     await self._changed(found.until)
                     found = await self._read(found.until, seen, limit)
         except TimeoutError:
@@ -99,7 +100,7 @@ class ChangeFeed:
         async with self._store.read() as work:
             oldest, newest = await work.change_log.ends()
             if not oldest <= since <= newest:
-                return Changes((), since, more=False, is_forgotten=True)
+                return Changes((), since, more=False, is_forgotten=since < oldest, is_ahead=since > newest)
             rows = await work.change_log.page(since, newest, seen, limit + 1)
         more = len(rows) > limit
         return Changes(rows[:limit], rows[limit - 1].position if more else newest, more)

@@ -1,4 +1,7 @@
-/** The queue of open orders: dragged by its rows, or moved by a button. Agents are told another time; nobody's queue is edited. */
+/**
+ * The queue of open orders: dragged by its rows, or moved by a button. What a move costs whom is said before it is saved.
+ * Agents are told another time; nobody's queue is edited.
+ */
 import { signal } from "@preact/signals";
 import { changeOrder, fetchOrder } from "../../api/client";
 import type { OrderView } from "../../api/types";
@@ -7,7 +10,9 @@ import { problemText } from "../problem-text";
 
 /** Why the last move was refused; empty for none. */
 export const queueFailed = signal("");
-const moving = signal("");
+/** Which order is to stand before which; nothing is sent by that. */
+export const proposed = signal<{ readonly order: string; readonly before: string } | null>(null);
+export const moving = signal(false);
 /** The row that is being dragged, and the one over which it is. */
 const held = signal("");
 const over = signal("");
@@ -16,26 +21,36 @@ export function isQueued(order: OrderView | undefined): order is OrderView {
   return typeof order?.wanted_at_s === "number" && ["released", "in_production", "in_delivery"].includes(order.status);
 }
 
-async function move(order: string, before: string): Promise<void> {
-  if (moving.value !== "" || order === before || order === "") return;
-  moving.value = order;
+export function propose(order: string, before: string): void {
+  if (moving.value || order === before || order === "") return;
+  queueFailed.value = "";
+  proposed.value = { order, before };
+}
+
+/** Send what is proposed. */
+export async function move(): Promise<void> {
+  const wanted = proposed.value;
+  if (wanted === null || moving.value) return;
+  moving.value = true;
   try {
-    const { etag } = await fetchOrder(order);
-    await changeOrder(order, { before }, etag);
+    const { etag } = await fetchOrder(wanted.order);
+    await changeOrder(wanted.order, { before: wanted.before }, etag);
     queueFailed.value = "";
   } catch (error) {
     queueFailed.value = t("queue.failed", { reason: problemText(error) });
   } finally {
-    moving.value = "";
+    moving.value = false;
+    proposed.value = null;
   }
 }
 
 /** What makes a row of an order in work one that can be dragged, and before which others can be dropped. */
 export function dragged(order: OrderView) {
   if (!isQueued(order)) return {};
+  const isTarget = over.value === order.id && held.value !== order.id;
   return {
     draggable: true,
-    class: over.value === order.id && held.value !== order.id ? "drop-before" : "",
+    class: isTarget || proposed.value?.before === order.id ? "drop-before" : proposed.value?.order === order.id ? "to-move" : "",
     onDragStart: (event: DragEvent) => {
       held.value = order.id;
       event.dataTransfer?.setData("text/plain", order.id);
@@ -50,7 +65,7 @@ export function dragged(order: OrderView) {
     },
     onDrop: (event: DragEvent) => {
       event.preventDefault();
-      void move(held.value, order.id);
+      propose(held.value, order.id);
       held.value = over.value = "";
     },
   };
@@ -61,7 +76,7 @@ export function SoonerButton({ ahead, order }: { order: OrderView; ahead: OrderV
   if (!isQueued(order) || !isQueued(ahead)) return null;
   const name = order.reference ?? order.id;
   return (
-    <button type="button" class="button small" disabled={moving.value !== ""} aria-label={t("queue.soonerOf", { order: name })} onClick={() => void move(order.id, ahead.id)}>
+    <button type="button" class="button small" disabled={moving.value} aria-label={t("queue.soonerOf", { order: name })} onClick={() => { propose(order.id, ahead.id); }}>
       {t("queue.sooner")}
     </button>
   );

@@ -1,10 +1,11 @@
 import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import type { BufferView } from "../../api/types";
 import { GATE } from "../../plant/places";
 import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
-import { format, t } from "../../text/operator";
+import { format, n, t } from "../../text/operator";
 import { me } from "../session/session";
 import { names, plant } from "../state";
 import { type Choice, isWhole, itemsFor, kindsAt, ofGoal, ofKind, ofLoad, type Place, scanned, withItem, withQuantity } from "./choice";
@@ -118,11 +119,16 @@ function Words({ place }: { place: Worked }) {
         })}
       </div>
       {place.station && place.buffers.filter((each) => each.on_order > 0).map((each) => (
-        <p key={each.item}>{t("words.leaveRoom", { item: names.value(each.item), quantity: format.count(each.on_order) })}</p>
+        <p key={each.item}>{leaveRoomText(each)}</p>
       ))}
       {waiting.value.length > 0 && <p class="tone-warn">{t("words.waiting", { count: format.count(waiting.value.length) })}</p>}
     </section>
   );
+}
+
+/** That there must be room for what comes. */
+function leaveRoomText({ item, on_order }: Pick<BufferView, "item" | "on_order">): string {
+  return n("words.leaveRoom", on_order, `${format.count(on_order)} ${names.value(item)}`);
 }
 
 /** The place of the second touch is always there, so that nothing moves under a finger. */

@@ -71,7 +71,7 @@ EXAMPLE = ChangesAnswer(
     responses={
         200: described(ChangesAnswer, "Changes, oldest first", EXAMPLE),
         **problems(
-            p410="What came after `since` is not kept any more",
+            p410="What came after `since` is not kept any more, or `since` was not given out",
             p429="The caller waits in as many requests as one may",
         ),
     },
@@ -109,13 +109,17 @@ async def list_changes(
         transports=shown if kind != ORDER and caller.may(Scope.TRANSPORTS_CALL) else None,
     )
     found = await feed.after(since, seen, limit, caller=caller.key, wait_s=wait)
-    if found.is_forgotten:
+    if found.is_forgotten or found.is_ahead:
+        why = (
+            f"what came after {since} is older than what is kept (DRAY_EVENTS_DAYS)"
+            if found.is_forgotten
+            else f"{since} was not given out by this database: it was restored from a backup, or is another one"
+        )
         raise Problem(
             HTTPStatus.GONE,
             "changes-forgotten",
             "Changes since then are not kept",
-            f"what came after {since} is older than what is kept (DRAY_EVENTS_DAYS), or the database is another one; "
-            "ask without since, then read GET /api/orders and GET /api/transports anew",
+            f"{why}; ask without since, then read GET /api/orders and GET /api/transports anew",
         )
     return Json(ChangesAnswer(items=tuple(map(_answer, found.rows)), since=found.until, more=found.more))
 

@@ -19,10 +19,11 @@ import { ImportButton, ImportDialog } from "../ImportDialog";
 import { OrderActions } from "../OrderActions";
 import { OrderProgress } from "../OrderProgress";
 import { inOrder, isClosed, stateOf } from "../progress";
-import { dragged, queueFailed, SoonerButton } from "../Queue";
+import { dragged, proposed, queueFailed, SoonerButton } from "../Queue";
 import { WaitsText } from "../WaitsText";
 import { BulkBar } from "./BulkBar";
 import { forget, tick, ticked } from "./bulk";
+import { MoveBar } from "./MoveBar";
 
 /** By which a column is sorted; the others are not. */
 const SORTED = ["", "reference", "customer", "", "", "", "due", ""] as const;
@@ -39,7 +40,10 @@ export async function load(): Promise<typeof OrdersList> {
 /** All orders there ever were, as the address asks for them; what the stream tells of them is newer than the page. */
 export function OrdersList() {
   const { again, failed, page, printing } = usePaged(async (said, place) => await fetchOrders({ ...queryOf(said), ...place }), newest);
-  useEffect(() => forget, []);
+  useEffect(() => () => {
+    forget();
+    proposed.value = null;
+  }, []);
   const orders = useComputed(() => {
     const shown = (page.value?.items ?? []).map((order): OrderView => world.value?.orders.get(order.id) ?? order);
     // Who was moved in the queue stands there at once, and not when the page is read again.
@@ -85,6 +89,7 @@ export function OrdersList() {
               {queueFailed.value}
             </p>
           )}
+          <MoveBar />
           <BulkBar orders={orders} onDone={again} />
           <Pages next={page.value?.next_cursor ?? null} />
           <ImportDialog />

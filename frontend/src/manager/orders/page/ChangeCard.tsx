@@ -2,15 +2,14 @@ import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { changeOrder, type OrderChange } from "../../../api/client";
 import { Problem } from "../../../api/problem";
-import type { OrderAnswer, OrderView } from "../../../api/types";
+import type { OrderAnswer } from "../../../api/types";
 import { Card } from "../../../parts/Card";
 import { world } from "../../../stream/stream";
 import { format, t } from "../../../text/views/order";
-import { HERE, Linked } from "../../parts/Linked";
 import { problemText } from "../../problem-text";
 import { names } from "../../state";
-import { addressOf } from "../../views";
 import { PrioritySelect } from "../PrioritySelect";
+import { Named } from "../Named";
 import { isClosed } from "../progress";
 import { changeOf, leastOf, type Written, writtenOf } from "./change";
 import { passedBy } from "./change-costs";
@@ -93,7 +92,7 @@ export function ChangeCard({ kept, onChanged }: { kept: OrderAnswer; onChanged: 
           <input id={`${id}-reference`} autoComplete="off" maxLength={80} value={reference} onInput={(event) => { edit({ reference: event.currentTarget.value }); }} />
         </div>
         <p class="muted" role="status">
-          {wrong ? t("change.wrong") : costs === null ? t("change.hint") : costs.length === 0 ? t("change.passesNobody") : <Passed orders={costs} />}
+          {wrong ? t("change.wrong") : costs === null ? t("change.hint") : costs.length === 0 ? t("change.passesNobody") : <Named text="change.passes" orders={costs} />}
         </p>
         <div class="form-actions">
           <button type="button" class="button" disabled={busy.value || change === null} onClick={undo}>
@@ -111,17 +110,4 @@ export function ChangeCard({ kept, onChanged }: { kept: OrderAnswer; onChanged: 
       )}
     </Card>
   );
-}
-
-/** As many are named. */
-const NAMED = 3;
-
-/** Whom a change would let wait, with the ways to the first of them. */
-function Passed({ orders }: { orders: readonly OrderView[] }) {
-  const first = orders.slice(0, NAMED);
-  const links = first.map(({ id, reference }) => {
-    const text = reference ?? id;
-    return { href: addressOf(id), text, label: t("change.newTab", { order: text }) };
-  });
-  return <Linked text={t("change.passes", { orders: format.list(first.map(() => HERE)), n: format.count(orders.length) })} links={links} />;
 }

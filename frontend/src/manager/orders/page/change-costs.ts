@@ -13,9 +13,31 @@ export function passedBy(order: OrderView, change: OrderChange, orders: Iterable
   const priority = change.priority ?? order.priority;
   const usualS = dueS ?? beforeS;
   const afterS = priority === "urgent" || priority === "high" ? Math.min(usualS, order.created_at_s + WITHIN_S[priority] / speed) : usualS;
-  const products = new Set(order.items.map((item) => item.product));
+  return between(order, afterS, beforeS, orders);
+}
+
+export interface Move {
+  /** It goes before these. */
+  readonly passes: readonly OrderView[];
+  /** These go before it. */
+  readonly letsPass: readonly OrderView[];
+}
+
+/** Who changes places for the same products, where an order of the queue is put before another one. */
+export function moved(order: OrderView, before: OrderView, queue: readonly OrderView[]): Move {
+  const [from, to] = [queue.indexOf(order), queue.indexOf(before)];
+  const sharing = (orders: readonly OrderView[]): OrderView[] => orders.filter((each) => shares(order, each));
+  return { passes: sharing(queue.slice(to, from)), letsPass: sharing(queue.slice(from + 1, to)) };
+}
+
+/** Open orders for the same products that are wanted after one moment, and at another at the latest. */
+function between(order: OrderView, afterS: number, untilS: number, orders: Iterable<OrderView>): OrderView[] {
   return [...orders]
-    .filter((each) => each.id !== order.id && !isClosed(each) && each.wanted_at_s !== null && each.items.some((item) => products.has(item.product)))
-    .filter(({ wanted_at_s }) => wanted_at_s !== null && wanted_at_s > afterS && wanted_at_s <= beforeS)
+    .filter((each) => each.id !== order.id && !isClosed(each) && shares(order, each))
+    .filter(({ wanted_at_s }) => wanted_at_s !== null && wanted_at_s > afterS && wanted_at_s <= untilS)
     .sort((a, b) => (a.wanted_at_s ?? 0) - (b.wanted_at_s ?? 0));
+}
+
+function shares(order: OrderView, other: OrderView): boolean {
+  return other.items.some(({ product }) => order.items.some((item) => item.product === product));
 }

@@ -96,7 +96,8 @@ export async function send(most = 0): Promise<boolean> {
     let id = "";
     if (most === 0) ({ id } = await callTransport(draft, key));
     else for (const [load, quantity] of loadsOf(draft.quantity ?? 0, most).entries()) ({ id } = await callTransport({ ...draft, quantity }, `${key}-${load}`));
-    edit(EMPTY);
+    // Where it was called to or from is where the next one is called, most often.
+    edit({ ...EMPTY, from: written.value.from, to: written.value.to });
     outcome.value = { good: true, text: t("called.sent", { id: "" }), called: id };
     return true;
   } catch (error) {

@@ -32,7 +32,7 @@ export const transports: Catalogue<typeof en> = {
   "called.only": "kein anderes, wie lange es auch dauert",
   "called.ability": "Fahrzeug muss tragen können",
   "called.noAbility": "wie es das Material verlangt",
-  "called.notBefore": "Nicht vor (freigestellt)",
+  "called.notBefore": "Nicht vor (optional)",
   "called.begins": "beginnt {at}",
   "called.dueAt": "Fällig (optional)",
   "called.within": "{priority} {minutes} min",
