@@ -477,6 +477,8 @@ class RightOfWay:
         # A vehicle without a refuge inherits, too: it comes out with the rank of the one that makes room for it.
         self._yielding.inherit(asked, now_s)
         if way is None:
+            if not self.way.ahead:
+                own = self._want_out(asked, now_s)
             self._yielding.refuse(asked.waiting, own[:ROUTE_MAX], self.way.held, now_s)
             self._settle(now_s)
         else:
@@ -570,11 +572,21 @@ class RightOfWay:
         return self._yielding.refuge(here, self.goal, avoid, chain, rank, now_s, again=again, refused=refused)
 
     def _leave_for(self, way: tuple[str, ...], now_s: float, *, refuser: str = "") -> None:
-        self.errand = Errand.REFUGE
         self._yielding.leave(way[-1], now_s, refuser=refuser)
+        self._turn_to_refuge(way, now_s)
+        self._settle(now_s)
+
+    def _want_out(self, asked: YieldAsked, now_s: float) -> tuple[str, ...]:
+        """Without a way of its own, want the one to a refuge past the asking vehicle, which may back off; returns its nodes."""
+        way = self._refuge(asked.avoid, (), asked.rank, now_s) or (self.way.node,)
+        if len(way) > 1:
+            self._turn_to_refuge(way, now_s)
+        return way
+
+    def _turn_to_refuge(self, way: tuple[str, ...], now_s: float) -> None:
+        self.errand = Errand.REFUGE
         self.way.turn_to(way)
         self._life.cancel(RESTED)
-        self._settle(now_s)
 
     def _reach_refuge(self, now_s: float) -> None:
         self.errand = Errand.REST

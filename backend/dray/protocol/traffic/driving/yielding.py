@@ -2,7 +2,8 @@
 
 A vehicle in the way of a more urgent one inherits its rank, until `LAPSE_S` after the last request, and drives to a refuge: a place
 off the way of those it makes room for. It requests its way with the inherited rank, so vehicles in its own way make room, too.
-A vehicle without a refuge refuses; then the asking vehicle makes room itself, and rests meanwhile.
+A vehicle without a refuge refuses; then the asking vehicle makes room itself, and rests meanwhile. If the refusing one has no way
+of its own, it requests the way to a refuge past the asking one, and so leaves once that has backed off.
 """
 
 from __future__ import annotations
