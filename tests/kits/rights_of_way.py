@@ -12,6 +12,11 @@ from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 
+def surroundings_of(plant: Plant, traffic: TrafficMap, life: Life, atv: str = "A") -> Surroundings:
+    """What that vehicle knows of others: nothing yet."""
+    return Surroundings(atv, traffic.places, Keys(plant.id).floor, life)
+
+
 def right_of_way(
     plant: Plant,
     traffic: TrafficMap,
@@ -21,6 +26,7 @@ def right_of_way(
     *,
     atv: str = "A",
     incarnation: int = 1,
+    surroundings: Surroundings | None = None,
 ) -> RightOfWay:
     """The right of way of a vehicle of the type of the plant's first one, not started yet."""
     type_ = next(iter(plant.fleet.values())).type
@@ -29,7 +35,7 @@ def right_of_way(
         incarnation,
         traffic.places,
         traffic.ways(type_),
-        Surroundings(atv, traffic.places, Keys(plant.id).floor, life),
+        surroundings or surroundings_of(plant, traffic, life, atv),
         life,
         node=node,
         next_node=next_node,

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from rights_of_way import right_of_way
+from rights_of_way import right_of_way, surroundings_of
 
 from dray.messages.floor.traffic import (
     Blocked,
+    FloorReported,
     HoldsAsked,
+    OnFloor,
     PlaceConfirmed,
     PlaceGranted,
     PlaceRequested,
@@ -23,10 +25,12 @@ from dray.protocol.traffic.driving.right_of_way import (
     AGES_EVERY_S,
     HELD_UP,
     IDLE,
+    RESTED,
     SHUT_OUT_S,
     WITH_TASK,
     Errand,
 )
+from dray.protocol.traffic.driving.yielding import BACKTRACK_MORE_S, BACKTRACK_S, PATIENCE_S
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 PLANT = load_plant("single-track")
@@ -38,14 +42,16 @@ BEGUN_S = 1000.0
 class Waiting:
     """A's right of way on a leg that is blocked from its first lane on."""
 
-    def __init__(self, blocked: Blocked) -> None:
+    def __init__(self, blocked: Blocked, here: str = HERE, goal: str = GOAL) -> None:
         self.life = Life()
         self.out = self.life.effects
-        self.row = right_of_way(PLANT, TRAFFIC, self.life, HERE)
+        self.here = here
+        self.surroundings = surroundings_of(PLANT, TRAFFIC, self.life)
+        self.row = right_of_way(PLANT, TRAFFIC, self.life, here, surroundings=self.surroundings)
         self.number = 0
         self.row.start(BEGUN_S)
-        self.answer(Blocked.NO, BEGUN_S, HERE)
-        self.row.go(GOAL, WITH_TASK, BEGUN_S)
+        self.answer(Blocked.NO, BEGUN_S, here)
+        self.row.go(goal, WITH_TASK, BEGUN_S)
         self.answer(blocked, BEGUN_S)
 
     def request(self) -> PlaceRequested:
@@ -66,7 +72,9 @@ class Waiting:
             epoch=0,
             life=1,
             upto=request.seq,
-            grants=tuple(PlaceReservation(place=place, number=self.number) for place in places or (HERE,)),
+            grants=tuple(
+                PlaceReservation(place=place, number=self.number) for place in places or (self.here,)
+            ),
             blocked=blocked,
             by="B" if at else "",
             at=at,
@@ -76,6 +84,27 @@ class Waiting:
         self.row.on_confirmed(copy, confirmed, now_s)
         self.row.on_granted(replica, granted, now_s)
         self.row.on_holds_asked(copy, HoldsAsked(district=request.district, epoch=0), now_s)
+
+    def drive_on(self, granted_s: float, reached_s: float) -> None:
+        """The table grants what it wants, and it drives there."""
+        wanted = {place for group in self.request().groups for place in group}
+        self.answer(Blocked.NO, granted_s, *self.row.holds, *sorted(wanted - {*self.row.holds}))
+        while not self.row.way.stands:
+            self.row.on_passed(reached_s)
+
+    def drive_to_refuge(self, granted_s: float, reached_s: float) -> None:
+        """It reaches its refuge."""
+        assert self.row.errand is Errand.REFUGE
+        for _ in self.row.way.ahead:
+            self.drive_on(granted_s, reached_s)
+        assert self.row.errand is Errand.REST
+
+    def ask_for_room(self, now_s: float) -> None:
+        """The table asks it to make room for B, which began its leg a second earlier."""
+        district = TRAFFIC.places.district_of[HERE]
+        rank = (WITH_TASK, BEGUN_S - 1.0, "B")
+        asked = YieldAsked(district=district, waiting="B", rank=rank, avoid=(HERE, GOAL), chain=())
+        self.row.on_yield_asked(TRAFFIC.places.replicas_of[district][0], asked, now_s)
 
     def wait(self, until_s: float) -> None:
         """Let its alarms come."""
@@ -98,6 +127,42 @@ def test_who_is_held_up_for_long_becomes_more_urgent_but_not_than_work_at_a_dock
     assert vehicle.request().rank == vehicle.row.own_rank
     vehicle.row.go(GOAL, WITH_TASK, BEGUN_S + 100.0)
     assert vehicle.row.own_rank[1] == BEGUN_S + 100.0, "another leg begins anew"
+
+
+def test_making_room_for_long_counts_as_standing_for_long() -> None:
+    vehicle = Waiting(Blocked.NO)
+    vehicle.ask_for_room(BEGUN_S + 5.0)
+    vehicle.drive_to_refuge(BEGUN_S + 5.0, BEGUN_S + AGES_EVERY_S)
+    vehicle.row.go_on(BEGUN_S + AGES_EVERY_S)
+    assert vehicle.row.own_rank == (WITH_TASK, BEGUN_S, "A")
+    refuge = vehicle.row.way.node
+    assert refuge != HERE
+    vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + 40.0)
+    vehicle.drive_to_refuge(BEGUN_S + 40.0, BEGUN_S + 44.0)
+    vehicle.row.go_on(BEGUN_S + 46.0)
+    assert vehicle.row.own_rank == (WITH_TASK, BEGUN_S - AGES_BY_S, "A")
+    assert vehicle.request().rank == vehicle.row.own_rank
+    vehicle.row.go(GOAL, WITH_TASK, BEGUN_S + 100.0)
+    assert vehicle.row.own_rank[1] == BEGUN_S + 100.0, "another leg begins anew"
+
+
+def test_a_refusal_counts_once_until_the_refuge_is_reached() -> None:
+    vehicle = Waiting(Blocked.WAIT)
+    refuges = []
+    for second in (1.0, 2.0, 4.0):
+        vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + second)
+        refuges.append(vehicle.row.way.goal)
+    assert len({*refuges}) == 1
+    vehicle.drive_to_refuge(BEGUN_S + 4.0, BEGUN_S + 10.0)
+    assert RESTED in vehicle.life.timers.due(BEGUN_S + 10.0 + BACKTRACK_S + BACKTRACK_MORE_S)
+
+
+def test_a_refuge_that_is_not_reached_is_given_up_after_a_while() -> None:
+    vehicle = Waiting(Blocked.WAIT)
+    vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + 1.0)
+    refuge = vehicle.row.way.goal
+    vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + 1.0 + PATIENCE_S)
+    assert vehicle.row.way.goal not in (refuge, HERE)
 
 
 def test_who_made_room_in_vain_for_one_that_has_nowhere_to_go_goes_elsewhere_next() -> None:
@@ -142,3 +207,29 @@ def test_who_rests_makes_room_for_one_that_begins_to_look_for_a_place_to_rest() 
     vehicle.row.on_yield_asked(TRAFFIC.places.replicas_of[district][0], asked, BEGUN_S + 1001.0)
     assert vehicle.row.errand is Errand.REFUGE
     assert vehicle.row.way.goal not in (HERE, GOAL)
+
+
+def test_who_has_no_way_out_but_past_the_one_that_asks_wants_that_way_until_it_has_backed_off() -> None:
+    dock, mouth = "m4", "m4-lane"
+    vehicle = Waiting(Blocked.NO, dock, dock)
+    vehicle.row.rest(BEGUN_S)
+    district = TRAFFIC.places.district_of[dock]
+    replica = TRAFFIC.places.replicas_of[district][0]
+    rank = (WITH_TASK, BEGUN_S - 1.0, "B")
+    other = OnFloor(
+        atv="B", holds=(mouth,), stands=True, docked=False, silent=False, rank=rank, route=(mouth, dock)
+    )
+    told = FloorReported(district=district, epoch=0, number=1, vehicles=(other,))
+    vehicle.surroundings.on_floor(replica, told, BEGUN_S)
+    asked = YieldAsked(district=district, waiting="B", rank=rank, avoid=(mouth, dock), chain=())
+    vehicle.row.on_yield_asked(replica, asked, BEGUN_S + 1.0)
+    [refused] = [
+        e.message for e in vehicle.out if isinstance(e, Send) and isinstance(e.message, YieldRefused)
+    ]
+    assert refused.avoid[:2] == (dock, mouth)
+    refuge = refused.avoid[-1]
+    assert refuge not in (dock, mouth), "B is not to back off there"
+    assert vehicle.request().groups == ((mouth,),)
+    assert vehicle.request().rank == rank
+    vehicle.drive_to_refuge(BEGUN_S + 3.0, BEGUN_S + 5.0)
+    assert vehicle.row.way.node == refuge
