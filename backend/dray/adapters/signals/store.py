@@ -176,7 +176,7 @@ class SignalledStore:
         self.away = reason
         self._told.clear()
         self._ranges.clear()
-        self._dock.ready(is_ready=False)
+        self._dock.lost()
         self._settle()
 
     def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
@@ -192,11 +192,10 @@ class SignalledStore:
         """The controller has sent a value."""
         is_good = sample.quality is Quality.GOOD
         if name == Signal.DOCK_READY:
-            # A value that is neither true nor false is no permission to enter.
-            is_value = is_good and isinstance(sample.value, bool | int)
-            self._dock.ready(
-                is_ready=is_value and bool(sample.value) is not self._tags[Signal.DOCK_READY].invert
-            )
+            if is_good and isinstance(sample.value, bool | int):
+                self._dock.ready(is_ready=bool(sample.value) is not self._tags[Signal.DOCK_READY].invert)
+            else:
+                self._dock.lost()
         elif name.startswith(LEVEL):
             item = name.removeprefix(LEVEL)
             self._on_level(item, bounds(sample.value, self._levels[item]) if is_good else None)
