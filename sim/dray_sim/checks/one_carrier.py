@@ -37,6 +37,7 @@ class OneCarrierAtATime:
             return
         vehicle = address.removeprefix(">")
         if (sender, vehicle) in self._returns:
+            self._tasks.pop((sender, vehicle), None)
             return
         self._tasks[sender, vehicle] = message.task
         for other in self._storages[sender].sense().opened:

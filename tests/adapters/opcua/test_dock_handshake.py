@@ -58,20 +58,14 @@ def test_one_that_is_no_more_in_the_queue_takes_nothing_from_the_others() -> Non
     assert dock.vehicle == "ATV3"
 
 
-def cut() -> DockHandshake:
-    """The connection breaks while ATV1 is inside and ATV2 waits; ATV1 leaves."""
+def test_a_ready_for_the_vehicle_before_lets_nobody_in_after_a_cut_link() -> None:
     dock = DockHandshake(answers=True)
     dock.want("ATV1")
     dock.ready(is_ready=True)
-    dock.want("ATV2")
-    dock.lose()
+    dock.lost()
     dock.done("ATV1")
-    return dock
-
-
-def test_a_ready_that_outlasts_a_broken_connection_does_not_let_the_next_vehicle_in() -> None:
-    dock = cut()
-    assert (dock.vehicle, dock.state) == ("ATV2", DockState.ASKED)
+    dock.want("ATV2")
+    # The permit of ATV1 was not withdrawn yet, where the controller stands.
     dock.ready(is_ready=True)
     assert (dock.vehicle, dock.state) == ("", DockState.CLOSING)
     dock.ready(is_ready=False)
@@ -79,38 +73,43 @@ def test_a_ready_that_outlasts_a_broken_connection_does_not_let_the_next_vehicle
     assert (dock.vehicle, dock.state) == ("ATV2", DockState.OPEN)
 
 
-def test_a_controller_that_was_heard_to_be_not_ready_answers_the_next_vehicle() -> None:
-    dock = cut()
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(("want", "done", "look", "link")), st.sampled_from(("ATV1", "ATV2"))),
+        max_size=40,
+    )
+)
+def test_it_is_open_for_whom_the_controller_has_opened_whenever_the_link_was_cut(
+    events: list[tuple[str, str]],
+) -> None:
+    dock, is_linked, told, opened_for = DockHandshake(answers=True), True, "", ""
     dock.ready(is_ready=False)
-    dock.ready(is_ready=True)
-    assert (dock.vehicle, dock.state) == ("ATV2", DockState.OPEN)
-
-
-def test_a_vehicle_that_was_let_in_before_a_broken_connection_is_in_again_after_it() -> None:
-    dock = DockHandshake(answers=True)
-    dock.want("ATV1")
-    dock.ready(is_ready=True)
-    dock.lose()
-    dock.done("ATV2")
-    dock.ready(is_ready=True)
-    assert (dock.vehicle, dock.state) == ("ATV1", DockState.OPEN)
-
-
-def test_the_next_vehicle_may_come_while_the_connection_is_broken_still() -> None:
-    dock = DockHandshake(answers=True)
-    dock.want("ATV1")
-    dock.lose()
-    dock.done("ATV1")
-    dock.want("ATV2")
-    dock.ready(is_ready=True)
-    assert dock.state is DockState.CLOSING
+    for what, vehicle in [("want", "ATV1"), ("look", ""), *events]:
+        match what:
+            case "want":
+                dock.want(vehicle)
+            case "done":
+                dock.done(vehicle)
+            case "link":
+                is_linked = not is_linked
+                if is_linked:
+                    dock.ready(is_ready=bool(opened_for))
+                else:
+                    dock.lost()
+            case _:
+                was, opened_for = opened_for, told if opened_for in ("", told) else ""
+                if is_linked and bool(was) is not bool(opened_for):
+                    dock.ready(is_ready=bool(opened_for))
+        if is_linked:
+            told = dock.vehicle
+        if dock.state is DockState.OPEN:
+            assert dock.vehicle == opened_for
 
 
 EVENTS = st.lists(
     st.one_of(
         st.tuples(st.sampled_from(("want", "done")), st.sampled_from(("ATV1", "ATV2", "ATV3"))),
-        st.tuples(st.just("ready"), st.booleans()),
-        st.tuples(st.just("lose"), st.none()),
+        st.tuples(st.just("ready"), st.sampled_from((True, False, None))),
     ),
     max_size=40,
 )
@@ -131,8 +130,8 @@ def test_it_opens_for_one_who_asked_and_only_by_a_ready_that_came_since(
                 dock.done(str(about))
                 waiting = [vehicle for vehicle in waiting if vehicle != about]
                 let_in = "" if let_in == about else let_in
-            case "lose":
-                dock.lose()
+            case _ if about is None:
+                dock.lost()
             case _:
                 dock.ready(is_ready=bool(about))
         if dock.state is DockState.OPEN:

@@ -9,8 +9,8 @@
     agent      withdraws the permit              dock_permit off
     controller resumes work                      dock_ready off
 
-Only then is the dock free for another vehicle. A broken connection counts as a controller that is not ready: no other vehicle is let in,
-and one inside finishes. If the vehicle has changed meanwhile, a ready that is on afterwards is the earlier vehicle's: the permit is withdrawn first. A controller must not let machines move while `dock_permit` is on, or while `alive` stands still.
+Only then is the dock free for another vehicle. While the connection is broken nobody is let in, and one inside finishes. Whether the controller
+still shows ready for the vehicle before is unknown then: the next one waits until the controller has said that it is not ready. A controller must not let machines move while `dock_permit` is on, or while `alive` stands still.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class DockState(StrEnum):
     OPEN = "open"
     """A vehicle may load or unload."""
     CLOSING = "closing"
-    """The permit is withdrawn, and the controller still shows ready."""
+    """The permit is withdrawn, and the controller still shows ready, or may do so."""
 
 
 class DockEvent(StrEnum):
@@ -38,10 +38,9 @@ class DockEvent(StrEnum):
     DONE = "done"
     """The vehicle has left, or no longer requests entry."""
     READY = "ready"
-    OLD_READY = "ready for an earlier vehicle"
-    """The first ready after a broken connection, during which the vehicle has changed."""
     NOT_READY = "not ready"
-    """The controller is not ready, or not connected."""
+    LOST = "lost"
+    """The controller is not connected, or its value is none."""
 
 
 NEXT: dict[DockState, dict[DockEvent, DockState]] = {
@@ -49,30 +48,31 @@ NEXT: dict[DockState, dict[DockEvent, DockState]] = {
         DockEvent.WANTED: DockState.ASKED,
         DockEvent.DONE: DockState.SHUT,
         DockEvent.READY: DockState.CLOSING,
-        DockEvent.OLD_READY: DockState.CLOSING,
         DockEvent.NOT_READY: DockState.SHUT,
+        DockEvent.LOST: DockState.SHUT,
     },
     DockState.ASKED: {
         DockEvent.WANTED: DockState.ASKED,
-        DockEvent.DONE: DockState.SHUT,
+        # It ends at once if the controller is known not to be ready.
+        DockEvent.DONE: DockState.CLOSING,
         DockEvent.READY: DockState.OPEN,
-        DockEvent.OLD_READY: DockState.CLOSING,
         DockEvent.NOT_READY: DockState.ASKED,
+        DockEvent.LOST: DockState.ASKED,
     },
     DockState.OPEN: {
         DockEvent.WANTED: DockState.OPEN,
         DockEvent.DONE: DockState.CLOSING,
         DockEvent.READY: DockState.OPEN,
-        DockEvent.OLD_READY: DockState.OPEN,
         DockEvent.NOT_READY: DockState.ASKED,
+        DockEvent.LOST: DockState.ASKED,
     },
     DockState.CLOSING: {
         # An earlier ready signal does not count: the next vehicle waits until it has ended, and comes anew.
         DockEvent.WANTED: DockState.CLOSING,
         DockEvent.DONE: DockState.CLOSING,
         DockEvent.READY: DockState.CLOSING,
-        DockEvent.OLD_READY: DockState.CLOSING,
         DockEvent.NOT_READY: DockState.SHUT,
+        DockEvent.LOST: DockState.CLOSING,
     },
 }
 """The next state for every event in every state, so that the dock is always in one of four."""
@@ -91,8 +91,8 @@ class DockHandshake:
     def __init__(self, *, answers: bool) -> None:
         self._answers = answers
         self._waiting: list[str] = []
-        self._is_heard, self._is_old = False, False
-        """Whether the signal is known now; whether the vehicle has changed since it was last known."""
+        self._shows: bool | None = None
+        """Whether the controller shows ready; None while that is unknown."""
         self.state = DockState.SHUT
 
     @property
@@ -117,31 +117,28 @@ class DockHandshake:
         if vehicle in self._waiting:
             self._waiting.remove(vehicle)
         if was_first:
-            self._is_old = self._is_old or not self._is_heard
             self._enter(DockEvent.DONE)
         self._go_on()
 
     def ready(self, *, is_ready: bool) -> None:
         """The controller signals whether it is ready."""
-        ready = DockEvent.OLD_READY if self._is_old else DockEvent.READY
-        self._is_heard, self._is_old = True, False
-        self._enter(ready if is_ready else DockEvent.NOT_READY)
+        self._shows = is_ready
+        self._enter(DockEvent.READY if is_ready else DockEvent.NOT_READY)
         self._go_on()
 
-    def lose(self) -> None:
-        """The signal is not known any more: the connection is broken, or its value is none."""
-        self._is_heard = False
-        self._enter(DockEvent.NOT_READY)
+    def lost(self) -> None:
+        """The controller is not connected any more, or sends no value."""
+        self._shows = None
+        self._enter(DockEvent.LOST)
         self._go_on()
 
     def _go_on(self) -> None:
+        if self.state is DockState.CLOSING and (self._shows is False or not self._answers):
+            self._enter(DockEvent.NOT_READY)
         if self._waiting and self.state is DockState.SHUT:
             self._enter(DockEvent.WANTED)
         if not self._answers and self.state is DockState.ASKED:
             self._enter(DockEvent.READY)
-        if not self._answers and self.state is DockState.CLOSING:
-            self._enter(DockEvent.NOT_READY)
-            self._go_on()
 
     def _enter(self, event: DockEvent) -> None:
         self.state = NEXT[self.state][event]

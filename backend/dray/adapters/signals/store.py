@@ -176,7 +176,7 @@ class SignalledStore:
         self.away = reason
         self._told.clear()
         self._ranges.clear()
-        self._dock.lose()
+        self._dock.lost()
         self._settle()
 
     def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
@@ -193,10 +193,9 @@ class SignalledStore:
         is_good = sample.quality is Quality.GOOD
         if name == Signal.DOCK_READY:
             if is_good and isinstance(sample.value, bool | int):
-                is_inverted = self._tags[Signal.DOCK_READY].invert
-                self._dock.ready(is_ready=bool(sample.value) is not is_inverted)
-            else:  # A value that is neither true nor false is no permission to enter.
-                self._dock.lose()
+                self._dock.ready(is_ready=bool(sample.value) is not self._tags[Signal.DOCK_READY].invert)
+            else:
+                self._dock.lost()
         elif name.startswith(LEVEL):
             item = name.removeprefix(LEVEL)
             self._on_level(item, bounds(sample.value, self._levels[item]) if is_good else None)

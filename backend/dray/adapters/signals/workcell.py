@@ -269,7 +269,7 @@ class SignalledWorkcell:
         self._away = reason
         self._gaps = {Signal.PIECES, Signal.BAD}
         self._silent.clear()
-        self._dock.lose()
+        self._dock.lost()
         if self._hold_unconfirmed():
             self._put(Signal.RUN, False)
         self._settle()
@@ -293,7 +293,7 @@ class SignalledWorkcell:
         if signal in self._silent and signal in (Signal.PIECES, Signal.BAD):
             self._gaps.add(signal)
         if signal is Signal.DOCK_READY and signal in self._silent:
-            self._dock.lose()
+            self._dock.lost()
         self._settle()
 
     def on_refused(self, name: str, reason: str) -> None:
