@@ -39,6 +39,11 @@ class Changes(msgspec.Struct, frozen=True):
     is_ahead: bool = False
     """Whether the requested position comes after the newest one: this log has not given it out."""
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to tell yet."""
+        return not (self.rows or self.is_forgotten or self.is_ahead)
+
 
 class ChangeFeed:
     """Returns changes.
@@ -76,7 +81,7 @@ class ChangeFeed:
             UnavailableError: the database cannot be read.
         """
         found = await self._read(since, seen, limit)
-        if found.rows or found.is_forgotten or found.is_ahead or wait_s <= 0.0:
+        if not found.is_empty or wait_s <= 0.0:
             return found
         if self.waiting[caller] >= share_of(WAITING_MOST):
             raise share_used(
@@ -85,7 +90,7 @@ class ChangeFeed:
         self.waiting[caller] += 1
         try:
             async with asyncio.timeout(wait_s):
-                while not (found.rows or found.is_forgotten or found.is_ahead):
+                while found.is_empty:
                     await self._changed(found.until)
                     found = await self._read(found.until, seen, limit)
         except TimeoutError:
