@@ -103,5 +103,7 @@ class WorkcellState(Part, frozen=True):
     """Loads moved by vehicles' own reports and not confirmed by people yet, the oldest first; only where people operate it."""
     opened: tuple[str, ...] = ()
     """Vehicles for which its dock is open or opening, where it remembers them over its agent's lives."""
+    let_in: OpenDock | None = None
+    """Which of these was let in, and to move what, where it remembers that; None for none."""
     gone: tuple[str, ...] = ()
     """Vehicles without permission whose own report of their loads is still expected; only where people operate it."""

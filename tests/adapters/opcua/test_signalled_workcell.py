@@ -176,6 +176,20 @@ def test_a_ready_of_the_vehicle_before_is_waited_out_once_the_connection_is_back
     assert rig.heard() == [DockReady(vehicle="ATV2")]
 
 
+def test_it_remembers_over_its_lives_whom_it_has_let_in_to_move_what() -> None:
+    rig, asked = Rig(TWO_BITS), OpenDock(vehicle="ATV1", item=ITEM, quantity=10)
+    rig.body.instruct(asked)
+    assert rig.state.let_in is None
+    rig.tell(Signal.DOCK_READY, True)
+    assert rig.state.let_in == asked
+    rig.begin()
+    assert rig.state.let_in == asked
+    rig.tell(Signal.DOCK_READY, True)
+    rig.body.instruct(Book("ATV1", ITEM, 10, task="M1-1", epoch=1))
+    rig.begin()
+    assert rig.state.let_in is None
+
+
 def test_a_dock_without_a_handshake_is_open_at_once() -> None:
     rig = Rig()
     rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))

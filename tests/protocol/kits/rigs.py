@@ -29,6 +29,7 @@ from dray.body import (
     GateState,
     GoodsArrived,
     NodePassed,
+    OpenDock,
     Pick,
     Report,
     StartCycle,
@@ -243,6 +244,7 @@ class MachineRig(Rig):
         self.people = False
         self.loads: tuple[UnconfirmedLoad, ...] = ()
         self.opened: tuple[str, ...] = ()
+        self.let_in: OpenDock | None = None
         self.seq = 0
         self._cycles = 0
 
@@ -272,6 +274,7 @@ class MachineRig(Rig):
             people=self.people,
             loads=self.loads,
             opened=self.opened,
+            let_in=self.let_in,
         )
 
     def handle(self, event: Event) -> list[Effect]:

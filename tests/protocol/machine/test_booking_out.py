@@ -41,13 +41,13 @@ def at_the_dock(rig: MachineRig | None = None) -> MachineRig:
 
 
 def beats(
-    rig: MachineRig, phase: Phase, *, task: str = TASK, epoch: int = 1, aboard: str = ""
+    rig: MachineRig, phase: Phase, *, task: str = TASK, epoch: int = 1, aboard: str = "", node: str = ""
 ) -> list[Effect]:
     """The cart tells what it does."""
     rig.run(rig.now_s + 1.0)
     beat = rhb(CART, 1000 + int(rig.now_s), rig.now_s, task=task, coordinator="PRESS1")
     assert beat.task is not None
-    beat = replace(beat, load=aboard, load_quantity=6 if aboard else 0)
+    beat = replace(beat, load=aboard, load_quantity=6 if aboard else 0, node=node or beat.node)
     return rig.on_message(CART, replace(beat, task=replace(beat.task, phase=phase, epoch=epoch)))
 
 
@@ -296,6 +296,64 @@ def test_a_vehicle_that_a_life_without_notes_finds_let_in_may_load_still_when_it
     stands_there(rig)
     rig.run(rig.now_s + 60.0)
     assert instructed(stands_there(rig, aboard="shaft", node="elsewhere"), Book) == [OUT]
+
+
+# --- a life without notes, whose body remembers what it has let in ---
+
+
+def without_notes(item: str = "shaft") -> MachineRig:
+    """The lathe's agent has lost its notes while the cart was let in."""
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+    rig.answers, rig.opened, rig.let_in = True, (CART,), OpenDock(CART, item, 6)
+    rig.start()
+    return rig
+
+
+DOCK = PLANT.node_of("LATHE1")
+UNNOTED = Book(CART, "shaft", -6, task="", epoch=2)
+
+
+def test_in_doubt_a_life_without_notes_books_out_what_its_body_has_let_a_vehicle_take() -> None:
+    rig = without_notes()
+    effects = stands_there(rig, node="elsewhere")
+    assert instructed(effects, Book) == [UNNOTED]
+    rig.stocked("shaft", -6, CART)
+    assert lies_there(rig) == (6, 6)
+
+
+def test_a_life_without_notes_books_out_what_the_vehicle_leaves_with() -> None:
+    rig = without_notes()
+    assert instructed(beats(rig, Phase.LOADING, node=DOCK), Book) == []
+    assert instructed(beats(rig, Phase.LOADING, node=DOCK), Book) == []
+    assert instructed(beats(rig, Phase.CARRYING, node=DOCK, aboard="shaft"), Book) == [UNNOTED]
+
+
+def test_a_life_without_notes_books_nothing_out_for_a_vehicle_that_it_saw_leave_without() -> None:
+    rig = without_notes()
+    stands_there(rig)
+    assert instructed(stands_there(rig, node="elsewhere"), Book) == []
+    assert instructed(stands_there(rig, node="elsewhere", aboard="shaft"), Book) == []
+
+
+def test_a_life_without_notes_books_no_material_out_that_a_vehicle_may_have_brought() -> None:
+    assert instructed(stands_there(without_notes("bar"), node="elsewhere"), Book) == []
+
+
+def test_who_asks_a_life_without_notes_again_has_not_taken_its_load() -> None:
+    rig = without_notes()
+    rig.on_message("PRESS1", StockAsked(TASK, 1, "shaft", 6))
+    assert instructed(rig.on_message(CART, Docked(TASK, 1, "LATHE1", "shaft", 6)), Book) == []
+
+
+def test_the_life_after_one_without_notes_goes_on_with_what_that_followed() -> None:
+    first = without_notes()
+    stands_there(first)
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=3)
+    rig.answers, rig.opened, rig.let_in, rig.memory = True, (CART,), first.let_in, committed(first.all)
+    rig.now_s = first.now_s
+    rig.start()
+    assert lies_there(rig) == (12, 12)
+    assert instructed(stands_there(rig, node="elsewhere"), Book) == [UNNOTED]
 
 
 def test_what_a_vehicle_has_on_board_before_the_dock_opens_is_not_from_here() -> None:

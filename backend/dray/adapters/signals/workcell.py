@@ -100,6 +100,8 @@ class Kept(Struct, frozen=True):
     """Why counts may be wrong, until a person has checked them."""
     opened: tuple[str, ...] = ()
     """Vehicles for which the dock is open or opening, in order."""
+    let_in: OpenDock | None = None
+    """Which of them was let in, and to move what."""
     booked: dict[str, int] = {}
     """The vehicles' latest reports (`dray.body.Book`), each with the number of its stock change: a restarted agent repeats them."""
 
@@ -164,6 +166,8 @@ class SignalledWorkcell:
         self._stock = dict.fromkeys(items, 0) | self._kept.stock
         self._report: Callable[[Report], None] = nobody_hears
         self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
+        self._loads: dict[str, OpenDock] = {}
+        """By vehicle: what it may move once it is let in, where this life was told."""
         self._told_ready = ""
         """The vehicle that was reported as let in, so that it is reported once."""
         self._away = "nothing was heard of its controller yet"
@@ -209,9 +213,11 @@ class SignalledWorkcell:
             case StartCycle():
                 self._start(instruction)
             case OpenDock(vehicle=vehicle):
+                self._loads[vehicle] = instruction
                 self._told_ready = "" if self._told_ready == vehicle else self._told_ready
                 self._dock.want(vehicle)
             case CloseDock(vehicle=vehicle):
+                self._loads.pop(vehicle, None)
                 self._dock.done(vehicle)
             case Book():
                 self._dock.done(instruction.vehicle)
@@ -240,6 +246,7 @@ class SignalledWorkcell:
             paces=Signal.SPEED in self._tags,
             answers=True,
             opened=self._dock.waiting,
+            let_in=self._kept.let_in,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -535,6 +542,9 @@ class SignalledWorkcell:
             self._told_ready = ""
         elif self._told_ready != vehicle:
             self._told_ready = vehicle
+            if vehicle in self._loads:
+                self._kept = replace(self._kept, let_in=self._loads.pop(vehicle))
+                self._keep()
             self._report(DockReady(vehicle=vehicle))
         self._judge()
 
@@ -584,5 +594,8 @@ class SignalledWorkcell:
         return 1.0 if tag is None else tag.scale
 
     def _keep(self) -> None:
-        self._kept = replace(self._kept, stock=dict(self._stock), opened=self._dock.waiting)
+        opened, let_in = self._dock.waiting, self._kept.let_in
+        if let_in is not None and let_in.vehicle not in opened:
+            let_in = None
+        self._kept = replace(self._kept, stock=dict(self._stock), opened=opened, let_in=let_in)
         self._world.remember(self._kept)

@@ -230,6 +230,8 @@ class Machine(AgentBase):
         self._commands.sense(body)
         if isinstance(note, MachineMemory):
             self._restore(note, memory, now_s)
+        elif body.let_in is not None and not body.counts:
+            self._flow.follow_unnoted(body.let_in, self.incarnation)
         self._flow.shut_unknown(body.opened)
         self._flow.dismiss(body.gone)
         if isinstance(note, MachineMemory):

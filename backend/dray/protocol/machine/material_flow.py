@@ -12,8 +12,8 @@ from typing import cast
 
 from msgspec.structs import replace
 
-from dray.body import StockChanged, WorkcellState
-from dray.memory import DepartureMemory, MachineMemory, Memory
+from dray.body import OpenDock, StockChanged, WorkcellState
+from dray.memory import DepartureMemory, MachineMemory, Memory, ReservationMemory
 from dray.messages import THING, Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -105,12 +105,26 @@ class MaterialFlow(TransportFlow):
         self.departures.restore(memory.leaving)
         self.bookings.restore(memory.booked)
         for load in memory.let_in:
-            self._book.restore(load, (load.vehicle,), now_s)
+            if load.task:
+                self._book.restore(load, (load.vehicle,), now_s)
 
     def shut_unknown(self, opened: Iterable[str]) -> None:
         """Shut the dock for vehicles of an earlier life that are unknown now."""
         carriers = {task.primary for task in self.tasks}
         self._issuing.shut_unknown(vehicle for vehicle in opened if vehicle not in carriers)
+
+    def follow_unnoted(self, let_in: OpenDock, life: int) -> None:
+        """Follow a vehicle that an earlier life, of which no notes are left, has let in to load goods; ignored for material.
+
+        Args:
+            let_in: what the body remembers.
+            life: this life's number, under which the body books the load.
+        """
+        if self._goals.products.is_goods(let_in.item):
+            unnoted = ReservationMemory(
+                "", life, let_in.item, let_in.quantity, "", let_in.vehicle, opened=life
+            )
+            self.booking_out.restore((unnoted,))
 
     # --- requests and reports of the machine ---
 

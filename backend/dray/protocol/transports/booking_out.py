@@ -10,6 +10,7 @@ The place follows the heartbeats of a vehicle that was let in to load:
     it names the task no more, after a time in which it was not     its coordinator is asked until it answers whether the load was
     heard (this agent was down, or deaf)                            fetched, or that it cannot know. In doubt it is booked out:
                                                                     nothing is promised that may not lie there
+    an earlier life let it in, and no notes say for which task      the same, by what it has on board when it leaves
     it was heard elsewhere without the load                         what it has on board later is not from here, unless it names
                                                                     the task
 
@@ -99,7 +100,7 @@ class BookingOut:
         has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
         if has_it and self._may_be_from_here(load, is_known=is_here or was_heard):
             self._book(load)
-        elif is_here and not load.gone and (carries is None or was_heard):
+        elif is_here and not load.gone and (carries is None or was_heard or not load.task):
             self._heard_s[load.vehicle] = now_s
         elif was_heard or load.ended:
             self._leave(load.vehicle)
@@ -116,7 +117,8 @@ class BookingOut:
         load = self._let_in.get(vehicle)
         if load is None or (docked.task, docked.epoch) == (load.task, load.opened):
             return
-        if self._was_heard(load, now_s) or load.ended:
+        asks_again = not load.task and docked.item == load.item
+        if self._was_heard(load, now_s) or load.ended or asks_again:
             self._leave(vehicle)
         else:
             self._book(load)
@@ -182,7 +184,7 @@ class BookingOut:
 
     def _ask(self, load: ReservationMemory, now_s: float) -> None:
         if not load.coordinator:
-            self._book(load)  # No coordinator to ask: only a vehicle has named it.
+            self._book(load)  # No coordinator to ask: only a vehicle has named it, or the body.
         elif now_s - self._asked_s.get(load.vehicle, -AGAIN_S) >= AGAIN_S:
             self._asked_s[load.vehicle] = now_s
             asked = StockReserved(load.task, load.opened, load.item, load.quantity)
