@@ -69,6 +69,11 @@ def is_first(name):
     return True
 
 
+def hung_s(name):
+    # Plenty once it does not hang any more: a busy computer is no fault of it.
+    return 60.0 if Path(__file__).with_name(name).exists() else 0.2
+
+
 def test_that_passes():
     pass
 
@@ -87,7 +92,7 @@ def test_whose_end_fails_once(ends_badly_once):
     pass
 
 
-@pytest.mark.timeout(0.2)
+@pytest.mark.timeout(hung_s("hangs"))
 def test_that_hangs_once():
     while is_first("hangs"):
         while True:

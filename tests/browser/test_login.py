@@ -11,10 +11,11 @@ import pytest
 from databases import Files
 from looks import LOCALES
 from open_house import OpenHouse, open_house
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 from scanner import scan
 from variants import variants
 
+from dray.gateway.access.login.cookies import PEOPLE
 from dray.gateway.access.login.invitations import invite
 from dray.gateway.access.principal import Role
 
@@ -182,6 +183,24 @@ def test_a_wrong_secret_is_said_beside_the_form_and_the_name_stays(
     expect(page.get_by_label("Password")).to_be_focused()
     screenshot(page, "login-wrong")
     complaints[:] = [each for each in complaints if not REFUSED.search(each)]
+
+
+def test_a_name_that_was_typed_before_the_script_came_stays(plant: OpenHouse, open_page: OpenPage) -> None:
+    page = open_page("about:blank", has_touch=True)
+    page.context.add_cookies([{"name": PEOPLE, "value": "ana", "url": plant.url}])
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    page.route("**/main-*.js", hold)
+    page.goto(f"{plant.url}/login?as=operator", wait_until="commit")
+    expect(page.get_by_role("radio", name="ana")).to_be_checked()
+    page.get_by_label("Name").fill("ben")
+    held.pop().continue_()
+    expect(page.get_by_role("button", name="7", exact=True)).to_be_visible()
+    expect(page.get_by_label("Name")).to_have_value("ben")
+    expect(page.get_by_role("radio", name="Somebody else")).to_be_checked()
 
 
 @pytest.mark.parametrize("focused", ["main", "#secret", '[name="known"]', ".pad button"])

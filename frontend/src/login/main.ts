@@ -18,6 +18,8 @@ function followChoice(): void {
     if (!other) name.value = "";
   };
   for (const each of choices) each.addEventListener("change", follow);
+  // Typed before this came: somebody else is meant.
+  if (name.value.trim() !== "") for (const each of choices) each.checked = each.value === "";
   follow();
 }
 

@@ -34,7 +34,7 @@ def test_the_past_is_shown_played_and_left_again(
 ) -> None:
     page = open_past(busy, open_page)
     expect(page.locator(".replay-band")).to_contain_text("Nothing here can be commanded")
-    expect(page.locator(".strip-row .doing").first).to_be_visible(timeout=30_000)
+    expect(page.locator(".strip-row .doing").first).to_be_visible()
     assert page.evaluate("document.querySelectorAll('.replay canvas').length") == 3
 
     # One second back with the keyboard, and the address has that moment.
@@ -88,7 +88,7 @@ def test_a_moment_of_which_nothing_is_kept_says_so(
     page = open_past(busy, open_page)
     page.goto(f"{factory}/#replay/1")
     # Which day it is depends on the time zone, and that on the time of the day.
-    expect(page.get_by_text(re.compile(r"Nothing is kept of \d"))).to_be_visible(timeout=30_000)
+    expect(page.get_by_text(re.compile(r"Nothing is kept of \d"))).to_be_visible()
     expect(page.locator(".replay-map")).to_have_attribute("aria-busy", "false")
     # The browser tells of every 404 by itself, and of nothing else; none comes after the page is left.
     page.goto("about:blank")
@@ -100,7 +100,7 @@ def test_the_past_fits_and_can_be_read_by_everybody(
     busy: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     page = open_past(busy, open_page)
-    expect(page.locator(".strip-row .doing").first).to_be_visible(timeout=30_000)
+    expect(page.locator(".strip-row .doing").first).to_be_visible()
     for width in (390, 1024, 1440):
         page.set_viewport_size({"width": width, "height": 900})
         page.wait_for_function("() => document.documentElement.scrollWidth <= innerWidth")

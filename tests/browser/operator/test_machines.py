@@ -131,12 +131,12 @@ def test_a_broken_machine_is_seen_to_by_a_person_and_taken_out_of_service(
     expect(card).to_have_count(0)
 
     house.do(lambda inside: _break(machine))
-    card.locator(".hand-over").tap()
-    card.locator(".hand-over").tap()  # Kept: nothing is sent.
+    # Twice at once, however slow the computer is: kept, and nothing is sent.
+    card.locator(".hand-over").evaluate("button => { button.click(); button.click(); }")
     card.locator(".software button").nth(1).tap()
     expect(card.locator(".command-refused")).to_have_count(1)
     card.locator(".hand-over").tap()
-    expect(card.locator(".command-confirmed")).to_have_count(1, timeout=10_000)
+    expect(card.locator(".command-confirmed")).to_have_count(1)
 
     card.locator(".service-open").tap()
     choice = card.locator(".service")

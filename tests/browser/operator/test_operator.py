@@ -130,6 +130,12 @@ def test_a_stop_holds_until_two_acts_in_two_places_end_it(
     assert kinds(vehicles["ATV6"]) == []
 
 
+SHORT_PRESS = """key => {
+    for (const kind of ["keydown", "keyup"])
+        document.activeElement.dispatchEvent(new KeyboardEvent(kind, { key, bubbles: true, cancelable: true }));
+}"""
+"""A key that is let go at once, however busy the computer is."""
+
 HELD_WHILE_BUSY = """button => {
     const touch = {bubbles: true, button: 0, pointerType: "touch"};
     button.dispatchEvent(new PointerEvent("pointerdown", touch));
@@ -254,7 +260,7 @@ def test_a_vehicle_elsewhere_is_words(
     house.do(ask_for_help(vehicles["ATV2"]))
     page = enter(**LOOKS[look])
     expect(page.locator(".stock")).to_contain_text(said[0])
-    expect(card(page, "ATV2").locator(".hand-over")).to_contain_text(said[1], timeout=8000)
+    expect(card(page, "ATV2").locator(".hand-over")).to_contain_text(said[1])
     screenshot(page, f"operator-elsewhere-{look}")
     assert "*" not in page.locator("body").inner_text()
 
@@ -432,7 +438,7 @@ def test_stop_acknowledge_and_resume_are_reached_by_keyboard_alone(
     page.keyboard.press("Space")
     expect(card(page, "ATV2").get_by_role("button", name="Resume")).to_be_enabled()
     tab_to(page, "Resume press and hold")
-    page.keyboard.press("Enter")
+    page.evaluate(SHORT_PRESS, "Enter")
     page.wait_for_timeout(HOLD_MS)
     so_far = [CommandKind.STOP, CommandKind.ACKNOWLEDGE]
     assert kinds(vehicles["ATV2"]) == so_far, "a short press is not enough"

@@ -103,7 +103,12 @@ class Hall:
 def logged(words: str) -> Iterator[asyncio.Event]:
     """An event that is set once a warning has these words."""
     told, handler = asyncio.Event(), logging.Handler(logging.WARNING)
-    handler.emit = lambda record: told.set() if words in record.getMessage() else None  # type: ignore[method-assign]
+
+    def hear(record: logging.LogRecord) -> None:
+        if words in record.getMessage():
+            told.set()
+
+    handler.emit = hear  # type: ignore[method-assign]
     logging.getLogger().addHandler(handler)
     try:
         yield told
