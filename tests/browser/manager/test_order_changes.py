@@ -39,7 +39,7 @@ def test_an_order_in_work_is_changed_and_moved_and_who_comes_too_late_is_told_so
     page.locator("tr", has_text="THIRD").drag_to(page.locator("tr", has_text="FIRST"))
     bar = page.get_by_role("region", name="How the order is moved in the queue")
     expect(bar).to_contain_text(
-        "THIRD before FIRST? It would pass 2 for the same products, first FIRST and SECOND."
+        "THIRD before FIRST? It would pass 2 for the same products, first FIRST, SECOND."
     )
     # Nothing is saved before somebody says so.
     assert references(rows) == ["FIRST", "SECOND", "THIRD"]

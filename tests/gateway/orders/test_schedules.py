@@ -263,6 +263,8 @@ async def test_what_cannot_be_is_refused_by_its_field(
     response = await house.client.post(PATH, json=DRAFT | fields)
     assert response.status_code == 422
     assert [each["field"] for each in response.json()["errors"]] == [field]
+    # Panels say it in the reader's language.
+    assert ("holidays" in fields) == (response.json()["errors"][0].get("code") == "day_unreadable")
     assert (await house.get(PATH))["items"] == []
     schedule = await added(house)
     place, version = f"{PATH}/{schedule['id']}", {"If-Match": schedule["etag"]}

@@ -158,7 +158,14 @@ PATTERN_WORDS = (
 """Begin of a pattern, and its rule in words."""
 
 OURS = frozenset(
-    {"moment_text", "moment_unreadable", "moment_no_zone", "moment_off_calendar", "document_twice"}
+    {
+        "day_unreadable",
+        "moment_text",
+        "moment_unreadable",
+        "moment_no_zone",
+        "moment_off_calendar",
+        "document_twice",
+    }
 )
 """Codes raised by our validators."""
 

@@ -14,6 +14,7 @@ from pydantic import (
     WithJsonSchema,
     model_validator,
 )
+from pydantic_core import PydanticCustomError
 
 from dray.gateway.http.request_bodies import Line
 from dray.gateway.orders.drafts import MAX_ITEMS, DueMoment, ItemDraft, OrderDraft
@@ -27,13 +28,16 @@ RUNS_MAX = 50
 """Maximum moments of a preview: more than a person reads."""
 
 
+DAY_WRONG = "it is no day of the calendar; write it as 2030-12-25"
+
+
 def _written_day(value: Any) -> date:
     if not isinstance(value, str):
-        raise ValueError("write it as text, as 2030-12-25")  # noqa: TRY004 - pydantic wants it
+        raise PydanticCustomError("day_unreadable", DAY_WRONG)
     try:
         return date.fromisoformat(value)
     except ValueError:
-        raise ValueError("it is no day of the calendar; write it as 2030-12-25") from None
+        raise PydanticCustomError("day_unreadable", DAY_WRONG) from None
 
 
 Day = Annotated[date, BeforeValidator(_written_day), WithJsonSchema({"type": "string", "format": "date"})]

@@ -29,9 +29,10 @@ function Asked({ before, order, queue }: AskedProps) {
   useLayoutEffect(() => {
     const from = document.activeElement;
     const place = from?.closest("tr") ?? null;
-    yes.current?.focus();
     return () => { keepFocus(place); };
   }, []);
+  // The button of one place further may be gone with the last place.
+  useLayoutEffect(() => { yes.current?.focus(); }, [before.id]);
   const { letsPass, passes } = moved(order, before, queue);
   const others = queue.filter(({ id }) => id !== order.id);
   const ahead = others[others.indexOf(before) - 1];

@@ -3,6 +3,7 @@ import { t } from "../../../text/views/recurring";
 import { PrioritySelect } from "../../orders/PrioritySelect";
 import { Outcome } from "../../parts/Outcome";
 import { Sheet } from "../../parts/Sheet";
+import { toWrong } from "../../parts/to-wrong";
 import { plant } from "../../state";
 import { dayName, DAYS, shown } from "./draft";
 import { Choice, Field, Text } from "./fields";
@@ -22,8 +23,10 @@ export function RecurringForm({ onKept }: { onKept: () => void }) {
         noValidate
         onSubmit={(event) => {
           event.preventDefault();
+          const form = event.currentTarget;
           void send().then((kept) => {
             if (kept) onKept();
+            else toWrong(form);
           });
         }}
       >

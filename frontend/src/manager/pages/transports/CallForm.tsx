@@ -5,6 +5,7 @@ import { PRIORITIES } from "../../orders/priority";
 import { PrioritySelect } from "../../orders/PrioritySelect";
 import * as parts from "../../parts/Field";
 import { Outcome } from "../../parts/Outcome";
+import { toWrong } from "../../parts/to-wrong";
 import { Sheet } from "../../parts/Sheet";
 import { useRefreshed } from "../../refreshed";
 import { plant } from "../../state";
@@ -42,8 +43,10 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
         noValidate
         onSubmit={(event) => {
           event.preventDefault();
+          const form = event.currentTarget;
           void send().then((called) => {
             if (called) onCalled();
+            else toWrong(form);
           });
         }}
       >

@@ -80,6 +80,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.cron_fields": "Fünf Felder schreiben: Minute, Stunde, Tag, Monat, Wochentag, wie 0 6 * * MON-FRI.",
   "rowFault.cron_unreadable": "Das ist kein cron-Kalender. Schreiben wie 0 6 * * MON-FRI.",
   "rowFault.no_run": "Das ist kein kommender Zeitpunkt des Kalenders; der nächste ist {next}.",
+  "rowFault.day_unreadable": "Das ist kein Tag des Kalenders. Schreiben Sie ihn wie 2030-12-25, mehrere mit Komma dazwischen.",
   "rowFault.never": "So einen Tag gibt es nicht. Einen nennen, der kommt.",
   "rowFault.passed": "Dieser Zeitpunkt ist vorbei. Einen späteren angeben oder weglassen.",
   "rowFault.more_than_a_year": "Das ist in mehr als einem Jahr. Weglassen und dann öffnen.",

@@ -77,6 +77,7 @@ export const rows = {
   "rowFault.cron_fields": "Write five fields: minute, hour, day, month, day of the week, as in 0 6 * * MON-FRI.",
   "rowFault.cron_unreadable": "This is no calendar of cron. Write it as in 0 6 * * MON-FRI.",
   "rowFault.no_run": "This is no coming moment of the calendar; the next one is {next}.",
+  "rowFault.day_unreadable": "It is no day of the calendar. Write it as 2030-12-25, several with a comma between them.",
   "rowFault.never": "No day is like that. Give one that comes.",
   "rowFault.passed": "This time has passed. Give a later one, or leave it out.",
   "rowFault.more_than_a_year": "That is more than a year from now. Leave it out, and open it then.",

@@ -80,6 +80,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.cron_fields": "Escriba cinco campos: minuto, hora, día, mes, día de la semana, como 0 6 * * MON-FRI.",
   "rowFault.cron_unreadable": "No es un calendario de cron. Escríbalo como 0 6 * * MON-FRI.",
   "rowFault.no_run": "No es un momento futuro de este calendario; el próximo es {next}.",
+  "rowFault.day_unreadable": "No es un día del calendario. Escríbalo como 2030-12-25, varios con una coma entre ellos.",
   "rowFault.never": "Ningún día es así. Indique uno que llegue.",
   "rowFault.passed": "Este momento ya pasó. Indique uno posterior o déjelo vacío.",
   "rowFault.more_than_a_year": "Falta más de un año. Déjelo vacío y ábralo entonces.",
