@@ -94,10 +94,10 @@ class Waiting:
 
     def drive_to_refuge(self, granted_s: float, reached_s: float) -> None:
         """It reaches its refuge."""
-        assert self.row.errand is Errand.REFUGE
+        refuge = self.row.way.goal
         for _ in self.row.way.ahead:
             self.drive_on(granted_s, reached_s)
-        assert self.row.errand is Errand.REST
+        assert (self.row.errand, self.row.way.node) == (Errand.REST, refuge)
 
     def ask_for_room(self, now_s: float) -> None:
         """The table asks it to make room for B, which began its leg a second earlier."""
