@@ -131,7 +131,7 @@ class World:
             last = max(there)
             start = max(1, last - HISTORY_KEPT + 1)
             missing = tuple(each for each in range(start, last + 1) if each not in there)
-            known.append(Known(AGENT, life, last, missing, cut=not known and len(lives) > LIVES))
+            known.append(Known(AGENT, life, last, missing, is_first_asked=not known and len(lives) > LIVES))
         self.gaps = Gaps(known, self.now_s, [AGENT])
 
     def ask(self) -> None:

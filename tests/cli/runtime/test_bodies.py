@@ -104,11 +104,11 @@ def logged(words: str) -> Iterator[asyncio.Event]:
     """An event that is set once a warning has these words."""
     told, handler = asyncio.Event(), logging.Handler(logging.WARNING)
 
-    def hear(record: logging.LogRecord) -> None:
+    def take(record: logging.LogRecord) -> None:
         if words in record.getMessage():
             told.set()
 
-    handler.emit = hear  # type: ignore[method-assign]
+    handler.emit = take  # type: ignore[method-assign]
     logging.getLogger().addHandler(handler)
     try:
         yield told

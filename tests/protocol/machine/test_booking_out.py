@@ -328,6 +328,18 @@ def test_a_life_without_notes_books_out_what_the_vehicle_leaves_with() -> None:
     assert instructed(beats(rig, Phase.CARRYING, node=DOCK, aboard="shaft"), Book) == [UNNOTED]
 
 
+def test_what_leaves_with_its_task_s_name_is_booked_out_once_though_the_body_remembers_it() -> None:
+    rig = without_notes()
+    beat = rhb(CART, 1000, rig.now_s, task=TASK, coordinator="PRESS1")
+    assert beat.task is not None
+    carries = replace(beat.task, phase=Phase.CARRYING, item="shaft", quantity=6)
+    beat = replace(beat, task=carries, node=DOCK, load="shaft", load_quantity=6)
+    assert instructed(rig.on_message(CART, beat), Book) == [UNNOTED]
+    assert instructed(rig.on_message(CART, replace(beat, seq=1001)), Book) == []
+    rig.stocked("shaft", -6, CART)
+    assert instructed(rig.on_message(CART, replace(beat, seq=1002)), Book) == []
+
+
 def test_a_life_without_notes_books_nothing_out_for_a_vehicle_that_it_saw_leave_without() -> None:
     rig = without_notes()
     stands_there(rig)

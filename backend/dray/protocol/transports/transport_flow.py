@@ -325,8 +325,10 @@ class TransportFlow:
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
-        self.booking_out.on_carrier_heard(heartbeat, now_s)
-        self._book_unnoted(heartbeat)
+        if self.booking_out.waits_for(heartbeat.atv):
+            self.booking_out.on_carrier_heard(heartbeat, now_s)
+        else:
+            self._book_unnoted(heartbeat)
         self.departures.on_vehicle(heartbeat, now_s)
         if (recovered := self._recovery.on_heartbeat(heartbeat, now_s)) is not None:
             self._note_ordered(recovered)
