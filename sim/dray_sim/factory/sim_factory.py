@@ -8,7 +8,7 @@ its journal stay, and the next life starts from them. Without power the body sta
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
 from hashlib import sha256
 from math import hypot
@@ -156,6 +156,7 @@ class SimFactory:
         self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles
         self.in_hands = floor.in_hands
         self.workers: dict[str, Worker] = {}
+        self.journals: dict[str, HeldJournal] = {}
         self._installations: dict[str, Installation] = {}
         self._lives: dict[str, asyncio.Task[None]] = {}
         """Tasks that run the workers, by agent id."""
@@ -171,10 +172,6 @@ class SimFactory:
         self.strategists = strategists_of(strategists)
         for agent, kind, make, embodied in with_gate(plant, self.gate, self.strategists, bodies):
             self._employ(agent, kind, make, embodied)
-
-    @property
-    def journals(self) -> Mapping[str, HeldJournal]:
-        return {agent: installed.journal for agent, installed in self._installations.items()}
 
     async def run(self) -> None:
         """Run all agents until cancelled.
@@ -420,7 +417,7 @@ class SimFactory:
 
     def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: MakeBody) -> None:
         self.bus.kinds[agent] = kind
-        journal = HeldJournal(incarnation=self._incarnation)
+        journal = self.journals[agent] = HeldJournal(incarnation=self._incarnation)
         self._installations[agent] = Installation(make, body, journal, ComputerClock(self.clock), __version__)
         self._enliven(agent)
 
