@@ -199,8 +199,9 @@ class Walk:
             put_down_s = self.put_down_s.get(task.primary, -BEATS_S)
             if task.state == "delivered" and task.id not in self.ended:
                 self.ended.add(task.id)
-                # So late as it is told to have come, it has put its load down.
-                is_so = abs(task.closed_at_s - NOW_S - put_down_s) < BEATS_S
+                # So late as it is told to have come, it has put its load down, or the machine that was down has heard of it.
+                heard_s = max(put_down_s, self.up_s.get(task.coordinator, -BEATS_S))
+                is_so = abs(task.closed_at_s - NOW_S - heard_s) < BEATS_S
                 self._claim(at_s, "it handed over then", task.id, true=is_so)
             elif task.state == "contracted" and task.phase == "carrying" and task.promised_at_s is not None:
                 if NOW_S + at_s <= task.promised_at_s:
