@@ -39,6 +39,7 @@ class GateRig:
         self.kept: KeptSignals | None = None
         self.shown: Value = first
         self.label = self.broker = ""
+        self.is_cut = False
         self.begin()
         for goal in (SHAFTS, GEARS):
             self.body.instruct(Admit(goal, 10))
@@ -50,15 +51,20 @@ class GateRig:
         self.link()
 
     def link(self) -> None:
+        self.is_cut = False
         self.tell(Signal.PIECES, self.shown)
         self.tell(Signal.GOAL, self.label)
         self.body.on_link()
+        self.write()
 
     def remember(self, kept: KeptSignals) -> None:
         self.kept = kept
 
     def write(self) -> None:
-        """The link would."""
+        """By OPC UA the controller confirms what it is told, unless the wire is cut and nobody has noticed."""
+        if not (self.is_cut or self.broker):
+            for name, value in self.body.outputs.items():
+                self.body.on_written(name, value)
 
     def tell(self, signal: Signal, value: Value, quality: Quality = Quality.GOOD) -> None:
         self.body.on_sample(signal, Sample(value, quality))

@@ -21,7 +21,7 @@ from dray.adapters.opcua.link import OpcUaLink
 from dray.adapters.opcua.mapping_file import OpcUaMapping
 from dray.adapters.signals.gate import AGAIN, SETTLE_S, KeptSignals
 from dray.adapters.signals.signal import Signal
-from dray.body import Admit
+from dray.body import Admit, GoodsArrived
 
 NODES = (Signal.PIECES, Signal.GOAL, Signal.ADMITTED, Signal.ADMITTED_GOAL)
 
@@ -63,6 +63,28 @@ def test_a_permit_that_its_node_cannot_hold_is_the_largest_that_it_can(
             rig.clock.pass_s(SETTLE_S)
             await plc.until(Signal.ADMITTED, most)
             assert rig.body.away == ""
+
+    asyncio.run(story())
+
+
+def test_a_permit_that_was_wanted_for_a_moment_and_never_written_is_confirmed_to_be_over(
+    tmp_path: Path,
+) -> None:
+    async def story() -> None:
+        async with Plc(pieces=70) as plc, linked(opcua(plc, tmp_path)) as rig:
+            await plc.put(Signal.GOAL, SHAFTS)
+            await rig.until(lambda: rig.body.label == SHAFTS and rig.body.away == "")
+            rig.clock.pass_s(SETTLE_S)
+            assert rig.told == (SHAFTS, 10)
+            rig.body.instruct(Admit(SHAFTS, 0))
+            rig.clock.pass_s(SETTLE_S)
+            assert rig.reports[-1] == GoodsArrived(SHAFTS, 0, 10)
+
+            def is_over() -> bool:
+                rig.clock.pass_s(SETTLE_S)
+                return rig.reports[-1] == GoodsArrived(SHAFTS, 0, 0)
+
+            await rig.until(is_over)
 
     asyncio.run(story())
 

@@ -112,11 +112,69 @@ def test_a_goal_is_said_to_be_shut_when_its_permit_can_bring_nothing_in_any_more
 def test_a_goal_is_not_said_to_be_shut_while_the_controller_refuses_the_end_of_its_permit() -> None:
     rig = GateRig()
     rig.show(SHAFTS)
+    rig.is_cut = True
     rig.body.instruct(Admit(SHAFTS, 0))
     rig.body.on_refused(Signal.ADMITTED, "BadNotWritable")
     rig.clock.pass_s(5 * SETTLE_S)
     assert said(rig) == GoodsArrived(SHAFTS, 0, 10)
+    rig.is_cut = False
+    rig.write()
     rig.body.on_refused(Signal.ADMITTED, "")
+    rig.clock.pass_s(SETTLE_S)
+    assert said(rig) == GoodsArrived(SHAFTS, 0, 0)
+
+
+def test_what_comes_in_as_the_end_of_its_permit_is_lost_with_the_wire_counts() -> None:
+    rig = GateRig()
+    rig.show(SHAFTS)
+    rig.is_cut = True
+    rig.body.instruct(Admit(SHAFTS, 0))
+    rig.clock.pass_s(3 * SETTLE_S)
+    assert said(rig) == GoodsArrived(SHAFTS, 0, 10)
+    rig.body.on_link_lost("it does not answer")
+    rig.clock.pass_s(10 * SETTLE_S)
+    rig.shown, rig.label = 504, ""
+    rig.link()
+    rig.clock.pass_s(SETTLE_S)
+    assert (said(rig), rig.body.away) == (GoodsArrived(SHAFTS, 4, 0), "")
+
+
+def test_counts_may_come_for_a_second_after_the_end_of_their_permit_was_confirmed() -> None:
+    rig = GateRig()
+    rig.show(SHAFTS)
+    rig.is_cut = True
+    rig.body.instruct(Admit(SHAFTS, 0))
+    rig.clock.pass_s(1.9 * SETTLE_S)
+    rig.is_cut = False
+    rig.write()
+    rig.clock.pass_s(0.9 * SETTLE_S)
+    rig.counter(504)
+    assert (rig.arrived, rig.body.away) == ({SHAFTS: 4}, "")
+    rig.clock.pass_s(SETTLE_S)
+    assert said(rig) == GoodsArrived(SHAFTS, 4, 0)
+
+
+def test_a_permit_from_before_a_broken_connection_ends_when_its_end_is_confirmed() -> None:
+    rig = GateRig()
+    rig.show(SHAFTS)
+    rig.is_cut = True
+    rig.body.on_link_lost("cut")
+    rig.body.instruct(Admit(SHAFTS, 0))
+    rig.tell(Signal.PIECES, 500)
+    rig.tell(Signal.GOAL, SHAFTS)
+    rig.body.on_link()
+    rig.clock.pass_s(3 * SETTLE_S)
+    rig.counter(504)
+    assert (rig.arrived, rig.body.away) == ({SHAFTS: 4}, "")
+
+
+def test_a_permit_ends_by_mqtt_though_nothing_is_confirmed() -> None:
+    rig = GateRig()
+    rig.broker = "broker:1883"
+    rig.begin()
+    rig.clock.pass_s(SETTLE_S)
+    rig.show(SHAFTS)
+    rig.body.instruct(Admit(SHAFTS, 0))
     rig.clock.pass_s(SETTLE_S)
     assert said(rig) == GoodsArrived(SHAFTS, 0, 0)
 

@@ -260,6 +260,8 @@ class _Session:
                 if signal in GO and self._changed.is_set():
                     break  # What was written before it in this round may be outdated.
                 if self._written.get(signal) == value:
+                    # Another value may have been wanted for a moment; it was not written.
+                    self._tell(signal, self._listener.on_written, signal, value)
                     if refused is not None and not is_early:
                         self._accept(signal)
                     continue

@@ -10,6 +10,7 @@
 Only then does the controller show the next label. So whatever is counted belongs to the goal of the last permit, also after a restart of the
 agent or a broken connection: only the agent gives permits. A new permit waits until a label has been shown for `SETTLE_S`, because a count
 may arrive after the label that followed it. A permit ends likewise: what it has not brought `SETTLE_S` after its label went does not come.
+A permit that is taken back while its label is shown ends that long after the controller has confirmed it; by MQTT nothing is confirmed.
 
 `admitted` is the number of pieces from the beginning of the permit on. It does not fall while they come in: the controller compares it with
 what it has let in itself, so that it makes no difference how late the agent hears the counts.
@@ -164,6 +165,8 @@ class SignalledGate:
         self._is_over, self._settled, self._turn = False, False, 0
         """Whether the container of the last permit is gone; whether a permit may be given; the number of the last wait for that, so that an
         outdated call of the clock is recognised."""
+        self._may_permit = not broker
+        """Whether the controller may have a permit that the agent has taken back: it has not confirmed the end yet. By MQTT it never does."""
         self._base: int | None = None
         """Pieces of the goal that were in when the present permit began; None without a permit."""
         self.away = self.problem = self._link
@@ -218,6 +221,7 @@ class SignalledGate:
     def on_link_lost(self, reason: str) -> None:
         """The controller is away: nothing may come in, and its label is outdated."""
         self._link, self._gap = f"its controller is not heard: {reason}", True
+        self._may_permit = not self._broker
         self._silent.clear()
         self._see(None)
         self._judge()
@@ -259,7 +263,11 @@ class SignalledGate:
         self._judge()
 
     def on_written(self, name: str, value: Value) -> None:
-        """Ignore it: whatever is counted belongs to the last permit, heard or not."""
+        """The controller has confirmed a value: an `admitted` of 0 has ended its permit, and the last counts are on their way."""
+        if name == Signal.ADMITTED and value == self.outputs[Signal.ADMITTED] == 0 and self._may_permit:
+            self._may_permit = False
+            if self._is_exceeded(self._kept.permit):
+                self._wait()
 
     # --- values ---
 
@@ -350,7 +358,8 @@ class SignalledGate:
         if turn != self._turn or self._seen is None:
             return
         permit, is_exceeded = self._kept.permit, self._is_exceeded(self._kept.permit)
-        if self._gap or (is_exceeded and self.away and not self._is_over):
+        is_there = is_exceeded and self._seen == permit
+        if self._gap or (is_there and self._may_permit) or (is_exceeded and self.away and not self._is_over):
             # The count of what came in meanwhile is still to come, or the controller may not have taken the end of the permit.
             self._wait()
             return
@@ -387,6 +396,7 @@ class SignalledGate:
         outputs: dict[str, Value] = {Signal.ADMITTED: admitted, Signal.ADMITTED_GOAL: permit}
         if outputs != self.outputs:
             self.outputs = outputs
+            self._may_permit |= admitted > 0 and not self._broker
             self._world.write()
         self._tell()
 
