@@ -15,7 +15,7 @@ from seals import FOR_EVER_S, seal
 from spoken import production, rhb
 
 from dray.adapters.security.signing import is_signed
-from dray.body import Book, CloseDock, DockReady, StockChanged
+from dray.body import Book, CloseDock, DockReady, OpenDock, StockChanged
 from dray.memory import DepartureMemory
 from dray.messages import (
     Docked,
@@ -301,6 +301,63 @@ def test_a_life_without_notes_shuts_a_dock_that_it_does_not_know_of_once_its_veh
     assert instructed(rig.start(), CloseDock) == []
     effects = beats(rig, None, node="c1")
     assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def without_notes(item: str = "housing") -> MachineRig:
+    """M7's agent has lost its notes; its body remembers that ATV2 was let in."""
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.answers, rig.opened, rig.let_in = True, ("ATV2",), OpenDock("ATV2", item, 24)
+    rig.start()
+    return rig
+
+
+def test_what_the_body_let_a_vehicle_bring_is_booked_when_it_reports_that_to_a_life_without_notes() -> None:
+    rig = without_notes()
+    assert instructed(beats(rig, None, node="c1"), Book) == []
+    effects = rig.on_message("ATV2", handover())
+    assert instructed(effects, Book) == BROUGHT
+    assert sent(effects, Superseded, to="ATV2")
+    rig.stocked("housing", 24, "ATV2")
+    assert instructed(rig.on_message("ATV2", handover()), Book) == []
+    assert instructed(rig.on_message("ATV2", handover("M7-2")), Book) == []
+
+
+def test_a_vehicle_that_reports_before_a_life_without_notes_has_heard_where_it_is_reports_again() -> None:
+    rig = without_notes()
+    effects = rig.on_message("ATV2", handover())
+    assert (instructed(effects, Book), sent(effects, Superseded)) == ([], [])
+    assert instructed(beats(rig, Phase.APPROACHING, node="c1", task="M8-1"), CloseDock) == SHUT
+    assert instructed(rig.on_message("ATV2", handover()), Book) == BROUGHT
+
+
+def test_what_a_vehicle_hands_over_at_the_dock_of_a_life_without_notes_is_booked_once() -> None:
+    rig = without_notes()
+    assert instructed(beats(rig, Phase.HANDING_OVER), Book) == BROUGHT
+    rig.stocked("housing", 24, "ATV2")
+    assert instructed(rig.on_message("ATV2", handover()), Book) == []
+
+
+@pytest.mark.parametrize(("item", "vehicle"), [("pump-p3", "ATV2"), ("unknown", "ATV2"), ("housing", "ATV3")])
+def test_nothing_else_is_booked_in_on_a_report_to_a_life_without_notes(item: str, vehicle: str) -> None:
+    rig = without_notes(item)
+    beats(rig, None, node="c1")
+    assert instructed(rig.on_message(vehicle, handover()), Book) == []
+
+
+def test_who_has_brought_another_load_since_reports_nothing_of_a_life_before_the_notes_were_lost() -> None:
+    rig = without_notes()
+    beats(rig, None, node="c1")
+    rig.stocked("housing", 12, "ATV2")
+    assert instructed(rig.on_message("ATV2", handover()), Book) == []
+
+
+def test_a_life_after_one_without_notes_books_what_is_reported_to_it() -> None:
+    first = without_notes()
+    beats(first, None, node="c1")
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=3)
+    rig.answers, rig.memory, rig.now_s = True, committed(first.all), first.now_s
+    rig.start()
+    assert instructed(rig.on_message("ATV2", handover()), Book) == BROUGHT
 
 
 def test_who_carries_goes_on_unloading_over_a_restart_of_the_machines_agent() -> None:

@@ -114,7 +114,7 @@ class MaterialFlow(TransportFlow):
         self._issuing.shut_unknown(vehicle for vehicle in opened if vehicle not in carriers)
 
     def follow_unnoted(self, let_in: OpenDock, life: int) -> None:
-        """Follow a vehicle that an earlier life, of which no notes are left, has let in to load goods; ignored for material.
+        """Follow a vehicle that an earlier life, of which no notes are left, has let in to load goods or to bring material.
 
         Args:
             let_in: what the body remembers.
@@ -125,6 +125,8 @@ class MaterialFlow(TransportFlow):
                 "", life, let_in.item, let_in.quantity, "", let_in.vehicle, opened=life
             )
             self.booking_out.restore((unnoted,))
+        elif let_in.item in self._supply.materials:
+            self.departures.expect_unnoted(let_in.vehicle, let_in.item, let_in.quantity)
 
     # --- requests and reports of the machine ---
 

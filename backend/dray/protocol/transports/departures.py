@@ -17,6 +17,8 @@ count is told of it (`Book`).
     it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
     it names another task, or stands elsewhere, after a time   where it has been is unknown: a load to take is booked out,
     in which it was not heard                                  a load to bring is booked in once it reports that it is down
+    an earlier life let it in to bring a load, and no notes    the load is booked in once it reports as down what it brought
+    say for which task                                         for a task that is unknown
 """
 
 from __future__ import annotations
@@ -149,6 +151,22 @@ class Departures:
             del self._gone[vehicle, task, epoch]
             self._bookings.say(replace(gone, change=min(gone.change, quantity)))
         return False
+
+    def expect_unnoted(self, vehicle: str, item: str, quantity: int) -> None:
+        """An earlier life, of which no notes are left, let a vehicle in to bring a load: only its own report tells the task."""
+        self._gone[vehicle, "", 0] = DepartureMemory(vehicle, "", 0, item, quantity)
+        self._life.commit()
+
+    def name_unnoted(self, vehicle: str, task: str, epoch: int) -> None:
+        """A vehicle reports the load of an unknown task as put down: an earlier life let it in for this. Ignored for others."""
+        if (load := self._gone.pop((vehicle, "", 0), None)) is not None:
+            self._gone[vehicle, task, epoch] = replace(load, task=task, epoch=epoch)
+            self._life.commit()
+
+    def note_brought(self, vehicle: str) -> None:
+        """What a vehicle has brought is booked in: it has nothing else to report of an earlier life."""
+        if self._gone.pop((vehicle, "", 0), None) is not None:
+            self._life.commit()
 
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """Handle a vehicle's heartbeat."""

@@ -82,10 +82,12 @@ class Dock:
         task = self._tasks.get(message.task)
         if task is not None and message.epoch == task.epoch and sender == task.primary:
             return task
+        closed = self._tasks.closed(message.task)
+        if task is None and closed is None:
+            self._departures.name_unnoted(sender, message.task, message.epoch)
         if self._departures.on_put_down(sender, message.task, message.epoch, message.quantity):
             self._life.ignore("a handover of a vehicle that is here for another load")
             return None
-        closed = self._tasks.closed(message.task)
         if closed is not None and closed.carrier == sender and closed.outcome == "delivered":
             self._accept(sender, message.task, message.epoch)
         else:

@@ -288,6 +288,8 @@ class TransportFlow:
             return None
         word = self.bookings.on_stock_changed(report)
         self.door.note_moved(report, word)
+        if report.change > 0:
+            self.departures.note_brought(report.vehicle)
         return word
 
     def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
