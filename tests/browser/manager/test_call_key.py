@@ -103,5 +103,9 @@ def test_a_thing_is_called_for_on_a_phone_without_a_script(
     form.get_by_role("button", name=bring).click()
     job = page.locator(".call-list li", has_text="pump housing <Meier>")
     expect(job).to_contain_text(called)
+    # What was called is in sight, also once it is looked at again.
+    expect(job).to_be_in_viewport()
+    page.locator(".call-list p > a").first.click()
+    expect(job).to_be_in_viewport()
     job.get_by_role("button").click()
     screenshot(page, f"call-thing-called-{locale}", whole=True)

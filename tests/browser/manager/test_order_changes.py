@@ -58,7 +58,9 @@ def test_an_order_in_work_is_changed_and_moved_and_who_comes_too_late_is_told_so
     page.keyboard.press("Escape")
     expect(bar).to_have_count(0)
     assert references(rows) == ["THIRD", "FIRST", "SECOND"]
+    expect(sooner).to_be_focused()
     sooner.press("Enter")
+    expect(bar).to_contain_text("SECOND before FIRST? It would pass one for the same products: FIRST.")
     expect(bar.get_by_role("button", name="Move", exact=True)).to_be_focused()
     page.keyboard.press("Enter")
     expect(rows.nth(1)).to_contain_text("SECOND")

@@ -155,6 +155,9 @@ def test_what_is_taken_away_begins_here_and_can_be_called_off(
     tile(page, 1, "38").tap()
     card_of(page).locator(".call-amounts button").first.tap()
     job = card_of(page).locator(".call-jobs > li").first
+    # It goes away: its last step is not here.
+    there = {"en": "there", "de": "dort", "es": "allí"}[look.rpartition("-")[2]]
+    expect(job.locator(".call-steps li").last).to_have_text(there)
     job.get_by_role("button", name=off).tap()
     expect(job.get_by_role("button", name=off)).to_have_count(0)
 

@@ -106,7 +106,7 @@ async def test_two_touches_without_a_script_call_once_and_the_page_tells_how_far
     assert house.bus.sent_to("M8", TransportOrdered) == []
     for _ in range(2):  # The same form, sent again by an impatient thumb.
         done = await pressed(house, token, second.text, "bring")
-        assert (done.status_code, done.headers["Location"]) == (303, f"/call/{token}")
+        assert (done.status_code, done.headers["Location"]) == (303, f"/call/{token}#called")
     [asked] = house.bus.sent_to("M8", TransportOrdered)
     assert (asked.item, asked.quantity) == ("shaft", 40)
     shown = (await opened(house, token)).text
@@ -315,7 +315,7 @@ async def test_a_thing_is_called_for_without_a_script_once(
     assert '<option value="M8"' not in page
     for _ in range(2):
         answer = await asked_for(house, token, way=way)
-        assert (answer.status_code, answer.headers["Location"]) == (303, f"/call/{token}")
+        assert (answer.status_code, answer.headers["Location"]) == (303, f"/call/{token}#called")
     [asked] = house.bus.sent_to(ends[1], TransportOrdered)
     assert (asked.item, asked.quantity, asked.source, asked.ability) == (THING, 1, ends[0], "tote")
     [row] = (await house.visitor(**header).get(PATH)).json()["items"]

@@ -65,6 +65,8 @@ async def test_its_page_tells_what_from_where_to_where_how_far_and_when(house: H
     shaft = provided(house.app, Projection).site.plant.materials["shaft"].name
     text = await page(house, token)
     assert "Transport from S3 to M8" in text
+    assert "Transport tracking" in text
+    assert "Order" not in text
     assert TEXTS["en"].one_part.format(quantity=40, name=shaft) in text
     assert TEXTS["en"].cannot_say in text
     assert "Transport von S3 nach M8" in await page(house, token, **GERMAN)

@@ -45,6 +45,8 @@ class ItemLine(msgspec.Struct, frozen=True):
 class Page(msgspec.Struct, frozen=True, kw_only=True):
     """All words of the page that depend on the order."""
 
+    title: str
+    """What the page is, at its top."""
     above: str
     """Name of the order."""
     heading: str
@@ -79,6 +81,7 @@ def page(told: Track, texts: Catalogue, clock: Clock, now_s: float) -> Page:
     tag = _tag(told, texts)
     stage = texts.stages[told.stage]
     return Page(
+        title=texts.title,
         above=texts.your_order if told.reference is None else texts.order.format(reference=told.reference),
         heading=_heading(told, texts, clock),
         answer_label=label,

@@ -115,6 +115,7 @@ def transport_page(row: TransportRow, name: str, texts: Catalogue, clock: Clock,
     reason = texts.transport_why.get(row.wait, "") if row.status is TransportState.WAITING else ""
     stage = texts.transport_stages.get(row.status.value, "")
     return Page(
+        title=texts.transport_title,
         above=texts.transport.format(source=row.source, to=row.destination),
         heading=texts.one_part.format(quantity=clock.number(row.quantity), name=name),
         answer_label=label,

@@ -13,5 +13,5 @@ export function Named({ orders, text }: { orders: readonly OrderView[]; text: "c
     const name = reference ?? id;
     return { href: addressOf(id), text: name, label: t("change.newTab", { order: name }) };
   });
-  return <Linked text={t(text, { orders: format.list(first.map(() => HERE)), n: format.count(orders.length) })} links={links} />;
+  return <Linked text={t(orders.length === 1 ? `${text}.one` : `${text}.other`, { orders: format.list(first.map(() => HERE)), n: format.count(orders.length) })} links={links} />;
 }

@@ -3,13 +3,14 @@
 const USABLE = "button:not(:disabled), a[href], input:not(:disabled), select:not(:disabled)";
 
 /**
- * Once the page is drawn anew: whoever was on something that is gone goes on at the first thing in `place` that can be used, or
- * where that is gone, too, at the content of the page.
+ * Once the page is drawn anew: whoever was on something that is gone goes on at `from`, or where that cannot be used at the first
+ * thing in `place` that can, or where that is gone, too, at the content of the page.
  */
-export function keepFocus(place: Element | null): void {
+export function keepFocus(place: Element | null, from: Element | null = null): void {
   requestAnimationFrame(() => {
     if (document.activeElement !== null && document.activeElement !== document.body) return;
-    const next = place?.isConnected ? place.querySelector<HTMLElement>(USABLE) : null;
+    const left = from instanceof HTMLElement && from.isConnected && from.matches(USABLE) ? from : null;
+    const next = left ?? (place?.isConnected ? place.querySelector<HTMLElement>(USABLE) : null);
     (next ?? document.getElementById("content"))?.focus();
   });
 }

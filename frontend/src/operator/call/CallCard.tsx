@@ -132,7 +132,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
           <ol class="call-steps">
             {STEPS.map((name, i) => (
               <li key={name} class={i < step ? "done" : i === step ? "now" : ""} aria-current={i === step ? "step" : undefined}>
-                {t(`calling.step.${name}`)}
+                {t(`calling.step.${name === "here" && !brought ? "there" : name}`)}
               </li>
             ))}
           </ol>

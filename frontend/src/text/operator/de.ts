@@ -359,6 +359,7 @@ export const de: Catalogue<typeof en> = {
   "calling.step.taken": "übernommen",
   "calling.step.aboard": "an Bord",
   "calling.step.here": "da",
+  "calling.step.there": "dort",
   "calling.off": "abbestellt",
   "calling.beingOff": "wird abbestellt",
   "calling.callOff": "Abbestellen",

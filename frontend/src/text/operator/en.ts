@@ -357,6 +357,7 @@ export const en = {
   "calling.step.taken": "taken",
   "calling.step.aboard": "on board",
   "calling.step.here": "here",
+  "calling.step.there": "there",
   "calling.off": "called off",
   "calling.beingOff": "being called off",
   "calling.callOff": "Call off",

@@ -359,6 +359,7 @@ export const es: Catalogue<typeof en> = {
   "calling.step.taken": "tomado",
   "calling.step.aboard": "a bordo",
   "calling.step.here": "aquí",
+  "calling.step.there": "allí",
   "calling.off": "anulado",
   "calling.beingOff": "anulándose",
   "calling.callOff": "Anular",

@@ -233,6 +233,7 @@ async def _shown(
         until=until(caller, texts),
         refused="" if not refused else texts["refused"].format(reason=refused),
         key=new_token(),
+        at_s=int(now_s),
         here=request.url.path,
         carried="" if chosen is None else f"item={chosen.item}",
     )
@@ -262,4 +263,5 @@ def _name_of(projection: Projection, place: str) -> str:
 
 
 def _back(token: str) -> Response:
-    return RedirectResponse(f"/call/{token}", HTTPStatus.SEE_OTHER, headers=HEADERS)
+    # The list is below what can be called, on a phone out of sight.
+    return RedirectResponse(f"/call/{token}#called", HTTPStatus.SEE_OTHER, headers=HEADERS)

@@ -75,6 +75,7 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     reached: str
     not_reached: str
 
+    transport_title: str
     transport: str
     """Form for a plain transport, with {source} and {to}."""
     transport_stages: dict[str, str]

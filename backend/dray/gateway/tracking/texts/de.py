@@ -79,6 +79,7 @@ DE = Catalogue(
     now="jetzt",
     reached="erledigt",
     not_reached="kommt noch",
+    transport_title="Transportverfolgung",
     transport="Transport von {source} nach {to}",
     transport_stages={
         "waiting": "Gerufen",

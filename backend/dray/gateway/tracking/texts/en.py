@@ -65,6 +65,7 @@ EN = Catalogue(
     now="now",
     reached="done",
     not_reached="still to come",
+    transport_title="Transport tracking",
     transport="Transport from {source} to {to}",
     transport_stages={
         "waiting": "Called for",

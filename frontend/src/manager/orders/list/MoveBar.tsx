@@ -29,7 +29,7 @@ function Asked({ before, order, queue }: AskedProps) {
   useLayoutEffect(() => {
     const from = document.activeElement;
     const place = from?.closest("tr") ?? null;
-    return () => { keepFocus(place); };
+    return () => { keepFocus(place, from); };
   }, []);
   // The button of one place further may be gone with the last place.
   useLayoutEffect(() => { yes.current?.focus(); }, [before.id]);

@@ -11,12 +11,15 @@ import { useRefreshed } from "../../refreshed";
 import { names, orderName } from "../../state";
 import { addressOf, addressOfTransport } from "../../views";
 import { calendarText } from "./calendar-text";
-import { shown } from "./draft";
+import { daysOff, shown } from "./draft";
 import { begin } from "./form";
 import "./recurring.css";
 import { FORM, RecurringForm } from "./RecurringForm";
 
 const EVERY_MS = 10_000;
+
+/** Between a moment and what can be done with it; where the line ends here, nothing is left of it. */
+const SPACE = "\u2002";
 
 const HEADS = ["name", "what", "calendar", "next", "last", "actions"] as const;
 
@@ -78,9 +81,10 @@ export function Recurring() {
 }
 
 function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknown>) => Promise<void> }) {
-  const { calendar, name, next_runs, owner_gone, paused, skipped, time_zone } = schedule;
+  const { calendar, holidays, missed, name, next_runs, owner_gone, paused, skipped, time_zone } = schedule;
   const at = (moment: string): string => shown(moment, time_zone, language.value);
   const [next, ...later] = next_runs;
+  const off = daysOff(holidays, new Date().toISOString().slice(0, 10), language.value);
   const leaveOut = (moments: readonly string[]): void => void act(changeSchedule(schedule, { skipped: [...moments] }));
   return (
     <tr>
@@ -95,13 +99,16 @@ function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknow
       <td>
         {calendarText(calendar, language.value) ?? <code>{calendar}</code>}
         <small class="line muted">{time_zone}</small>
+        {off.length > 0 && <small class="line muted">{t("recurring.notOn", { days: format.list(off) })}</small>}
+        {missed === "catch_up" && <small class="line muted">{t("recurring.madeUp")}</small>}
       </td>
       <td>
         {paused && <Tag tone="warn">{t("recurring.paused")}</Tag>}
         {owner_gone && <small class="line complaint">{t("recurring.ownerGone")}</small>}
         {!paused && (next === undefined ? "–" : at(next))}
+        {SPACE}
         {next !== undefined && (
-          <button type="button" class="link recurring-omit" aria-label={t("recurring.omitOf", { at: at(next), name })} onClick={() => { leaveOut([...skipped, next]); }}>
+          <button type="button" class="link" aria-label={t("recurring.omitOf", { at: at(next), name })} onClick={() => { leaveOut([...skipped, next]); }}>
             {t("recurring.omit")}
           </button>
         )}
@@ -109,7 +116,8 @@ function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknow
         {skipped.map((moment) => (
           <small class="line muted" key={moment}>
             {t("recurring.omitted", { at: at(moment) })}
-            <button type="button" class="link recurring-omit" aria-label={t("recurring.undoOf", { at: at(moment), name })} onClick={() => { leaveOut(skipped.filter((each) => each !== moment)); }}>
+            {SPACE}
+            <button type="button" class="link" aria-label={t("recurring.undoOf", { at: at(moment), name })} onClick={() => { leaveOut(skipped.filter((each) => each !== moment)); }}>
               {t("recurring.undo")}
             </button>
           </small>

@@ -66,7 +66,16 @@ export function RecurringForm({ onKept }: { onKept: () => void }) {
         <Runs />
         <p class="form-actions">
           <Outcome of={outcome.value} />
-          <button type="button" class="button" disabled={busy.value} onClick={() => void preview()}>
+          <button
+            type="button"
+            class="button"
+            disabled={busy.value}
+            onClick={({ currentTarget: { form } }) => {
+              void preview().then((seen) => {
+                if (!seen && form) toWrong(form);
+              });
+            }}
+          >
             {t("recurring.preview")}
           </button>
           <button type="submit" class="button primary" disabled={busy.value}>

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { Schedule } from "../../../api/schedules";
-import { calendarOf, dayName, draftOf, empty, partOf, shown, writtenOf } from "./draft";
+import { calendarOf, dayName, daysOff, draftOf, empty, partOf, shown, writtenOf } from "./draft";
 
 const schedule: Schedule = {
   id: "S-1", etag: '"1-0-0"', name: "Shafts", calendar: "45 5 * * 1,2,3", time_zone: "Europe/Berlin", holidays: ["2030-12-25"], skipped: [],
@@ -54,4 +54,10 @@ test.each([["calendar", "cron"], ["holidays[3]", "holidays"], ["transport.item",
 test("a moment is told by the clock of its zone", () => {
   expect(shown("2030-03-18T06:00:00+01:00", "Europe/Berlin", "en")).toContain("06:00");
   expect(dayName("1", "de")).toBe("Mo");
+});
+
+test("days off that are past are not named, and of many the next ones", () => {
+  expect(daysOff(["2026-12-26", "2026-11-01", "2026-12-25"], "2026-11-30", "en")).toEqual(["25 Dec 2026", "26 Dec 2026"]);
+  expect(daysOff(["2026-12-24", "2026-12-25", "2026-12-26", "2027-01-01", "2027-01-06"], "2026-12-24", "en")).toEqual(["24 Dec 2026", "25 Dec 2026", "26 Dec 2026", "+2"]);
+  expect(daysOff([], "2026-11-30", "en")).toEqual([]);
 });

@@ -159,6 +159,17 @@ export function shown(moment: string, zone: string, language: string): string {
   return new Intl.DateTimeFormat(language === "en" ? "en-GB" : language, options).format(new Date(moment));
 }
 
+/** As many days off are named. */
+const NAMED = 3;
+
+/** Days off from a day on, the next ones by their dates, and how many more there are. */
+export function daysOff(holidays: readonly string[], from: string, language: string): string[] {
+  const date = new Intl.DateTimeFormat(language === "en" ? "en-GB" : language, { day: "numeric", month: "short", year: "numeric", timeZone: "UTC" });
+  const coming = holidays.filter((day) => day >= from).sort();
+  const more = coming.length - NAMED;
+  return [...coming.slice(0, NAMED).map((day) => date.format(new Date(day))), ...(more > 0 ? [`+${more}`] : [])];
+}
+
 /** The short name of a day of the week. */
 export function dayName(day: string, language: string): string {
   // The 4th of January 1970 was a Sunday.

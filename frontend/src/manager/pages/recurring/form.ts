@@ -40,9 +40,9 @@ function forget(): void {
   runs.value = null;
 }
 
-export async function preview(): Promise<void> {
+export async function preview(): Promise<boolean> {
   const zone = written.value.zone.trim();
-  await ask(async () => {
+  return await ask(async () => {
     const moments = await previewRuns({ calendar: calendarOf(written.value), time_zone: zone, holidays: daysOf(written.value.holidays), count: 10 });
     runs.value = { zone, moments };
   });
