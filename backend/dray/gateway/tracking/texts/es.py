@@ -65,7 +65,7 @@ ES = Catalogue(
     now="ahora",
     reached="hecho",
     not_reached="pendiente",
-    transport_title="Seguimiento del transporte",
+    transport_title="Seguimiento",
     transport="Transporte de {source} a {to}",
     transport_stages={
         "waiting": "Pedido",

@@ -99,7 +99,7 @@ function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknow
       <td>
         {calendarText(calendar, language.value) ?? <code>{calendar}</code>}
         <small class="line muted">{time_zone}</small>
-        {off.length > 0 && <small class="line muted">{t("recurring.notOn", { days: format.list(off) })}</small>}
+        {off.length > 0 && <small class="line muted">{t("recurring.notOn", { days: off.join(", ") })}</small>}
         {missed === "catch_up" && <small class="line muted">{t("recurring.madeUp")}</small>}
       </td>
       <td>
