@@ -71,6 +71,9 @@ def test_a_load_is_called_for_and_seen_and_one_that_waits_for_its_vehicle_tells_
     page.get_by_label("Material").select_option("shaft")
     page.get_by_label("Pieces").fill("7")
     page.get_by_label("From", exact=True).select_option("M8")
+    # The form keeps where the last load was called to.
+    expect(page.get_by_label("To", exact=True)).to_have_value("M8")
+    page.get_by_label("To", exact=True).select_option("")
     page.get_by_label("Vehicle", exact=True).select_option("ATV3")
     page.get_by_role("button", name="Call for it").click()
     expect(page.get_by_role("status").filter(has_text="Called: T-")).to_be_visible()
