@@ -11,7 +11,7 @@ import { useRefreshed } from "../../refreshed";
 import { names, orderName } from "../../state";
 import { addressOf, addressOfTransport } from "../../views";
 import { calendarText } from "./calendar-text";
-import { daysOff, shown } from "./draft";
+import { coming, daysOff, shown } from "./draft";
 import { begin } from "./form";
 import "./recurring.css";
 import { FORM, RecurringForm } from "./RecurringForm";
@@ -113,7 +113,7 @@ function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknow
           </button>
         )}
         <small class="line muted">{later.map(at).join(" · ")}</small>
-        {skipped.map((moment) => (
+        {coming(skipped, Date.now()).map((moment) => (
           <small class="line muted" key={moment}>
             {t("recurring.omitted", { at: at(moment) })}
             {SPACE}

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { Schedule } from "../../../api/schedules";
-import { calendarOf, dayName, daysOff, draftOf, empty, partOf, shown, writtenOf } from "./draft";
+import { calendarOf, coming, dayName, daysOff, draftOf, empty, partOf, shown, writtenOf } from "./draft";
 
 const schedule: Schedule = {
   id: "S-1", etag: '"1-0-0"', name: "Shafts", calendar: "45 5 * * 1,2,3", time_zone: "Europe/Berlin", holidays: ["2030-12-25"], skipped: [],
@@ -60,4 +60,8 @@ test("days off that are past are not named, and of many the next ones", () => {
   expect(daysOff(["2026-12-26", "2026-11-01", "2026-12-25"], "2026-11-30", "en")).toEqual(["25 Dec 2026", "26 Dec 2026"]);
   expect(daysOff(["2026-12-24", "2026-12-25", "2026-12-26", "2027-01-01", "2027-01-06"], "2026-12-24", "en")).toEqual(["24 Dec 2026", "25 Dec 2026", "26 Dec 2026", "+2"]);
   expect(daysOff([], "2026-11-30", "en")).toEqual([]);
+});
+
+test("a skipped moment that is past can be skipped no more", () => {
+  expect(coming(["2026-11-30T15:00:00+01:00", "2026-11-30T15:10:00+01:00"], Date.parse("2026-11-30T14:00:00Z"))).toEqual(["2026-11-30T15:10:00+01:00"]);
 });

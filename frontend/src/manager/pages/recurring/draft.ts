@@ -159,6 +159,11 @@ export function shown(moment: string, zone: string, language: string): string {
   return new Intl.DateTimeFormat(language === "en" ? "en-GB" : language, options).format(new Date(moment));
 }
 
+/** Moments that are yet to come: of one that is past nothing can be taken back. */
+export function coming(moments: readonly string[], nowMs: number): string[] {
+  return moments.filter((moment) => Date.parse(moment) > nowMs);
+}
+
 /** As many days off are named. */
 const NAMED = 3;
 
