@@ -25,12 +25,10 @@ from dray.protocol.traffic.driving.right_of_way import (
     AGES_EVERY_S,
     HELD_UP,
     IDLE,
-    RESTED,
     SHUT_OUT_S,
     WITH_TASK,
     Errand,
 )
-from dray.protocol.traffic.driving.yielding import BACKTRACK_MORE_S, BACKTRACK_S, PATIENCE_S
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 PLANT = load_plant("single-track")
@@ -99,13 +97,6 @@ class Waiting:
             self.drive_on(granted_s, reached_s)
         assert (self.row.errand, self.row.way.node) == (Errand.REST, refuge)
 
-    def ask_for_room(self, now_s: float) -> None:
-        """The table asks it to make room for B, which began its leg a second earlier."""
-        district = TRAFFIC.places.district_of[HERE]
-        rank = (WITH_TASK, BEGUN_S - 1.0, "B")
-        asked = YieldAsked(district=district, waiting="B", rank=rank, avoid=(HERE, GOAL), chain=())
-        self.row.on_yield_asked(TRAFFIC.places.replicas_of[district][0], asked, now_s)
-
     def wait(self, until_s: float) -> None:
         """Let its alarms come."""
         while self.life.timers.next_s <= until_s:
@@ -127,42 +118,6 @@ def test_who_is_held_up_for_long_becomes_more_urgent_but_not_than_work_at_a_dock
     assert vehicle.request().rank == vehicle.row.own_rank
     vehicle.row.go(GOAL, WITH_TASK, BEGUN_S + 100.0)
     assert vehicle.row.own_rank[1] == BEGUN_S + 100.0, "another leg begins anew"
-
-
-def test_making_room_for_long_counts_as_standing_for_long() -> None:
-    vehicle = Waiting(Blocked.NO)
-    vehicle.ask_for_room(BEGUN_S + 5.0)
-    vehicle.drive_to_refuge(BEGUN_S + 5.0, BEGUN_S + AGES_EVERY_S)
-    vehicle.row.go_on(BEGUN_S + AGES_EVERY_S)
-    assert vehicle.row.own_rank == (WITH_TASK, BEGUN_S, "A")
-    refuge = vehicle.row.way.node
-    assert refuge != HERE
-    vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + 40.0)
-    vehicle.drive_to_refuge(BEGUN_S + 40.0, BEGUN_S + 44.0)
-    vehicle.row.go_on(BEGUN_S + 46.0)
-    assert vehicle.row.own_rank == (WITH_TASK, BEGUN_S - AGES_BY_S, "A")
-    assert vehicle.request().rank == vehicle.row.own_rank
-    vehicle.row.go(GOAL, WITH_TASK, BEGUN_S + 100.0)
-    assert vehicle.row.own_rank[1] == BEGUN_S + 100.0, "another leg begins anew"
-
-
-def test_a_refusal_counts_once_until_the_refuge_is_reached() -> None:
-    vehicle = Waiting(Blocked.WAIT)
-    refuges = []
-    for second in (1.0, 2.0, 4.0):
-        vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + second)
-        refuges.append(vehicle.row.way.goal)
-    assert len({*refuges}) == 1
-    vehicle.drive_to_refuge(BEGUN_S + 4.0, BEGUN_S + 10.0)
-    assert RESTED in vehicle.life.timers.due(BEGUN_S + 10.0 + BACKTRACK_S + BACKTRACK_MORE_S)
-
-
-def test_a_refuge_that_is_not_reached_is_given_up_after_a_while() -> None:
-    vehicle = Waiting(Blocked.WAIT)
-    vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + 1.0)
-    refuge = vehicle.row.way.goal
-    vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + 1.0 + PATIENCE_S)
-    assert vehicle.row.way.goal not in (refuge, HERE)
 
 
 def test_who_made_room_in_vain_for_one_that_has_nowhere_to_go_goes_elsewhere_next() -> None:

@@ -45,8 +45,8 @@ REROUTE_S, REROUTE_MORE_S = 3.0, 2.0
 """Time held up before a vehicle looks for another way; a share of the second part, by its name, is added."""
 
 AGES_EVERY_S, AGES_BY_S = 30.0, 240.0
-"""Every 30 s held up at once, and every 30 s of making room on one leg, add 240 s to the age of that leg. Otherwise a vehicle where
-many pass waits for all that began their legs before it."""
+"""Every 30 s held up add 240 s to the age of a vehicle's leg. Otherwise a vehicle where many pass waits for all that began their
+legs before it."""
 
 SHUT_OUT_S = 30.0
 """Wait for a silent vehicle after which the way past it counts as closed; most that were switched off briefly are back by then."""
@@ -146,8 +146,6 @@ class RightOfWay:
         """Since when it stands and waits for its next group."""
         self._aged_s = 0.0
         """When this wait last made it more urgent."""
-        self._made_room_s, self._room_counted_s = 0.0, 0.0
-        """Time of making room on this leg that has not made it more urgent yet, and until when that is counted."""
         self.waited_at_goal_s = 0.0
         """Time on this leg for which it stood only because its goal, such as a dock, was held."""
         self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
@@ -333,7 +331,7 @@ class RightOfWay:
             return False
         self.goal = goal
         self.docked = self._rests = False
-        self._begin_rank(rank_class, now_s)
+        self._rank = (rank_class, now_s, self.atv)
         self._held_up_s, self.waited_at_goal_s = None, 0.0
         self._went_round = frozenset()
         self._yielding.begin_leg()
@@ -351,7 +349,7 @@ class RightOfWay:
     def rest(self, now_s: float) -> None:
         """Rest without a goal, and make room for all others."""
         self.docked, self._rests = False, True
-        self._begin_rank(RESTING, now_s)
+        self._rank = (RESTING, now_s, self.atv)
         self._settle(now_s)
 
     def on_passed(self, now_s: float) -> None:
@@ -490,8 +488,6 @@ class RightOfWay:
         """The vehicle in the way has no refuge: make room itself, or pass the refusal on."""
         if not self._can_yield or self._held_up_s is None or self.errand is Errand.REST:
             return
-        if self.errand is Errand.REFUGE and self._yielding.is_leaving_for(sender, now_s):
-            return
         inherited = self._yielding.of(now_s)
         chain = inherited.chain if inherited is not None else ()
         avoid = refused.avoid + (inherited.avoid if inherited is not None else ())
@@ -523,11 +519,9 @@ class RightOfWay:
         """After a while held up, raise the rank and look for a better way."""
         if self._held_up_s is None or self.docked:
             return
-        if self.errand is not Errand.OWN:
-            self._count_room(now_s)
-        elif now_s - max(self._held_up_s, self._aged_s) >= AGES_EVERY_S and self._blocked is Blocked.WAIT:
+        if now_s - max(self._held_up_s, self._aged_s) >= AGES_EVERY_S and self._blocked is Blocked.WAIT:
             self._aged_s = now_s
-            self._age(1)
+            self._rank = (self._rank[0], self._rank[1] - AGES_BY_S, self.atv)
         if self.errand is Errand.OWN:
             way = self._ways.way(self.way.node, self.goal, self._outlook.prices(now_s))
             if way is not None:
@@ -590,8 +584,6 @@ class RightOfWay:
         return way
 
     def _turn_to_refuge(self, way: tuple[str, ...], now_s: float) -> None:
-        if self.errand is Errand.OWN:
-            self._room_counted_s = now_s
         self.errand = Errand.REFUGE
         self.way.turn_to(way)
         self._life.cancel(RESTED)
@@ -601,7 +593,6 @@ class RightOfWay:
         self._life.alarm(RESTED, now_s + self._yielding.reach_refuge())
 
     def _resume(self, now_s: float) -> None:
-        self._count_room(now_s)
         self.errand = Errand.OWN
         self._yielding.stop()
         if self._rests:
@@ -630,21 +621,6 @@ class RightOfWay:
             if self._blocked is not Blocked.SILENT or self._blocked_by != granted.by:
                 self._silent_since_s = now_s
             self._blocked, self._blocked_by, self._blocked_at = granted.blocked, granted.by, granted.at
-
-    def _begin_rank(self, rank_class: int, now_s: float) -> None:
-        self._rank = (rank_class, now_s, self.atv)
-        self._made_room_s, self._room_counted_s = 0.0, now_s
-
-    def _count_room(self, now_s: float) -> None:
-        """Count the time of making room since the last look, and become more urgent by it."""
-        self._made_room_s += now_s - self._room_counted_s
-        self._room_counted_s = now_s
-        steps, self._made_room_s = divmod(self._made_room_s, AGES_EVERY_S)
-        self._age(steps)
-
-    def _age(self, steps: float) -> None:
-        """Become more urgent."""
-        self._rank = (self._rank[0], self._rank[1] - steps * AGES_BY_S, self.atv)
 
     def _note_wait(self, now_s: float) -> None:
         if self._held_up_s is not None:

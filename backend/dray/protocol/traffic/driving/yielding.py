@@ -73,7 +73,7 @@ class Yielding:
         self._backtracks = False
         """Whether it makes room because another vehicle has no refuge."""
         self._refuser, self._again = "", 0
-        """The vehicle for which it did so last on this leg, and how often it has reached a refuge for it."""
+        """The vehicle for which it did so last on this leg, and how often before."""
         self._tried: set[str] = set()
         """The refuges that it took for that on this leg; next it prefers other ones."""
         self._refused_s = -REFUSE_AGAIN_S
@@ -163,12 +163,8 @@ class Yielding:
         self._refuge_s, self._backtracks = now_s, bool(refuser)
         if refuser:
             self._tried.add(to)
-            if refuser != self._refuser:
-                self._refuser, self._again = refuser, 0
-
-    def is_leaving_for(self, refuser: str, now_s: float) -> bool:
-        """Whether the present refuge was taken because `refuser` has none, and is not given up yet."""
-        return self._backtracks and refuser == self._refuser and self.is_patient(now_s)
+            self._again = min(self._again + 1, BACKTRACKS_MAX) if refuser == self._refuser else 0
+            self._refuser = refuser
 
     def is_patient(self, now_s: float) -> bool:
         """Whether the present refuge is not given up yet."""
@@ -184,7 +180,6 @@ class Yielding:
         rest_s = REST_S
         if self._backtracks:
             rest_s = BACKTRACK_S * 2.0**self._again + BACKTRACK_MORE_S * spread_frac(self._atv)
-            self._again = min(self._again + 1, BACKTRACKS_MAX)
         self._backtracks = False
         self.stop()
         return rest_s
