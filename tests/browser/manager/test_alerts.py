@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from manager_kit import BEAT_S, GoingWall, as_manager
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Locator, Page, expect
 
+from dray.gateway.live.views import AlertView
 from dray.messages import MachineStatus
 
 from gateway_kit import House  # isort: skip - their folder is on the path since `manager_kit` is
@@ -98,6 +99,18 @@ def close(page: Page, closure: dict[str, str]) -> None:
     )
 
 
+TAKE = """async alert => {
+    const headers = {"Content-Type": "application/json"};
+    const answer = await fetch(`/api/alerts/${alert}/acknowledge`, {method: "POST", headers, body: "{}"});
+    if (!answer.ok) throw new Error(await answer.text());
+}"""
+"""Somebody takes an alert on, elsewhere."""
+
+
+async def alerts_of(house: House) -> Sequence[AlertView]:
+    return house.projection.alerts.views()
+
+
 def log_of(page: Page, name: str = "All alerts so far") -> Locator:
     return page.get_by_role("region", name=name)
 
@@ -118,6 +131,34 @@ def test_the_tab_tells_how_much_asks_for_an_answer(
     house.do(lambda _: machines.mend("M5"))
     expect(page).to_have_title(re.compile(r"^Dray"))
     expect(icon).to_have_attribute("href", "/static/icon.svg")
+
+
+def test_a_sheet_stays_open_with_what_is_typed_when_rows_change_their_order(
+    house: OpenHouse, machines: Machines, open_page: OpenPage
+) -> None:
+    house.do(lambda _: machines.fail("M8"))
+    page = as_manager(house, open_page)
+    page.evaluate("location.hash = '#alerts'")
+    table = page.locator("main > section").first
+    table.get_by_role("row", name="Show M8").locator("[popovertarget]").click()
+    said = page.locator("form.say-alert").get_by_role("textbox")
+    said.fill("the chuck is stuck")
+    house.do(lambda _: machines.fail("M5"))
+    rows = table.get_by_role("row", name="Show M")
+    expect(rows).to_have_text([re.compile("M5"), re.compile("M8")])
+    expect(said).to_have_value("the chuck is stuck")
+    expect(said).to_be_focused()
+    # Somebody takes it on: it goes below.
+    alert = next(each.id for each in house.do(alerts_of) if each.agent == "M5")
+    page.evaluate(TAKE, alert)
+    expect(rows).to_have_text([re.compile("M8"), re.compile("M5")])
+    expect(said).to_be_visible()
+    expect(said).to_have_value("the chuck is stuck")
+    house.do(lambda _: machines.mend("M5"))
+    expect(rows).to_have_text([re.compile("M8")])
+    house.do(lambda _: machines.fail("M5"))
+    expect(rows).to_have_text([re.compile("M5"), re.compile("M8")])
+    expect(said).to_be_visible()
 
 
 def test_what_somebody_has_taken_is_counted_until_it_ends_and_lately_tells_what_people_did(

@@ -96,6 +96,35 @@ def test_a_moment_of_which_nothing_is_kept_says_so(
     complaints.clear()
 
 
+REGULARLY = """
+window.regularly = [];
+const real = window.setInterval;
+window.setInterval = (work, ...more) => { window.regularly.push(work); return real(work, ...more); };
+"""
+"""Keeps what a page does regularly."""
+
+LED_TO = """address => {
+    location.hash = address;
+    for (const work of window.regularly) work();
+    return location.hash;
+}"""
+"""Leads to an address; what is done regularly comes before the page is told of that."""
+
+
+def test_an_address_that_one_is_led_to_is_not_written_over_with_the_moment_shown(
+    busy: Any, open_page: OpenPage
+) -> None:
+    page = open_page(busy.url)
+    page.add_init_script(REGULARLY)
+    page.goto(f"{busy.url}/#replay/{kept_moment(busy)}")
+    page.reload()
+    expect(page.locator(".replay-map")).to_have_attribute("aria-busy", "false")
+    for moment in (kept_moment(busy, 20.0) - 10.0, kept_moment(busy, 20.0) - 5.0):
+        address = f"#replay/{moment:.1f}"
+        assert page.evaluate(LED_TO, address) == address
+        expect(page.locator(".replay-map")).to_have_attribute("aria-busy", "false")
+
+
 def test_the_past_fits_and_can_be_read_by_everybody(
     busy: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

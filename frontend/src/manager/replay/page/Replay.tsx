@@ -33,8 +33,11 @@ export function Replay() {
   const home = useMemo(() => (floor ? wholeOf(floor) : null), [floor]);
   const begun = useSignal(false);
   useEffect(() => {
+    // What this page has read or written there last: another one is somebody's, and one is told of it a little later.
+    let known = location.hash;
     const follow = (): void => {
       if (!location.hash.startsWith("#replay")) return;
+      known = location.hash;
       const wanted = momentFrom(location.hash);
       // What this page has written into the address itself is shown already.
       if (!begun.value || (wanted !== null && addressOfMoment(wanted) !== addressOfMoment(atS.value))) seek(wanted ?? edgeS() - AGO_S);
@@ -44,7 +47,9 @@ export function Replay() {
     addEventListener("hashchange", follow);
     const stop = run();
     const keep = setInterval(() => {
-      if (!playing.value && location.hash.startsWith("#replay")) history.replaceState(null, "", addressOfMoment(atS.value));
+      if (playing.value || location.hash !== known) return;
+      known = addressOfMoment(atS.value);
+      history.replaceState(null, "", known);
     }, 500);
     return () => {
       removeEventListener("hashchange", follow);
