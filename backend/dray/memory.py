@@ -213,6 +213,8 @@ class TaskMemory(Part, rename={"forgotten_aboard": "left_aboard"}, frozen=True):
     """Handovers of which nothing was counted, since the last inspection by a person."""
     held: bool = False
     """It waits until a person has checked whether its load is there."""
+    perhaps_down: DepartureMemory | None = None
+    """While it is held: the load that its last carrier may have put down, and that nobody else can tell of."""
 
 
 class StationMemory(Part, tag_field="kind", tag="station", frozen=True):

@@ -164,7 +164,7 @@ export async function commandStation(station: string, command: StationCommandReq
   return await bodyOf(gateway.POST("/api/stations/{station}/commands", { params: { path: { station } }, body: command }));
 }
 
-/** Says what somebody has seen of a load that was said to be there twice and not counted. */
+/** Says what somebody has seen of a load that is perhaps there and not counted. */
 export async function loadSeen(task: string, seen: LoadSeenRequest): Promise<CommandAnswer> {
   return await bodyOf(gateway.POST("/api/tasks/{task}/load", { params: { path: { task } }, body: seen }));
 }

@@ -183,6 +183,10 @@ class SimWorkcell:
             paces=True,
         )
 
+    def uncounted(self, item: str) -> int:
+        """Pieces that lie here unknown to a body that does not count."""
+        return self._unbooked[item]
+
     def attach(self, report: Callable[[Report], None]) -> None:
         """See `dray.ports.Body`."""
         self._reporter.attach(report)

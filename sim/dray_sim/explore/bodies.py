@@ -293,6 +293,18 @@ async def see_to_doubts(bodies: WiredBodies) -> None:
                 body.instruct(ResetFault())
 
 
+def uncounted(factory: SimFactory, bodies: WiredBodies | None, place: str, item: str) -> int | None:
+    """Pieces of an item that lie at a place unknown to its body; None while the body or its controller is not heard."""
+    wired = None if bodies is None else bodies.wired.get(place)
+    if wired is None:
+        return factory.uncounted(place, item)
+    state = None if wired.body is None else wired.body.sense()
+    if not wired.linked or not isinstance(state, WorkcellState | StorageState):
+        return None
+    there = factory.workcells if place in factory.workcells else factory.storages
+    return there[place].sense().stock.get(item, 0) - state.stock.get(item, 0)
+
+
 def check_counts(factory: SimFactory, bodies: WiredBodies, at_s: float) -> None:
     """Compare what controllers' bodies have counted with what lies there.
 

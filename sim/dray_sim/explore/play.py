@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import Counter
 from contextlib import suppress
+from functools import partial
 from random import Random
 from typing import Protocol
 
@@ -40,6 +41,7 @@ from dray_sim.explore.bodies import (
     play_cuts,
     play_damages,
     see_to_doubts,
+    uncounted,
 )
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.run import Run, draw
@@ -256,7 +258,9 @@ class _Game:
         if run.traffic:
             checks.add(HeldPlaces(factory))
             checks.add(Overlaps(factory.vehicles))
-        looker = LoadLooker(factory.bus, factory.clock, factory.authority)
+        looker = LoadLooker(
+            factory.bus, factory.clock, factory.authority, partial(uncounted, factory, self._bodies)
+        )
         listeners.add(
             looker,
             *(listener for listener in (self._story, self._trace) if listener is not None),

@@ -244,6 +244,10 @@ class SimFactory:
             self._enliven(agent, probation)
             self._start(agent)
 
+    def uncounted(self, place: str, item: str) -> int:
+        """Pieces of an item that lie at a machine or storage unknown to its body."""
+        return self.workcells[place].uncounted(item) if place in self.workcells else 0
+
     def prepare_software(self, agent: str, software: str) -> None:
         """Newer software lies ready for an agent: it runs from its next update on."""
         self._installations[agent].newest = software

@@ -199,7 +199,8 @@ class Stage:
             self.people = hire(self.factory, seed=seed, habits=shift.people, office=self.office)
         self.looker: LoadLooker | None = None
         if make is SimFactory:
-            self.looker = LoadLooker(self.factory.bus, self.factory.clock, self.factory.authority)
+            factory = self.factory
+            self.looker = LoadLooker(factory.bus, factory.clock, factory.authority, factory.uncounted)
             listeners.add(self.looker)
         self.checks = Invariants(self.factory)
         self.checks.add(OneTakerEach(person.duty for person in self.people))

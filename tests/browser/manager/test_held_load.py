@@ -32,7 +32,7 @@ def test_the_alert_leads_to_the_page_which_says_that_the_load_is_missing(
     machine = house.do(join)
     page = as_manager(house, open_page)
     page.locator(".alerts-button").click()
-    row = page.locator("main > section").first.get_by_role("row").filter(has_text="twice said to be there")
+    row = page.locator("main > section").first.get_by_role("row").filter(has_text="perhaps there")
     row.get_by_role("link", name=f"Show {TASK}").click()
     page.get_by_role("button", name="It is not there").click()
     expect(page.locator(".load-seen")).to_have_count(0)

@@ -1,4 +1,4 @@
-"""A load that was said to be there twice and not counted: its alert, and who may say what they have seen."""
+"""A load that is perhaps there and not counted: its alert, and who may say what they have seen."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_the_alert_names_the_transport_and_asks_for_somebody_who_looks(
     assert (alert.kind, alert.agent, alert.task) == ("task_trouble", place, task_of(place))
     assert alert.cause is not None
     assert alert.cause.reason == "disputed"
-    assert alert.cause.text == "twice said to be there and not counted: somebody has to look"
+    assert alert.cause.text == "perhaps there, and not counted: somebody has to look"
 
 
 @places

@@ -28,7 +28,7 @@ REASONS: Mapping[Reason, str] = {
     Reason.STALLED: "does not come nearer",
     Reason.OVERDUE: "long past its promise",
     Reason.NOT_COUNTED: "its load was not counted where it was to go",
-    Reason.DISPUTED: "twice said to be there and not counted: somebody has to look",
+    Reason.DISPUTED: "perhaps there, and not counted: somebody has to look",
     Reason.FORGOTTEN: "has forgotten it",
     Reason.BROKEN: "broken",
     Reason.GRACEFUL_SHUTDOWN: "graceful shutdown",

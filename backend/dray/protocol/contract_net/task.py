@@ -6,7 +6,7 @@ from typing import cast
 
 from msgspec import UNSET
 
-from dray.memory import TaskMemory
+from dray.memory import DepartureMemory, TaskMemory
 from dray.messages import THING, Bid, Phase, Reason, StrandedGoods, TaskBrief, Transport, Work
 from dray.messages.fact import Outcome
 from dray.protocol.contract_net.auction import Auction
@@ -131,6 +131,7 @@ class OpenTask:
         "least_epoch",
         "left",
         "opened_s",
+        "perhaps_down",
         "recovered",
         "standby",
         "states",
@@ -171,6 +172,8 @@ class OpenTask:
         """Handovers without a counted load since a person last looked."""
         self.left = False
         """While the task is held: its goods had left their machine."""
+        self.perhaps_down: DepartureMemory | None = None
+        """While the task is held: the load that its last carrier may have put down, and has forgotten."""
         self.stranded: StrandedGoods | None = None
         """Goods left on board of a failed carrier that no other carrier has yet."""
 
@@ -289,6 +292,7 @@ class OpenTask:
             forgotten_aboard=self.contract.forgotten_aboard,
             disputes=self.disputes,
             held=self.is_held,
+            perhaps_down=self.perhaps_down,
         )
 
     @property

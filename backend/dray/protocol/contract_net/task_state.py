@@ -24,7 +24,7 @@ class TaskState(StrEnum):
     STRANDED = "stranded"
     """Its primary has failed with the goods on board: they wait for a person's decision (`takeover.stranded`)."""
     HELD = "held"
-    """Its handover was disputed twice: no vehicle carries it before a person has looked (`transports.held`)."""
+    """Only a person can tell whether its load is there: no vehicle carries it before one has looked (`transports.held`)."""
     COUNTED = "counted"
     """The coordinator has counted the load in its own buffer; the handover is still to come."""
     DELIVERED = "delivered"
@@ -46,7 +46,7 @@ TRANSITIONS: Transitions[TaskState] = {
         _S.UNASSIGNED: "failed, given back, forgotten, or without progress",
         _S.IN_TRANSIT: "goods have left",
         _S.COUNTED: "the load is counted",
-        _S.HELD: "its handover is disputed again",
+        _S.HELD: "its handover is disputed again, or its load is perhaps down",
         _S.DELIVERED: "handed over",
         _S.WITHDRAWN: "not needed any more, or lost",
     },

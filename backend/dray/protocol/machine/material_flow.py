@@ -284,11 +284,12 @@ class MaterialFlow(TransportFlow):
 
 
 def unneeded(tasks: Iterable[OpenTask], supply: Supply) -> list[OpenTask]:
-    """Transports of material that no goal takes any more, and that are not on board as far as is known."""
+    """Transports of material that no goal takes any more, and that are neither on board nor perhaps here, as far as is known."""
     return [
         task
         for task in tasks
         if not task.is_of_goods
+        and task.perhaps_down is None
         and task.contract.phase in (None, Phase.APPROACHING)
         and cast(Transport, task.work).item in supply.materials
         and not supply.needs(task.work_item, "")

@@ -19,6 +19,8 @@ count is told of it (`Book`).
     in which it was not heard                                  a load to bring is booked in once it reports that it is down
     an earlier life let it in to bring a load, and no notes    the load is booked in once it reports as down what it brought
     say for which task                                         for a task that is unknown
+    an earlier life let it in to bring a load, and it has      the same; until then a person is asked whether the load is
+    forgotten its task, without such a load on board           there (`held`)
 """
 
 from __future__ import annotations
@@ -146,11 +148,16 @@ class Departures:
             # A vehicle brings at most what it was given.
             self._end(_reported(replace(load, change=min(load.change, quantity))), aboard=False)
         elif gone is not None:
-            if load is not None or vehicle in self._visits.inside or vehicle in self._visits.asked:
+            if load is not None or self._visits.is_here(vehicle):
                 return True
             del self._gone[vehicle, task, epoch]
             self._bookings.say(replace(gone, change=min(gone.change, quantity)))
         return False
+
+    def forget(self, load: DepartureMemory) -> None:
+        """A person has seen the load of a vehicle that has left: its report would tell nothing new."""
+        if self._gone.pop((load.vehicle, load.task, load.epoch), None) is not None:
+            self._life.commit()
 
     def expect_unnoted(self, vehicle: str, item: str, quantity: int) -> None:
         """An earlier life, of which no notes are left, let a vehicle in to bring a load: only its own report tells the task."""

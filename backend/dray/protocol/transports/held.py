@@ -1,13 +1,18 @@
-"""Transports whose handover was disputed twice: a person is asked whether the load is there.
+"""Transports of which only a person can tell whether the load is there.
 
-A third load might be lost like the first two. So no vehicle carries the transport before a person who is
-responsible for the destination has looked:
+    disputed        a handover was disputed twice: a third load might be lost like the first two
+    perhaps down    the body does not count. An earlier life let the carrier in, and the carrier has forgotten the
+                    task and has no such load on board (`Transports.reopen`)
+
+No vehicle carries the transport before a person who is responsible for the destination has looked:
 
     ASSIGNED, IN_TRANSIT --nothing was counted, again--> HELD --LOAD_THERE--> DELIVERED
-                                                          |
+                         --perhaps down---------------->  |
                                                           +--LOAD_MISSING--> announced anew, with disputes reset to 0;
                                                                              goods that had left their machine are made again
 
+LOAD_THERE books a load in that was perhaps put down, and its transport is delivered when the body has answered. The
+same follows from the carrier's own report, if it tells after all, before and after LOAD_MISSING.
 It waits without a limit, over restarts too. A transport that is not needed any more ends as usual.
 """
 
@@ -15,11 +20,15 @@ from __future__ import annotations
 
 from typing import cast
 
+from dray.memory import DepartureMemory
 from dray.messages import CommandRefusal, MachineCommand, MachineCommandKind, Problem, ProblemKind, Transport
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.transports.bookings import Bookings
+from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.transports import Transports
+from dray.protocol.transports.visits import Visits
 
 LOOK_FOR_LOAD = Problem(kind=ProblemKind.LOAD, needs_person=True)
 """The reason of the call."""
@@ -31,16 +40,24 @@ class HeldTransports:
     Args:
         plant: the plant, for destinations' positions.
         tasks: its transports.
+        visits: the vehicles at its dock.
+        departures: vehicles that may still be at the dock, and loads of those that have left.
+        bookings: reports to its body.
     """
 
-    def __init__(self, plant: Plant, tasks: Transports) -> None:
+    def __init__(
+        self, plant: Plant, tasks: Transports, visits: Visits, departures: Departures, bookings: Bookings
+    ) -> None:
         self._plant, self._tasks = plant, tasks
+        self._visits, self._departures, self._bookings = visits, departures, bookings
 
     def obey(self, command: MachineCommand, now_s: float) -> CommandRefusal | None:
-        """A person has looked. Returns the refusal; None when the transport has ended or goes on."""
+        """A person has looked. Returns the refusal; None when the transport ends or goes on."""
         task = self._held(command.task)
         if task is None:
             return CommandRefusal.NOT_HELD
+        if command.kind is MachineCommandKind.LOAD_THERE and task.perhaps_down is not None:
+            return self._book(task.perhaps_down)
         if command.kind is MachineCommandKind.LOAD_THERE:
             self._tasks.conclude(task, now_s)
         else:
@@ -61,8 +78,19 @@ class HeldTransports:
         for task in self._tasks:
             if task.is_held:
                 work = cast(Transport, task.work)
-                reason = f"{work.quantity} {work.item} for {work.destination} said to be there twice, and not counted"
+                load = f"{work.quantity} {work.item} for {work.destination}"
+                reason = f"{load} said to be there twice, and not counted"
+                if task.perhaps_down is not None:
+                    reason = f"{load} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
                 calls.open(LOOK_FOR_LOAD, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
+
+    def _book(self, load: DepartureMemory) -> CommandRefusal | None:
+        """Book a load in; the body's answer ends its transport. A body that books shuts the dock for the load's vehicle."""
+        if self._visits.is_here(load.vehicle) or self._departures.waits_for(load.vehicle):
+            return CommandRefusal.DOCK_OPEN
+        self._departures.forget(load)
+        self._bookings.say(load)
+        return None
 
     def _held(self, name: str) -> OpenTask | None:
         task = self._tasks.get(name)

@@ -126,7 +126,7 @@ class TransportFlow:
             Assessor(plant, life),
         )
         self.sourcing = self.tasks.sourcing
-        self.held = HeldTransports(plant, self.tasks)
+        self.held = HeldTransports(plant, self.tasks, visits, self.departures, self.bookings)
         self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held)
         self._dock = Dock(place, self.tasks, stock, self.door, self.departures, life)
         self._handovers = Handovers(

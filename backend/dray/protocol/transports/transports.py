@@ -10,7 +10,8 @@ coordinator.
        +--- epoch + 1 ------+ no carrier any more; if its primary has given it back,
                               the secondary is asked before the announcement
 
-After two disputed handovers it is held, not announced again, until a person has looked (`held`).
+After two disputed handovers it is held, not announced again, until a person has looked (`held`). So it is when its
+carrier may have put the load down and has forgotten it.
 """
 
 from __future__ import annotations
@@ -177,9 +178,14 @@ class Transports(Coordinator):
         return self.sourcing.answers(task, now_s)
 
     def reopen(self, task: OpenTask, reason: Reason, now_s: float) -> None:
-        """Announce a task anew, with a higher epoch; its carrier is superseded."""
+        """Announce a task anew, with a higher epoch; its carrier is superseded.
+
+        It is held if only a person can tell whether the carrier has put the load down.
+        """
         if task.recovered:
             self.give_up(task, now_s)
+        elif reason is Reason.FORGOTTEN and (load := self._perhaps_down(task)) is not None:
+            self.hold(task, now_s, perhaps_down=load)
         else:
             self._replace(task, (), reason, now_s)
 
@@ -195,18 +201,26 @@ class Transports(Coordinator):
         task.trouble, task.detail = trouble, ""
         self._contracted(task, now_s)
 
-    def hold(self, task: OpenTask, now_s: float) -> None:
-        """Release the carrier of a task; no vehicle carries it before a person has looked for its load."""
+    def hold(self, task: OpenTask, now_s: float, perhaps_down: DepartureMemory | None = None) -> None:
+        """Release the carrier of a task; no vehicle carries it before a person has looked for its load.
+
+        Args:
+            task: the task.
+            now_s: the present time.
+            perhaps_down: the load that its carrier may have put down and has forgotten; None if its handover was
+                disputed.
+        """
         left = task.is_loaded
         self.failover.aboard.forget(task)
-        replaced, silent_s = self._supersede(task, task.epoch + 1, Reason.NOT_COUNTED, now_s)
+        why = (Reason.NOT_COUNTED, Reason.DISPUTED) if perhaps_down is None else (Reason.FORGOTTEN,) * 2
+        replaced, silent_s = self._supersede(task, task.epoch + 1, why[0], now_s)
         task.states.enter(TaskState.HELD)
-        task.left = left
+        task.left, task.perhaps_down = left, perhaps_down
         task.auction = self._auction(task.id, task.epoch, task.work, task.deadline_s)
         task.auction.cancel()
         self._life.cancel((PRIMARY_AUCTION, task.id))
         task.trouble = Reason.DISPUTED
-        self.failover.note_change(task, replaced, Reason.DISPUTED, silent_s)
+        self.failover.note_change(task, replaced, why[1], silent_s)
         self._contracted(task, now_s)
 
     def resume(self, task: OpenTask, now_s: float) -> None:
@@ -214,7 +228,7 @@ class Transports(Coordinator):
         if task.recovered or task.left:
             self.give_up(task, now_s)
             return
-        task.disputes = 0
+        task.disputes, task.perhaps_down = 0, None
         task.clear_trouble()
         task.states.enter(TaskState.UNASSIGNED)
         deadline_s = max(prolonged_s(task.due_s, task.opened_s, now_s), now_s + task.auction.span_s)
@@ -270,6 +284,7 @@ class Transports(Coordinator):
             auction.cancel()
             task.states.enter(TaskState.HELD)
             task.left, task.trouble = memory.loaded, Reason.DISPUTED
+            task.perhaps_down = memory.perhaps_down
         elif memory.primary:
             auction.cancel()
             self._restore_carrier(task, memory, now_s)
@@ -489,6 +504,21 @@ class Transports(Coordinator):
             vehicle, task.id, task.epoch, work.item, 0 if self._door.visits.counts else change
         )
         self._door.shut(vehicle, task.id, load)
+
+    def _perhaps_down(self, task: OpenTask) -> DepartureMemory | None:
+        """The load that a carrier without memory may have put down here; None if that is known, or it has not come.
+
+        An earlier life let the carrier in, and this body does not count. A carrier that remembers would have told
+        by now (`vehicle.put_down`).
+        """
+        work, visits = cast(Transport, task.work), self._door.visits
+        last = task.contract.detector.last if task.contract.detector is not None else None
+        is_aboard = last is not None and last.load == work.item
+        if visits.counts or work.destination != self._place or task.contract.receipt.booked or is_aboard:
+            return None
+        if not visits.is_of_earlier_life(task.primary):
+            return None
+        return DepartureMemory(task.primary, task.id, task.epoch, work.item, work.quantity)
 
     def _bind(self, task: OpenTask, atv: str, source: str, promised_s: float, now_s: float) -> None:
         """Bind a vehicle to a task without an auction of this life."""

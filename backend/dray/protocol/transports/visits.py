@@ -62,6 +62,14 @@ class Visits:
         if vehicle in self.asked and self.asked[vehicle][1].task == task:
             self.forget_request(vehicle)
 
+    def is_here(self, vehicle: str) -> bool:
+        """Whether a vehicle was let in, or waits for that."""
+        return vehicle in self.inside or vehicle in self.asked
+
+    def is_of_earlier_life(self, vehicle: str) -> bool:
+        """Whether an earlier life let a vehicle in."""
+        return self.inside.get(vehicle) == OF_EARLIER_LIFE
+
     def is_report_awaited(self, vehicle: str) -> bool:
         """Whether a body that opens at once and does not count waits for a report on a vehicle that is not inside."""
         return not self.answers and not self.counts and vehicle not in self.inside

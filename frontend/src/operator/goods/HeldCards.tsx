@@ -11,7 +11,7 @@ import { ended } from "../session/session";
 import { names } from "../state";
 import { heldOf } from "./held";
 
-/** Loads that were said to be there twice and not counted: somebody looks, and says what is there. Either is held, for nothing takes it back. */
+/** Loads that are perhaps there and not counted: somebody looks, and says what is there. Either is held, for nothing takes it back. */
 export function HeldCards() {
   const tasks = heldOf(world.value?.tasks.values() ?? []);
   if (tasks.length === 0) return null;

@@ -296,7 +296,7 @@ export const de: Catalogue<typeof en> = {
   "command.stock_is": "Bestand ist",
   "held.label": "Ladungen, nach denen jemand sehen muss",
   "held.title": "Nach einer Ladung sehen: {place}",
-  "held.what": "{quantity} × {item} für {place}: zweimal als da gemeldet und nicht gezählt.",
+  "held.what": "{quantity} × {item} für {place}: vielleicht da, und nicht gezählt.",
   "held.look": "Sehen Sie dort nach und sagen Sie, was Sie sehen. Vorher bringt niemand mehr.",
   "held.more.there": "Gedrückt halten: gilt als geliefert",
   "held.more.missing": "Gedrückt halten: wird neu gebracht oder gefertigt",

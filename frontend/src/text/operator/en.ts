@@ -294,7 +294,7 @@ export const en = {
   "command.stock_is": "Stock is",
   "held.label": "Loads that somebody has to look for",
   "held.title": "Look for a load at {place}",
-  "held.what": "{quantity} × {item} for {place}: twice said to be there, and not counted.",
+  "held.what": "{quantity} × {item} for {place}: perhaps there, and not counted.",
   "held.look": "Look there, and say what you see. Nobody brings more before that.",
   "held.more.there": "Press and hold: it counts as delivered",
   "held.more.missing": "Press and hold: it is brought or made again",

@@ -296,7 +296,7 @@ export const es: Catalogue<typeof en> = {
   "command.stock_is": "Existencias",
   "held.label": "Cargas que alguien tiene que buscar",
   "held.title": "Buscar una carga en {place}",
-  "held.what": "{quantity} × {item} para {place}: dos veces dada por entregada y no contada.",
+  "held.what": "{quantity} × {item} para {place}: quizá está ahí, y no está contada.",
   "held.look": "Mire allí y diga lo que ve. Antes nadie trae más.",
   "held.more.there": "Mantener pulsado: cuenta como entregada",
   "held.more.missing": "Mantener pulsado: se trae o se fabrica de nuevo",

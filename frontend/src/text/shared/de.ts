@@ -354,7 +354,7 @@ export const de: Catalogue<typeof en> = {
   "reason.why.stalled": "kommt nicht näher",
   "reason.why.overdue": "längst über seiner Zusage",
   "reason.why.not_counted": "seine Ladung wurde am Ziel nicht gezählt",
-  "reason.why.disputed": "zweimal als da gemeldet und nicht gezählt: Jemand muss nachsehen",
+  "reason.why.disputed": "vielleicht da, und nicht gezählt: Jemand muss nachsehen",
   "reason.why.forgotten": "hat ihn vergessen",
   "reason.why.broken": "ausgefallen",
   "reason.why.graceful_shutdown": "meldet sich ab",

@@ -351,7 +351,7 @@ export const en = {
   "reason.why.stalled": "does not come nearer",
   "reason.why.overdue": "long past its promise",
   "reason.why.not_counted": "its load was not counted where it was to go",
-  "reason.why.disputed": "twice said to be there and not counted: somebody has to look",
+  "reason.why.disputed": "perhaps there, and not counted: somebody has to look",
   "reason.why.forgotten": "has forgotten it",
   "reason.why.broken": "broken",
   "reason.why.graceful_shutdown": "graceful shutdown",

@@ -354,7 +354,7 @@ export const es: Catalogue<typeof en> = {
   "reason.why.stalled": "no se acerca",
   "reason.why.overdue": "muy pasado de su promesa",
   "reason.why.not_counted": "su carga no se contó en el destino",
-  "reason.why.disputed": "dos veces dada por entregada y no contada: alguien tiene que mirar",
+  "reason.why.disputed": "quizá está ahí, y no está contada: alguien tiene que mirar",
   "reason.why.forgotten": "lo ha olvidado",
   "reason.why.broken": "averiada",
   "reason.why.graceful_shutdown": "se retira en orden",

@@ -1,4 +1,4 @@
-"""A person's report on a load that was twice reported as there but not counted."""
+"""A person's report on a load that is perhaps there but not counted."""
 
 from __future__ import annotations
 
