@@ -6,7 +6,7 @@ import { t } from "../../../text/views/recurring";
 import { chosenOf } from "../../cards/publish/draft";
 import { problemText } from "../../problem-text";
 import { plant } from "../../state";
-import { calendarOf, daysOf, draftOf, empty, type Line, partOf, type Written, writtenOf } from "./draft";
+import { draftOf, empty, type Line, partOf, type Written, writtenOf } from "./draft";
 
 /** What is changed; null for something new. */
 export const before = signal<Schedule | null>(null);
@@ -42,8 +42,9 @@ function forget(): void {
 
 export async function preview(): Promise<boolean> {
   const zone = written.value.zone.trim();
+  const { calendar, holidays, holidays_of } = draftOf(written.value);
   return await ask(async () => {
-    const moments = await previewRuns({ calendar: calendarOf(written.value), time_zone: zone, holidays: daysOf(written.value.holidays), count: 10 });
+    const moments = await previewRuns({ calendar, time_zone: zone, holidays, holidays_of, count: 10 });
     runs.value = { zone, moments };
   });
 }
