@@ -6,7 +6,7 @@ import { t } from "../../../text/views/recurring";
 import { chosenOf } from "../../cards/publish/draft";
 import { problemText } from "../../problem-text";
 import { plant } from "../../state";
-import { draftOf, empty, type Line, partOf, type Written, writtenOf } from "./draft";
+import { calendarOf, daysOf, draftOf, empty, type Line, partOf, type Written, writtenOf } from "./draft";
 
 /** What is changed; null for something new. */
 export const before = signal<Schedule | null>(null);
@@ -42,9 +42,10 @@ function forget(): void {
 
 export async function preview(): Promise<boolean> {
   const zone = written.value.zone.trim();
-  const { calendar, holidays, holidays_of } = draftOf(written.value);
   return await ask(async () => {
-    const moments = await previewRuns({ calendar, time_zone: zone, holidays, holidays_of, count: 10 });
+    const { holidays, holidaysOf } = written.value;
+    const days = { holidays: daysOf(holidays), holidays_of: holidaysOf.trim() };
+    const moments = await previewRuns({ calendar: calendarOf(written.value), time_zone: zone, ...days, count: 10 });
     runs.value = { zone, moments };
   });
 }

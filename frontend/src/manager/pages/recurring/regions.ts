@@ -3,7 +3,7 @@
 /** Codes that browsers have names for, and that are no countries with holidays of their own. */
 const NO_COUNTRIES: ReadonlySet<string> = new Set(["AC", "CP", "CQ", "DG", "EA", "EU", "EZ", "IC", "QO", "TA", "UN", "XA", "XB", "ZZ"]);
 
-const LETTERS = [..."ABCDEFGHIJKLMNOPQRSTUVWXYZ"];
+const LETTERS = Array.from("ABCDEFGHIJKLMNOPQRSTUVWXYZ");
 
 export interface Country {
   readonly code: string;
