@@ -189,7 +189,13 @@ async def test_recurring_work_belongs_to_who_has_said_last_what_is_done(house: H
 
 
 @pytest.mark.parametrize(
-    "oftener", [{"calendar": "0,30 6 * * *"}, {"time_zone": "Europe/London"}, {"holidays": ["2030-12-25"]}]
+    "oftener",
+    [
+        {"calendar": "0,30 6 * * *"},
+        {"time_zone": "Europe/London"},
+        {"holidays": ["2030-12-25"]},
+        {"holidays_of": "DE"},
+    ],
 )
 async def test_who_lets_anothers_recurring_work_come_oftener_uses_its_own_share(
     house: House, monkeypatch: pytest.MonkeyPatch, oftener: dict[str, Any]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from datetime import UTC, date, datetime, time, timedelta
 from pathlib import Path
 from zoneinfo import ZoneInfo
@@ -79,6 +81,86 @@ def test_a_year_of_holidays_is_passed_over() -> None:
     assert told(calendar, "2030-01-01T00:00:00Z", 1) == ["2031-01-01T00:00:00+01:00"]
 
 
+OFF_IN_DE = ["01-01", "04-19", "04-22", "05-01", "05-30", "06-10", "10-03", "12-25", "12-26"]
+"""Public holidays of all of Germany in 2030."""
+
+
+@pytest.mark.parametrize(
+    ("region", "off"),
+    [
+        ("DE", [f"2030-{day}" for day in OFF_IN_DE]),
+        ("DE-BW", [f"2030-{day}" for day in sorted([*OFF_IN_DE, "01-06", "06-20", "11-01"])]),
+    ],
+)
+def test_on_the_public_holidays_of_its_region_nothing_comes(region: str, off: list[str]) -> None:
+    assert days_off("0 6 * * *", region, 2030) == off
+
+
+def test_movable_holidays_move_with_the_year() -> None:
+    easter = {year: days_off("0 6 * 4 *", "DE", year) for year in (2030, 2031)}
+    assert easter == {2030: ["2030-04-19", "2030-04-22"], 2031: ["2031-04-11", "2031-04-14"]}
+
+
+def days_off(expression: str, region: str, year: int) -> list[str]:
+    """The days of a year on which a region takes runs out of a calendar."""
+    everything, kept = (
+        {run.date().isoformat() for run in year_of(expression, BERLIN, of, year)} for of in ("", region)
+    )
+    return sorted(everything - kept)
+
+
+def test_a_region_is_one_more_reason_beside_dates_and_single_moments() -> None:
+    skipped = frozenset({at("2030-12-27T06:00:00+01:00")})
+    calendar = Calendar("0 6 * * *", BERLIN, frozenset({date(2030, 12, 24)}), skipped, "DE")
+    before, after = "2030-12-23T06:00:00+01:00", "2030-12-28T06:00:00+01:00"
+    assert told(calendar, "2030-12-23T00:00:00Z", 2) == [before, after]
+    assert calendar.newest(at(before), at("2030-12-27T12:00:00Z")) == at(before)
+    christmas = "2030-12-25T06:00:00+01:00"
+    assert [calendar.has(at(each)) for each in (before, christmas, after)] == [True, False, True]
+
+
+def test_a_public_holiday_is_a_day_of_the_calendars_zone() -> None:
+    calendar = Calendar("0 6 * * *", "Pacific/Auckland", holidays_of="DE")
+    assert told(calendar, "2030-12-24T00:00:00Z", 2) == [
+        "2030-12-27T06:00:00+13:00",
+        "2030-12-28T06:00:00+13:00",
+    ]
+
+
+def test_the_library_is_loaded_by_the_first_calendar_with_a_region() -> None:
+    code = """
+import sys
+import dray.gateway.routes.orders.schedules
+from dray.gateway.schedules.calendar import Calendar
+Calendar("0 6 * * *", "Europe/Berlin").after(0.0)
+assert "holidays" not in sys.modules
+Calendar("0 6 * * *", "Europe/Berlin", holidays_of="DE").after(0.0)
+assert "holidays" in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("region", "code", "possible"),
+    [
+        ("XX", "country_unknown", "DE-BW"),
+        ("de", "country_unknown", "DE-BW"),
+        ("Germany", "country_unknown", "DE-BW"),
+        ("DE-XX", "region_unknown", "BW (Baden-Württemberg)"),
+        ("DE-", "region_unknown", "BW (Baden-Württemberg)"),
+        ("VA-XX", "region_none", "VA alone"),
+    ],
+)
+def test_a_region_without_holidays_is_refused_with_those_that_have_some(
+    region: str, code: str, possible: str
+) -> None:
+    with pytest.raises(CalendarError) as refused:
+        Calendar("0 6 * * *", BERLIN, holidays_of=region)
+    error = refused.value.error
+    assert (error.field, error.code) == ("holidays_of", code)
+    assert possible in error.reason
+
+
 @pytest.mark.parametrize("night", NIGHTS)
 @pytest.mark.parametrize(
     "expression",
@@ -127,10 +209,10 @@ LATE = {
 """When the run of 02:30 comes in the night that lacks that time. On Lord Howe clocks go from 02:00 to 02:30, and back from 02:00 to 01:30."""
 
 
-def year_of(expression: str, zone: str) -> list[datetime]:
-    """All runs of 2030, asked for one after another as the scheduler does."""
-    calendar = Calendar(expression, zone)
-    now_s, end_s = (datetime(year, 1, 1, tzinfo=ZoneInfo(zone)).timestamp() for year in (2030, 2031))
+def year_of(expression: str, zone: str, region: str = "", year: int = 2030) -> list[datetime]:
+    """All runs of a year, asked for one after another as the scheduler does."""
+    calendar = Calendar(expression, zone, holidays_of=region)
+    now_s, end_s = (datetime(each, 1, 1, tzinfo=ZoneInfo(zone)).timestamp() for each in (year, year + 1))
     found = []
     moment_s = calendar.after(now_s - 1)
     while moment_s is not None and moment_s < end_s:

@@ -18,12 +18,16 @@ from zoneinfo import ZoneInfo, available_timezones
 from cronsim import CronSim, CronSimError
 
 from dray.gateway.http.problems import FieldError
+from dray.gateway.schedules import public_holidays
 
 FIELDS = 5
 """Minute, hour, day of the month, month, day of the week."""
 
 LATEST = datetime(2200, 1, 1, tzinfo=UTC)
 """Latest planned moment."""
+
+LATEST_BY_REGION = datetime(2101, 1, 1, tzinfo=UTC)
+"""Latest planned moment with public holidays: the library knows none after 2100."""
 
 
 class Calendar:
@@ -34,6 +38,7 @@ class Calendar:
         time_zone: an IANA name, such as `Europe/Berlin`.
         holidays: days in that time zone that are left out.
         skipped: single moments that are left out.
+        holidays_of: a country or region whose public holidays are left out, as `DE-BW`; empty for none.
 
     Raises:
         CalendarError: the calendar is invalid; it tells what would be right.
@@ -45,19 +50,22 @@ class Calendar:
         time_zone: str,
         holidays: frozenset[date] = frozenset(),
         skipped: frozenset[float] = frozenset(),
+        holidays_of: str = "",
     ) -> None:
         if time_zone not in _time_zones():
-            raise CalendarError("time_zone", "zone_unknown", zone=time_zone)
+            raise CalendarError(FieldError.of("time_zone", "zone_unknown", zone=time_zone))
         self._expression, self._zone = expression, ZoneInfo(time_zone)
-        self._holidays, self._skipped = holidays, skipped
+        self._holidays, self._skipped, self._holidays_of = holidays, skipped, holidays_of
         if len(expression.split()) != FIELDS:
-            raise CalendarError("calendar", "cron_fields")
+            raise CalendarError(FieldError.of("calendar", "cron_fields"))
         try:
             CronSim(expression, datetime(2030, 1, 1, tzinfo=self._zone))
         except CronSimError as error:
             reason = str(error)
             why = f"{reason[:1].lower()}{reason[1:]}"
-            raise CalendarError("calendar", "cron_unreadable", why=why) from None
+            raise CalendarError(FieldError.of("calendar", "cron_unreadable", why=why)) from None
+        if holidays_of and (fault := public_holidays.fault_of(holidays_of)) is not None:
+            raise CalendarError(fault)
 
     def local(self, wall_s: float) -> datetime:
         """A moment in the calendar's time zone."""
@@ -73,7 +81,7 @@ class Calendar:
         return (
             found is not None
             and found.timestamp() == wall_s
-            and found.date() not in self._holidays
+            and not self._is_off(found.date())
             and wall_s not in self._skipped
         )
 
@@ -89,20 +97,25 @@ class Calendar:
             found = next(CronSim(self._expression, start, reverse=True), None)
             if found is None or found.timestamp() <= first_s:
                 return first_s
-            if found.date() in self._holidays:
+            if self._is_off(found.date()):
                 start = datetime.combine(found.date(), time.min, self._zone)
             elif found.timestamp() in self._skipped:
                 start = found
             else:
                 return found.timestamp()
 
+    def _is_off(self, day: date) -> bool:
+        if day in self._holidays:
+            return True
+        return bool(self._holidays_of) and day in public_holidays.of_year(self._holidays_of, day.year)
+
     def _moments(self, wall_s: float) -> Iterator[float]:
-        start = self.local(wall_s)
+        start, latest = self.local(wall_s), LATEST_BY_REGION if self._holidays_of else LATEST
         while True:
             for found in CronSim(self._expression, start):
-                if found > LATEST:
+                if found > latest:
                     return
-                if found.date() in self._holidays:
+                if self._is_off(found.date()):
                     # Skip the whole day: by minutes it could take a thousand steps.
                     start = datetime.combine(found.date(), time(23, 59, 59), self._zone)
                     break
@@ -119,9 +132,9 @@ class CalendarError(ValueError):
         error: the field, and the reason.
     """
 
-    def __init__(self, field: str, code: str, **values: str) -> None:
-        self.error = FieldError.of(field, code, **values)
-        super().__init__(self.error.reason)
+    def __init__(self, error: FieldError) -> None:
+        self.error = error
+        super().__init__(error.reason)
 
 
 @cache

@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from dray.gateway.http.request_bodies import Line
+from dray.gateway.http.request_bodies import NOTE, Line
 from dray.gateway.orders.drafts import MAX_ITEMS, DueMoment, ItemDraft, OrderDraft
 from dray.gateway.orders.transport_draft import TransportDraft
 from dray.priorities import Priority
@@ -92,6 +92,9 @@ Zone = Annotated[Line, Field(max_length=64)]
 Holidays = Annotated[list[Day], Field(max_length=HOLIDAYS_MAX)]
 """Days in the time zone that are left out."""
 
+Region = Annotated[str, Field(max_length=40, pattern=NOTE)]
+"""Country or region whose public holidays are left out too, as `DE` or `DE-BW` (ISO 3166); empty for none."""
+
 SKIPPED_MAX = 50
 """Maximum single moments left out; beyond that, use holidays or a pause."""
 
@@ -116,6 +119,7 @@ class PreviewDraft(BaseModel):
     calendar: Expression
     time_zone: Zone
     holidays: Holidays = Field(default_factory=list)
+    holidays_of: Region = ""
     count: Annotated[int, Field(strict=True, ge=1, le=RUNS_MAX)] = 10
     """Number of moments to return."""
 
@@ -131,7 +135,8 @@ class ScheduleDraft(BaseModel):
                     "name": "Bearings for the early shift",
                     "calendar": "45 5 * * MON-FRI",
                     "time_zone": "Europe/Berlin",
-                    "holidays": ["2030-12-25", "2030-12-26"],
+                    "holidays": ["2030-12-24", "2030-12-31"],
+                    "holidays_of": "DE-BW",
                     "transport": {"from": "S5", "to": "M8", "item": "bearing", "quantity": 40},
                 },
                 {
@@ -153,6 +158,7 @@ class ScheduleDraft(BaseModel):
     calendar: Expression
     time_zone: Zone
     holidays: Holidays = Field(default_factory=list)
+    holidays_of: Region = ""
     missed: Missed = "skip"
     """Treatment of moments that passed without a gateway: none, or the last one once."""
     paused: Annotated[bool, Field(strict=True)] = False
@@ -177,6 +183,7 @@ class ScheduleChange(BaseModel):
     calendar: Expression | None = None
     time_zone: Zone | None = None
     holidays: Holidays | None = None
+    holidays_of: Region | None = None
     skipped: Skipped | None = None
     """All moments to leave out from now on: adding one leaves it out, removing one restores it."""
     missed: Missed | None = None

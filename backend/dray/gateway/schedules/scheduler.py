@@ -28,6 +28,7 @@ from dray.gateway.http.versions import changed_since, check_version
 from dray.gateway.live.timescale import wait_until
 from dray.gateway.orders.idempotency import own_key
 from dray.gateway.orders.transport_draft import TransportDraft
+from dray.gateway.schedules import public_holidays
 from dray.gateway.schedules.calendar import Calendar, CalendarError
 from dray.gateway.schedules.drafts import RecurringOrder, ScheduleChange, ScheduleDraft
 from dray.gateway.schedules.runs import Run, Runs, principal
@@ -80,6 +81,7 @@ class Scheduler:
             calendar=draft.calendar,
             time_zone=draft.time_zone,
             holidays=_kept_days(draft.holidays),
+            holidays_of=draft.holidays_of,
             make_up=draft.missed == "catch_up",
             paused=draft.paused,
             transport=_kept_transport(draft.transport),
@@ -91,7 +93,7 @@ class Scheduler:
             owner=by.key,
         )
         _refuse_orders(row, by)
-        row = self._begun(row, now_s)
+        row = await self._begun(row, now_s)
         self._runs.check(row, now_s)
         async with self._store.write() as work:
             kept = await work.schedules.all()
@@ -127,7 +129,7 @@ class Scheduler:
                 return None
             check_version(row.revision, version, changed_since("schedule", row.id))
             is_orphan = row.owner in await work.schedules.owners_gone(self._wall_s())
-            after = self._changed(row, change, by, is_orphan=is_orphan)
+            after = await self._changed(row, change, by, is_orphan=is_orphan)
             if after.owner != row.owner:
                 _refuse_beyond_share(await work.schedules.all(), after.owner)
             if after.name != row.name and await work.schedules.named(after.name) is not None:
@@ -156,7 +158,7 @@ class Scheduler:
                 raise changed_since("schedule", row.id)
         return True
 
-    def _changed(
+    async def _changed(
         self, row: ScheduleRow, change: ScheduleChange, by: Principal, *, is_orphan: bool
     ) -> ScheduleRow:
         now_s = self._wall_s()
@@ -174,7 +176,8 @@ class Scheduler:
             after = msgspec.structs.replace(after, owner=by.key)
         _refuse_orders(after, by)
         if _moments(after) != _moments(row):
-            after = self._begun(after, now_s)
+            after = await self._begun(after, now_s)
+        await ready([after])
         wanted = None if change.skipped is None else [moment.timestamp() for moment in change.skipped]
         after = self._skipping(after, wanted, now_s)
         if other_work:
@@ -185,10 +188,14 @@ class Scheduler:
 
     async def run(self) -> None:
         """Use every moment as it comes, until cancelled."""
+        renewed = False
         while True:
             self._news.clear()
             next_s = None
             try:
+                if not renewed:
+                    await self.renew()
+                    renewed = True
                 await self.look()
                 async with self._store.read() as work:
                     next_s = await work.schedules.next_s()
@@ -197,6 +204,25 @@ class Scheduler:
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(LOOK_EVERY_S):
                     await wait_until(math.inf if next_s is None else next_s, self._wall_s, self._news)
+
+    async def renew(self) -> None:
+        """Plan the next moments by the public holidays as they are known now: a newer library may differ.
+
+        Raises:
+            UnavailableError: the database cannot be read or written.
+        """
+        async with self._store.read() as work:
+            rows = [row for row in await work.schedules.all() if row.holidays_of]
+        await ready(rows)
+        for row in rows:
+            if row.next_at_s is None:
+                continue
+            with contextlib.suppress(CalendarError):
+                # Keep a moment that has just come.
+                next_s = calendar_of(row).after(min(self._wall_s(), row.next_at_s - 1.0))
+                if next_s != row.next_at_s:
+                    await self._move(row, msgspec.structs.replace(row, next_at_s=next_s))
+            await asyncio.sleep(0)
 
     async def look(self) -> None:
         """Use every moment that has come, and pause schedules whose owner has lost all rights.
@@ -208,6 +234,7 @@ class Scheduler:
         await self._pause_orphans(now_s)
         async with self._store.read() as work:
             due = await work.schedules.due(now_s)
+        await ready(due)
         for row in due:
             await self._use(row, now_s)
 
@@ -227,7 +254,7 @@ class Scheduler:
         try:
             calendar = calendar_of(row)
         except CalendarError as error:
-            # This computer's time zones differ from those of the one that accepted it.
+            # This computer's time zones or holidays differ from those of the one that accepted it.
             await self._move(row, msgspec.structs.replace(row, next_at_s=None, last_refused=str(error)))
             return
         assert row.next_at_s is not None  # noqa: S101 - it is due
@@ -272,10 +299,13 @@ class Scheduler:
         """Leave out some coming moments; earlier ones that are no longer in the calendar are forgotten.
 
         Raises:
-            Problem: 422, one is not a moment of the calendar.
+            Problem: 422, one is not a moment of the calendar, or the calendar is unusable here.
         """
         known = skipped_of(row)
-        calendar = calendar_of(msgspec.structs.replace(row, skipped="[]"))
+        try:
+            calendar = calendar_of(msgspec.structs.replace(row, skipped="[]"))
+        except CalendarError as error:
+            raise unusable(error.error) from None
         skipped = []
         for index, moment_s in enumerate(known if wanted is None else wanted):
             if moment_s > now_s and calendar.has(moment_s):
@@ -292,9 +322,13 @@ class Scheduler:
         after = msgspec.structs.replace(row, skipped=kept)
         return msgspec.structs.replace(after, next_at_s=calendar_of(after).after(since_s))
 
-    def _begun(self, row: ScheduleRow, now_s: float) -> ScheduleRow:
+    async def _begun(self, row: ScheduleRow, now_s: float) -> ScheduleRow:
+        def first() -> float | None:
+            return calendar_of(row).after(now_s)
+
         try:
-            next_s = calendar_of(row).after(now_s)
+            # A calendar without a moment asks for the public holidays of all years.
+            next_s = await asyncio.to_thread(first) if row.holidays_of else first()
         except CalendarError as error:
             raise unusable(error.error) from None
         if next_s is None:
@@ -306,9 +340,21 @@ def calendar_of(row: ScheduleRow) -> Calendar:
     """The calendar of a schedule.
 
     Raises:
-        CalendarError: its time zone is unknown here.
+        CalendarError: its time zone or its holidays are unknown here.
     """
-    return Calendar(row.calendar, row.time_zone, frozenset(days_of(row)), frozenset(skipped_of(row)))
+    return Calendar(
+        row.calendar,
+        row.time_zone,
+        frozenset(days_of(row)),
+        frozenset(skipped_of(row)),
+        row.holidays_of,
+    )
+
+
+async def ready(rows: Iterable[ScheduleRow]) -> None:
+    """Load what `calendar_of` needs for some schedules, without blocking the event loop."""
+    if any(row.holidays_of for row in rows):
+        await public_holidays.load()
 
 
 def days_of(row: ScheduleRow) -> list[date]:
@@ -321,13 +367,13 @@ def skipped_of(row: ScheduleRow) -> list[float]:
     return msgspec.json.decode(row.skipped, type=list[float])
 
 
-def _moments(row: ScheduleRow) -> tuple[str, str, str, bool]:
-    return row.calendar, row.time_zone, row.holidays, row.paused
+def _moments(row: ScheduleRow) -> tuple[str, str, str, str, bool]:
+    return row.calendar, row.time_zone, row.holidays, row.holidays_of, row.paused
 
 
 def _asked(row: ScheduleRow) -> tuple[str, ...]:
     """The request and calendar of a schedule."""
-    return row.transport, row.order_draft, row.calendar, row.time_zone, row.holidays
+    return row.transport, row.order_draft, row.calendar, row.time_zone, row.holidays, row.holidays_of
 
 
 def _kept_days(days: list[date]) -> str:

@@ -57,6 +57,7 @@ schedules = Table(
     Column("missed_at_s", Double),
     Column("owner", String(200), nullable=False, server_default=""),
     Column("skipped", Text, nullable=False, server_default="[]"),
+    Column("holidays_of", String(64), nullable=False, server_default=""),
     UniqueConstraint("name"),
     Index(None, "next_at_s"),
     comment="Recurring work. next_at_s: the first moment of its calendar that is not used yet.",
@@ -103,6 +104,8 @@ class ScheduleRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     """Kind and id of its creator, or of the last author of its content; empty if unknown."""
     skipped: str = "[]"
     """JSON: the skipped moments of its calendar."""
+    holidays_of: str = ""
+    """A country or region whose public holidays are left out, as `DE-BW`; empty for none."""
 
 
 _COLUMNS = [schedules.c[name] for name in ScheduleRow.__struct_fields__]

@@ -31,7 +31,7 @@ from dray.gateway.http.responses import (
 from dray.gateway.http.versions import version_tag
 from dray.gateway.schedules.calendar import Calendar, CalendarError
 from dray.gateway.schedules.drafts import PreviewDraft, ScheduleChange, ScheduleDraft
-from dray.gateway.schedules.scheduler import Scheduler, calendar_of, days_of, may_see, skipped_of
+from dray.gateway.schedules.scheduler import Scheduler, calendar_of, days_of, may_see, ready, skipped_of
 from dray.store import Store
 from dray.store.orders.schedules import ScheduleRow
 
@@ -104,6 +104,8 @@ class ScheduleAnswer(msgspec.Struct, frozen=True, kw_only=True):
     calendar: str
     time_zone: str
     holidays: tuple[str, ...]
+    holidays_of: str = ""
+    """Country or region whose public holidays are left out too, as DE-BW; empty for none."""
     skipped: tuple[str, ...] = ()
     """Moments of its calendar that are left out, in its time zone."""
     missed: str
@@ -139,11 +141,12 @@ EXAMPLES = (
         name="Bearings for the early shift",
         calendar="45 5 * * MON-FRI",
         time_zone="Europe/Berlin",
-        holidays=("2030-12-25", "2030-12-26"),
+        holidays=("2030-12-24", "2030-12-31"),
+        holidays_of="DE-BW",
         missed="skip",
         paused=False,
         transport=RecurringTransport(source="S5", to="M8", item="bearing", quantity=40),
-        next_runs=("2030-01-01T05:45:00+01:00", "2030-01-02T05:45:00+01:00", "2030-01-03T05:45:00+01:00"),
+        next_runs=("2030-01-02T05:45:00+01:00", "2030-01-03T05:45:00+01:00", "2030-01-04T05:45:00+01:00"),
         last=LastRun(planned_at="2029-12-31T04:45:00.000Z", transport="T-1M9K3X2A4-K7QM"),
         changed_by="Early shift",
         changed_at="2029-12-20T13:02:11.000Z",
@@ -154,7 +157,7 @@ EXAMPLES = (
 
 
 COLUMNS = (
-    *("name", "calendar", "time_zone", "holidays", "skipped", "missed", "paused", "kind"),
+    *("name", "calendar", "time_zone", "holidays", "holidays_of", "skipped", "missed", "paused", "kind"),
     *(
         "from",
         "to",
@@ -192,6 +195,7 @@ async def list_schedules(
     async with store.read() as work:
         rows = [row for row in await work.schedules.all() if may_see(row, caller)]
         gone = await work.schedules.owners_gone(now_s)
+    await ready(rows)
     if format == "csv":
         return table("recurring", COLUMNS, _rows(rows, gone))
     shown, next_cursor = part(rows, lambda row: row.id, cursor, limit)
@@ -234,13 +238,17 @@ async def add_schedule(
 )
 async def preview_runs(now_s: Now, draft: PreviewDraft) -> Json:
     """The next moments of a calendar; nothing is stored."""
+
+    def runs() -> tuple[str, ...]:
+        calendar = Calendar(
+            draft.calendar, draft.time_zone, frozenset(draft.holidays), holidays_of=draft.holidays_of
+        )
+        return tuple(calendar.local(at_s).isoformat() for at_s in calendar.preview(now_s, draft.count))
+
     try:
-        calendar = Calendar(draft.calendar, draft.time_zone, frozenset(draft.holidays))
+        return Json(RunsPreview(await asyncio.to_thread(runs) if draft.holidays_of else runs()))
     except CalendarError as error:
         raise unusable(error.error) from None
-    return Json(
-        RunsPreview(tuple(calendar.local(at_s).isoformat() for at_s in calendar.preview(now_s, draft.count)))
-    )
 
 
 @router.get(
@@ -261,6 +269,7 @@ async def get_schedule(store: Provided[Store], caller: Caller, now_s: Now, sched
         gone = await work.schedules.owners_gone(now_s)
     if row is None or not may_see(row, caller):
         raise not_found("schedule", schedule, LISTED)
+    await ready([row])
     return Json(_answer(row, gone), headers={"ETag": version_tag(row.revision)})
 
 
@@ -366,6 +375,7 @@ def _answer(row: ScheduleRow, gone: frozenset[str] = frozenset()) -> ScheduleAns
         calendar=row.calendar,
         time_zone=row.time_zone,
         holidays=tuple(day.isoformat() for day in days_of(row)),
+        holidays_of=row.holidays_of,
         skipped=_skipped(row),
         missed="catch_up" if row.make_up else "skip",
         paused=row.paused,
@@ -383,7 +393,16 @@ def _answer(row: ScheduleRow, gone: frozenset[str] = frozenset()) -> ScheduleAns
 def _lines(each: ScheduleAnswer) -> Iterator[Row]:
     """A schedule as table rows with the cells of COLUMNS."""
     days, skipped = " ".join(each.holidays), " ".join(each.skipped)
-    begin = (each.name, each.calendar, each.time_zone, days, skipped, each.missed, each.paused)
+    begin = (
+        each.name,
+        each.calendar,
+        each.time_zone,
+        days,
+        each.holidays_of,
+        skipped,
+        each.missed,
+        each.paused,
+    )
     last = LastRun(planned_at="") if each.last is None else each.last
     came = last.transport or last.order
     end = (next(iter(each.next_runs), None), last.planned_at, came, last.refused)

@@ -15,6 +15,7 @@ import { coming, daysOff, shown } from "./draft";
 import { begin } from "./form";
 import "./recurring.css";
 import { FORM, RecurringForm } from "./RecurringForm";
+import { regionName } from "./regions";
 
 const EVERY_MS = 10_000;
 
@@ -81,7 +82,7 @@ export function Recurring() {
 }
 
 function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknown>) => Promise<void> }) {
-  const { calendar, holidays, missed, name, next_runs, owner_gone, paused, skipped, time_zone } = schedule;
+  const { calendar, holidays, holidays_of, missed, name, next_runs, owner_gone, paused, skipped, time_zone } = schedule;
   const at = (moment: string): string => shown(moment, time_zone, language.value);
   const [next, ...later] = next_runs;
   const off = daysOff(holidays, new Date().toISOString().slice(0, 10), language.value);
@@ -100,6 +101,7 @@ function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknow
         {calendarText(calendar, language.value) ?? <code>{calendar}</code>}
         <small class="line muted">{time_zone}</small>
         {off.length > 0 && <small class="line muted">{t("recurring.notOn", { days: off.join(", ") })}</small>}
+        {holidays_of !== "" && <small class="line muted">{t("recurring.notOnHolidaysOf", { region: regionName(holidays_of, language.value) })}</small>}
         {missed === "catch_up" && <small class="line muted">{t("recurring.madeUp")}</small>}
       </td>
       <td>

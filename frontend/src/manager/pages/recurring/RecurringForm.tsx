@@ -9,6 +9,7 @@ import { dayName, DAYS, shown } from "./draft";
 import { Choice, Field, Text } from "./fields";
 import { before, busy, edit, outcome, preview, runs, send, written } from "./form";
 import { OrderLines } from "./OrderLines";
+import { countries } from "./regions";
 
 /** What the button opens. */
 export const FORM = "recurring-form";
@@ -49,6 +50,7 @@ export function RecurringForm({ onKept }: { onKept: () => void }) {
           <Text part="cron" label={t("recurring.cron")} />
           <Text part="zone" label={t("recurring.zone")} list={TIME_ZONES} />
           <Text part="holidays" label={t("recurring.holidays")} />
+          <Text part="holidaysOf" label={t("recurring.holidaysOf")} list={COUNTRIES} />
           <Field part="missed" label={t("recurring.missed")}>
             {(attributes) => (
               <select {...attributes} value={missed} onChange={(event) => { edit({ missed: event.currentTarget.value === "catch_up" ? "catch_up" : "skip" }); }}>
@@ -61,6 +63,13 @@ export function RecurringForm({ onKept }: { onKept: () => void }) {
         <datalist id={TIME_ZONES}>
           {Intl.supportedValuesOf("timeZone").map((zone) => (
             <option key={zone} value={zone} />
+          ))}
+        </datalist>
+        <datalist id={COUNTRIES}>
+          {countries(language.value).map(({ code, name }) => (
+            <option key={code} value={code}>
+              {name}
+            </option>
           ))}
         </datalist>
         <Runs />
@@ -88,6 +97,7 @@ export function RecurringForm({ onKept }: { onKept: () => void }) {
 }
 
 const TIME_ZONES = "recurring-zones";
+const COUNTRIES = "recurring-countries";
 
 function TransportFields() {
   const { only, vehicle } = written.value;

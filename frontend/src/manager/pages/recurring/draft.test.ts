@@ -3,7 +3,7 @@ import type { Schedule } from "../../../api/schedules";
 import { calendarOf, coming, dayName, daysOff, draftOf, empty, partOf, shown, writtenOf } from "./draft";
 
 const schedule: Schedule = {
-  id: "S-1", etag: '"1-0-0"', name: "Shafts", calendar: "45 5 * * 1,2,3", time_zone: "Europe/Berlin", holidays: ["2030-12-25"], skipped: [],
+  id: "S-1", etag: '"1-0-0"', name: "Shafts", calendar: "45 5 * * 1,2,3", time_zone: "Europe/Berlin", holidays: ["2030-12-25"], holidays_of: "DE-BW", skipped: [],
   missed: "catch_up", paused: false, owner_gone: false, transport: { from: "S3", to: "M8", item: "shaft", thing: null, quantity: 40, priority: "high", vehicle: "ATV3", vehicle_only: false, ability: "pallet" },
   order: null,
   next_runs: [], last: null, missed_at: null, changed_by: "Mia", changed_at: "2030-01-01T00:00:00.000Z",
@@ -25,8 +25,8 @@ describe("a calendar", () => {
 });
 
 test("what is there is sent as it was", () => {
-  const { calendar, holidays, missed, name, time_zone, transport } = schedule;
-  expect(draftOf(writtenOf(schedule))).toEqual({ calendar, holidays, missed, name, time_zone, transport });
+  const { calendar, holidays, holidays_of, missed, name, time_zone, transport } = schedule;
+  expect(draftOf(writtenOf(schedule))).toEqual({ calendar, holidays, holidays_of, missed, name, time_zone, transport });
 });
 
 test("an order is sent as it was", () => {
@@ -47,7 +47,7 @@ test("what is no number goes as it was written", () => {
   });
 });
 
-test.each([["calendar", "cron"], ["holidays[3]", "holidays"], ["transport.item", "item"], ["transport.ability", "ability"], ["transport.source", ""], ["paused", ""], ["order.items[2].product", "line.2"], ["order.items", "lines"], ["order.due_after_s", "dueH"], ["order.customer", "customer"]])(
+test.each([["calendar", "cron"], ["holidays[3]", "holidays"], ["holidays_of", "holidaysOf"], ["transport.item", "item"], ["transport.ability", "ability"], ["transport.source", ""], ["paused", ""], ["order.items[2].product", "line.2"], ["order.items", "lines"], ["order.due_after_s", "dueH"], ["order.customer", "customer"]])(
   "a complaint about %s stands at %j", (field, part) => { expect(partOf(field)).toBe(part); },
 );
 

@@ -23,6 +23,8 @@ export interface Written {
   readonly cron: string;
   readonly zone: string;
   readonly holidays: string;
+  /** A country or region, as DE-BW, whose public holidays are left out, too; empty for none. */
+  readonly holidaysOf: string;
   readonly missed: "skip" | "catch_up";
   readonly from: string;
   readonly to: string;
@@ -45,7 +47,7 @@ export interface Written {
 
 export function empty(zone: string): Written {
   return {
-    name: "", kind: "transport", days: ["1", "2", "3", "4", "5"], time: "06:00", cron: "", zone, holidays: "", missed: "skip",
+    name: "", kind: "transport", days: ["1", "2", "3", "4", "5"], time: "06:00", cron: "", zone, holidays: "", holidaysOf: "", missed: "skip",
     from: "", to: "", item: "", thing: "", quantity: "", priority: "normal", vehicle: "", ability: "", only: true,
     customer: "", reference: "", lines: [NO_LINE], dueH: "",
   };
@@ -59,7 +61,7 @@ export function calendarOf({ cron, days, time }: Written): string {
 }
 
 export function writtenOf(schedule: Schedule): Written {
-  const { holidays, missed, name, order, transport } = schedule;
+  const { holidays, holidays_of, missed, name, order, transport } = schedule;
   const simple = /^(\d{1,2}) (\d{1,2}) \* \* (\*|[0-6](?:,[0-6])*)$/.exec(schedule.calendar);
   const [, minute = "0", hour = "6", on = "*"] = simple ?? [];
   const asked = order ?? transport;
@@ -71,6 +73,7 @@ export function writtenOf(schedule: Schedule): Written {
     time: `${hour.padStart(2, "0")}:${minute.padStart(2, "0")}`,
     cron: simple ? "" : schedule.calendar,
     holidays: holidays.join(" "),
+    holidaysOf: holidays_of,
     missed: missed === "catch_up" ? "catch_up" : "skip",
     priority: asked && isPriority(asked.priority) ? asked.priority : "normal",
     ...(transport && {
@@ -104,12 +107,13 @@ function numberOf(written: string, pattern = /^\d+$/): number {
 
 /** What is sent: a transport or an order, never both. */
 export function draftOf(written: Written): Omit<ScheduleDraft, "paused"> {
-  const { missed, name, zone } = written;
+  const { holidaysOf, missed, name, zone } = written;
   return {
     name: name.trim(),
     calendar: calendarOf(written),
     time_zone: zone.trim(),
     holidays: daysOf(written.holidays),
+    holidays_of: holidaysOf.trim(),
     missed,
     ...(written.kind === "order" ? { order: orderOf(written) } : { transport: transportOf(written) }),
   };
@@ -140,7 +144,7 @@ function orderOf({ customer, dueH, lines, priority, reference }: Written): NonNu
   };
 }
 
-const PARTS: Readonly<Record<string, string>> = { name: "name", calendar: "cron", time_zone: "zone", holidays: "holidays" };
+const PARTS: Readonly<Record<string, string>> = { name: "name", calendar: "cron", time_zone: "zone", holidays: "holidays", holidays_of: "holidaysOf" };
 const ORDER_PARTS: Readonly<Record<string, string>> = { customer: "customer", reference: "reference", items: "lines", due_after_s: "dueH" };
 
 /** At which part of the form a complaint of the gateway is shown; empty for the whole form. */

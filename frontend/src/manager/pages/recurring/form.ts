@@ -43,7 +43,9 @@ function forget(): void {
 export async function preview(): Promise<boolean> {
   const zone = written.value.zone.trim();
   return await ask(async () => {
-    const moments = await previewRuns({ calendar: calendarOf(written.value), time_zone: zone, holidays: daysOf(written.value.holidays), count: 10 });
+    const { holidays, holidaysOf } = written.value;
+    const days = { holidays: daysOf(holidays), holidays_of: holidaysOf.trim() };
+    const moments = await previewRuns({ calendar: calendarOf(written.value), time_zone: zone, ...days, count: 10 });
     runs.value = { zone, moments };
   });
 }

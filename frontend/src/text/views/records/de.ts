@@ -144,6 +144,7 @@ export const records: Catalogue<typeof en> = {
   "audit.of.transport": "Transport",
   "audit.of.order": "Auftrag",
   "audit.of.holidays": "nicht am",
+  "audit.of.holidays_of": "Feiertage von",
   "audit.of.due_after_s": "fällig nach",
   "audit.of.thing": "Ding",
   "audit.of.customer": "Kunde",

@@ -141,6 +141,7 @@ export const records = {
   "audit.of.transport": "transport",
   "audit.of.order": "order",
   "audit.of.holidays": "not on",
+  "audit.of.holidays_of": "public holidays of",
   "audit.of.due_after_s": "due after",
   "audit.of.thing": "thing",
   "audit.of.customer": "customer",

@@ -144,6 +144,7 @@ export const records: Catalogue<typeof en> = {
   "audit.of.transport": "transporte",
   "audit.of.order": "pedido",
   "audit.of.holidays": "no el",
+  "audit.of.holidays_of": "días festivos de",
   "audit.of.due_after_s": "plazo tras",
   "audit.of.thing": "objeto",
   "audit.of.customer": "cliente",

@@ -61,6 +61,8 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.cron": "Oder die fünf Felder von Cron, wie */30 6-21 * * 1-5",
   "recurring.zone": "Zeitzone",
   "recurring.holidays": "Nicht an diesen Tagen, wie 2030-12-25",
+  "recurring.holidaysOf": "Auch nicht an den Feiertagen von, wie DE oder DE-BW (optional)",
+  "recurring.notOnHolidaysOf": "nicht an Feiertagen: {region}",
   "recurring.notOn": "nicht am {days}",
   "recurring.madeUp": "nach einer Abwesenheit wird das letzte Versäumte nachgeholt",
   "recurring.missed": "Was in einer Abwesenheit versäumt wurde",

@@ -58,6 +58,8 @@ export const recurring = {
   "recurring.cron": "Or cron's five fields, as */30 6-21 * * 1-5",
   "recurring.zone": "Time zone",
   "recurring.holidays": "Not on these days, as 2030-12-25",
+  "recurring.holidaysOf": "Nor on the public holidays of, as DE or DE-BW (optional)",
+  "recurring.notOnHolidaysOf": "not on public holidays: {region}",
   "recurring.notOn": "not on {days}",
   "recurring.madeUp": "after an absence the last one missed is made up for",
   "recurring.missed": "What was missed in an absence",

@@ -61,6 +61,8 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.cron": "O los cinco campos de cron, como */30 6-21 * * 1-5",
   "recurring.zone": "Zona horaria",
   "recurring.holidays": "No en estos días, como 2030-12-25",
+  "recurring.holidaysOf": "Ni en los días festivos de, como DE o DE-BW (opcional)",
+  "recurring.notOnHolidaysOf": "no en días festivos: {region}",
   "recurring.notOn": "no el {days}",
   "recurring.madeUp": "tras una ausencia se recupera lo último que se perdió",
   "recurring.missed": "Lo que se perdió durante una ausencia",
