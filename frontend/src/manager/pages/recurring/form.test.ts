@@ -1,8 +1,8 @@
 import { beforeEach, expect, test, vi } from "vitest";
-import { addSchedule } from "../../../api/schedules";
+import { addSchedule, previewRuns } from "../../../api/schedules";
 import type { PlantFile } from "../../../api/types";
 import { plant } from "../../state";
-import { edit, begin, lines, send } from "./form";
+import { edit, begin, lines, preview, send } from "./form";
 
 vi.mock("../../../api/schedules", () => ({ addSchedule: vi.fn(), changeSchedule: vi.fn(), previewRuns: vi.fn() }));
 
@@ -26,4 +26,10 @@ test("as long as nobody knows the products, those that are written stay", async 
   plant.value = null;
   await send();
   expect(vi.mocked(addSchedule).mock.calls[0]?.[0].order?.items.map(({ product }) => product)).toEqual(["g1", "g2"]);
+});
+
+test("the next moments are those without the days and public holidays that are written", async () => {
+  edit({ holidays: "2030-12-24", holidaysOf: " DE-BW " });
+  await preview();
+  expect(vi.mocked(previewRuns).mock.calls[0]?.[0]).toMatchObject({ holidays: ["2030-12-24"], holidays_of: "DE-BW" });
 });
