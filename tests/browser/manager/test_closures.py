@@ -22,7 +22,8 @@ WHY = "pallet dropped"
 
 
 def choose_lane(page: Page, start: str, end: str) -> None:
-    """Click on the middle of a lane."""
+    """Click on the middle of a lane, once the plant was heard of: until then the map has not its last size."""
+    expect(page.locator(".alerts-button")).not_to_have_text("Alerts")
     a, b = PLANT.nodes[start], PLANT.nodes[end]
     page.mouse.click(*at_px(page, (a.x_m + b.x_m) / 2, (a.y_m + b.y_m) / 2))
 
