@@ -22,8 +22,10 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import CarrierChanged, TaskClosed
-from dray.protocol.liveness.failure_detector import UNNAMED_S
 from dray.protocol.runtime.events import Effect
+
+SILENT_S = 60.0
+"""Seconds after which a carrier that is not heard was replaced."""
 
 BROUGHT = [Book("ATV2", "housing", 24, task="M7-1", epoch=1)]
 
@@ -38,7 +40,7 @@ def beats(rig: MachineRig, vehicle: str, phase: Phase | None = None, *, node: st
 
 
 def superseded(*, opened: tuple[str, ...] = ("ATV2",)) -> MachineRig:
-    """M7 was down while ATV2 put 24 housings down (M7-1) and went on; it has not heard of that, and seeks a carrier."""
+    """M7 was down while ATV2 put 24 housings down (M7-1) and went on; it hears nothing of ATV2, and seeks a carrier."""
     first = BlindRig("M7", NO_HOUSINGS)
     first.answers = True
     first.start()
@@ -46,14 +48,12 @@ def superseded(*, opened: tuple[str, ...] = ("ATV2",)) -> MachineRig:
     first.hire("M7-1", "ATV2")
     first.on_message("ATV2", docked())
     first.report(DockReady(vehicle="ATV2"))
-    return forgotten(first, opened=opened)
+    return unheard(first, opened=opened)
 
 
-def forgotten(before: MachineRig, *, opened: tuple[str, ...]) -> MachineRig:
+def unheard(before: MachineRig, *, opened: tuple[str, ...]) -> MachineRig:
     rig = reborn(before, 2, opened)
-    until_s = rig.now_s + UNNAMED_S + 3.0
-    while rig.now_s < until_s:
-        beats(rig, "ATV2")
+    rig.run(rig.now_s + SILENT_S)
     assert [each.replaced for each in facts(rig.all, CarrierChanged)] == ["ATV2"]
     return rig
 
