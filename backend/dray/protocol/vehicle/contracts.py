@@ -135,8 +135,8 @@ class Contracts:
         self._waits = Waits()
         self._bidder = Bidder(atv, plant, vehicle_type, self.probation, charging, self._waits, life)
         self._work_search = WorkSearch(atv, plant, vehicle_type, keys, life)
-        self._phase_s = 0.0
-        """Begin of its job's present phase (plant clock)."""
+        self._phase_s: float | None = None
+        """Begin of its job's present phase (plant clock); None if an earlier life began it."""
         self.job: TransportJob | None = None
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.standby = Standby(self.subscriptions, life)
@@ -323,6 +323,7 @@ class Contracts:
 
     def bind(self, contract: Contract) -> None:
         self.put_down.forget(contract.task)
+        self._phase_s = None
         self.job = TransportJob(contract, self._plant, self._type, self._driver, self._life)
         self._life.commit()
 
@@ -384,9 +385,11 @@ class Contracts:
             self._life.commit()
 
     def _note_wait(self, job: TransportJob, phase: Phase, now_s: float) -> None:
-        """A phase of the job is over: note its waiting time."""
-        kind, took_s = self._plant.vehicle_types[self._type], now_s - self._phase_s
-        self._phase_s = now_s
+        """A phase of the job is over: note its waiting time if this life has seen its beginning."""
+        began_s, self._phase_s = self._phase_s, now_s
+        if began_s is None:
+            return
+        kind, took_s = self._plant.vehicle_types[self._type], now_s - began_s
         if phase is Phase.LOADING and job.phase is Phase.CARRYING:
             self._waits.note(job.source, "", took_s - kind.load_s, now_s)
         elif phase is Phase.UNLOADING and job.phase is Phase.HANDING_OVER:

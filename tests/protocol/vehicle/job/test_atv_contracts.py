@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from atv1 import SETTLED_S, contracted, handing_over, last_beat, parked, unloading
 from defaults import KEYS, PLANT
-from effects import deeds, facts, instructed, listening, sent
+from effects import committed, deeds, facts, instructed, listening, sent
+from rigs import VehicleRig
 from spoken import announcement, award, transport
 
 from dray.body import Drive, Drop, NodePassed, Pick, WayDone
@@ -26,6 +29,7 @@ from dray.messages import (
     Release,
     Role,
     Superseded,
+    TransportCost,
     Withdrawn,
 )
 from dray.messages.fact import BidRefused, ContractEnded, ContractTaken
@@ -301,3 +305,60 @@ def test_reports_of_older_ways_are_ignored() -> None:
     assert rig.last(Drive).order > old.order
     rig.report(WayDone(order=old.order, node="s3"))
     assert instructed(rig.all, Pick) == []
+
+
+def second_life(before: VehicleRig) -> VehicleRig:
+    """ATV1 is started again where it stands, long after the plant was."""
+    rig = VehicleRig(node=before.node, incarnation=2)
+    rig.memory, rig.load = committed(before.all), before.load
+    rig.now_s = before.now_s + 1000.0
+    rig.start()
+    return rig
+
+
+def delivered(rig: VehicleRig) -> float:
+    """ATV1 brings the rest of its transport to its end without a wait; the waits that it counts in its next bid (s)."""
+    if not rig.load[0] and instructed(rig.all, Pick):
+        rig.picked()
+    if rig.load[0]:
+        if instructed(rig.all, Drive):
+            rig.arrive()
+        rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+        rig.dropped()
+    rig.on_message("M8", HandoverAccepted(task="M8-1", epoch=1))
+    rig.run(rig.now_s)  # It sees that its load is down.
+    [bid] = sent(rig.on_message("M8", announcement(task="M8-2")), Bid)
+    assert isinstance(bid.cost, TransportCost)
+    return bid.cost.waiting_s
+
+
+def test_a_wait_at_a_dock_counts_in_the_next_bid() -> None:
+    rig = contracted()
+    rig.arrive()
+    rig.now_s += PLANT.vehicle_types["light"].load_s + 100.0
+    assert delivered(rig) == pytest.approx(100.0)
+
+
+def at_source() -> VehicleRig:
+    rig = contracted()
+    rig.arrive()
+    return rig
+
+
+def picked_meanwhile() -> VehicleRig:
+    rig = at_source()
+    rig.load = (rig.last(Pick).item, rig.last(Pick).quantity)
+    return rig
+
+
+def dropped_meanwhile() -> VehicleRig:
+    rig = unloading()
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    rig.load = ("", 0)
+    return rig
+
+
+@pytest.mark.parametrize("before", [at_source, picked_meanwhile, unloading, dropped_meanwhile])
+def test_a_wait_that_an_earlier_life_began_counts_for_nothing(before: Callable[[], VehicleRig]) -> None:
+    """Its length is unknown. Taken from the plant's start, it made a lone vehicle refuse everything for ten minutes."""
+    assert delivered(second_life(before())) == 0.0
