@@ -23,7 +23,7 @@ WRONG_S = 30.0
 
 WRONG_LEVEL_S = 300.0
 """A level counts once it has rested while no vehicle stood at the dock, and its controller may be away. So the time in
-which one stands there does not count."""
+which one stands there does not count, nor the time in which the station itself was down."""
 
 
 class ReportedStock:
@@ -61,7 +61,7 @@ class ReportedStock:
         stock = self._storages[sender].stock
         for told in message.stocks:
             key = sender, told.item
-            if told.level == stock[told.item] or self._is_unread(sender):
+            if told.level == stock[told.item] or self._is_unread(sender) or not goes_on:
                 self._right_s[key] = at_s
             elif at_s > self._right_s.setdefault(key, at_s) + self._wrong_s:
                 seen = f"{sender} tells of {told.level} {told.item}, and {stock[told.item]} lie there"

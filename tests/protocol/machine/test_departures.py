@@ -129,6 +129,20 @@ def test_a_vehicle_that_lost_its_memory_and_brings_the_found_load_back_has_put_n
     assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
 
 
+@pytest.mark.parametrize(("node", "silence_s", "booked"), [(DOCK, 0.0, BROUGHT), ("c1", 2 * UNHEARD_S, [])])
+def test_what_the_body_of_a_vehicle_without_memory_puts_down_before_it_drives_off_is_booked(
+    node: str, silence_s: float, booked: list[Book]
+) -> None:
+    rig = given_back()
+    beats(rig, Phase.UNLOADING, aboard=True)
+    rig.run(rig.now_s + 2 * UNHEARD_S)
+    # Its body still unloads for its earlier life.
+    assert instructed(beats(rig, Phase.RETURNING, task="ATV2-found-7", aboard=True), CloseDock) == []
+    rig.run(rig.now_s + silence_s)
+    effects = beats(rig, Phase.RETURNING, task="ATV2-found-7", node=node)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, booked)
+
+
 def test_a_vehicle_that_lost_its_memory_and_brings_the_found_load_back_has_taken_it() -> None:
     life = Life()
     _, departures = alone(life)

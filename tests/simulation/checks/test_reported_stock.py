@@ -103,6 +103,20 @@ def test_a_level_that_no_rest_lets_count_is_no_wrong_report(*, stands: bool) -> 
         check.on_message(late_s, "S1", "*", heartbeat(1, late_s, lies - LOT, 0, ()))
 
 
+def test_the_time_in_which_a_station_was_down_is_no_wrong_report() -> None:
+    plant, clock = load_plant("single-track"), VirtualClock()
+    factory = SimFactory(plant, clock, seed=1, bodies=WiredBodies(plant, clock))
+    check = ReportedStock(factory)
+    less = factory.storages["S1"].sense().stock["shaft"] - LOT
+    up_s = WRONG_LEVEL_S + 1.0
+    check.on_message(0.0, "S1", "*", heartbeat(1, 0.0, less + LOT, 0, ()))
+    check.on_message(up_s, "S1", "*", heartbeat(2, up_s, less, 0, ()))
+    check.on_message(up_s + 1.0, "S1", "*", heartbeat(2, up_s + 1.0, less, 0, ()))
+    late_s = up_s + WRONG_LEVEL_S + 1.0
+    with pytest.raises(InvariantBroken, match="S1 tells of"):
+        check.on_message(late_s, "S1", "*", heartbeat(2, late_s, less, 0, ()))
+
+
 def test_a_storage_that_fills_up_the_room_of_an_order_is_found() -> None:
     told = Told()
     told.say(1, 100, LOT, BEFORE)

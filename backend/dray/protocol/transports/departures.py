@@ -14,6 +14,7 @@ count is told of it (`Book`).
     it stands here and names no task at all                    as if it named this one: it has lost its memory, and no
                                                                vehicle comes to a dock without a task
     it brings the same item back for another task              it has lost its memory, and found the load on board
+    it does so here, and is without it a moment later          its body has put it down: it had still unloaded
     it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
     it names another task, or stands elsewhere, after a time   where it has been is unknown: a load to take is booked out,
     in which it was not heard                                  a load to bring is booked in once it reports that it is down
@@ -79,7 +80,8 @@ class Departures:
         self._newest: LatestNumbers[str] = LatestNumbers(HEARD_KEPT)
         """By vehicle: its newest heartbeat, by incarnation and number."""
         self._at_task: BoundedMap[str, tuple[str, int, float]] = BoundedMap(HEARD_KEPT)
-        """By vehicle: the task and epoch of its last heartbeat, and when it came."""
+        """By vehicle: the task and epoch of its last heartbeat, and when it came; of the watched task while it brings back
+        that load, and has not driven off yet."""
 
     def watch(self, load: DepartureMemory) -> None:
         """Follow a vehicle that may be inside until it leaves. Repeating this is harmless."""
@@ -180,6 +182,7 @@ class Departures:
         if not self._newest.takes(heartbeat.atv, (heartbeat.incarnation, heartbeat.seq), now_s):
             return
         load, carries = self._leaving.get(heartbeat.atv), heartbeat.task
+        brings_it = False
         if load is not None:
             names = carries is not None and (
                 not load.task or (carries.task, carries.epoch) == (load.task, load.epoch)
@@ -187,6 +190,7 @@ class Departures:
             phase = carries.phase if carries is not None and names else None
             has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
             found_it = has_it and not names and carries is not None and carries.phase is Phase.RETURNING
+            brings_it = found_it and load.change > 0 and heartbeat.node == self._node
             if heartbeat.node != self._node or not (found_it or phase in _MAY_BE_INSIDE):
                 never_left = carries is None and heartbeat.node == self._node
                 is_known = names or never_left or found_it
@@ -194,8 +198,8 @@ class Departures:
                     load = _reported(load)
                 aboard = has_it or phase is Phase.RETURNING if is_known else not self._was_heard(load, now_s)
                 self._end(load, aboard=aboard)
-        if carries is not None:
-            self._at_task[heartbeat.atv] = (carries.task, carries.epoch, now_s)
+        if (named := load if brings_it else carries) is not None:
+            self._at_task[heartbeat.atv] = (named.task, named.epoch, now_s)
 
     def note_left(self, vehicle: str) -> None:
         """A vehicle has left without the load it was let in for: tell a body that waits for its report."""
