@@ -77,18 +77,21 @@ def choose(page: Page, name: str) -> None:
 
 @contextmanager
 def held(page: Page, address: str) -> Iterator[Callable[[], Any]]:
-    """Posts to an address wait; what is given waits for one, lets it go, and returns its answer."""
+    """Posts to an address wait until the given function is called, which returns the answer to the first."""
     waiting: list[Route] = []
+    gone: list[bool] = []
 
     def hold(route: Route) -> None:
-        if route.request.method == "POST":
-            waiting.append(route)
-        else:
+        if route.request.method != "POST" or gone:
             route.continue_()
+        else:
+            waiting.append(route)
 
     def let_go() -> Any:
         with page.expect_response(lambda response: response.request.method == "POST") as answered:
-            waiting.pop().continue_()
+            gone.append(True)
+            for route in waiting:
+                route.continue_()
         return answered.value.json()
 
     page.route(address, hold)

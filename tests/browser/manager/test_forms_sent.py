@@ -77,3 +77,24 @@ def test_another_reason_is_written_while_a_vehicle_is_taken_out(forms: Any, open
     with forms.going():
         sheet.get_by_role("button", name="Put to work again").click()
         expect(card).not_to_contain_text("out of service")
+
+
+def test_a_sheet_stays_with_what_is_written_while_a_lane_is_closed(forms: Any, open_page: OpenPage) -> None:
+    page = open_page(forms.url)
+    page.get_by_role("button", name="Close lanes…").click()
+    sheet = page.locator(".pop-sheet:popover-open")
+    sheet.get_by_label("How").select_option("slow")
+    reason, act = sheet.get_by_label("Reason"), sheet.get_by_role("button", name="Close", exact=True)
+    closed = page.locator(".card.closures").get_by_role("listitem")
+    reason.fill("oil")
+    with held(page, "**/api/closures") as let_go:
+        act.click()
+        expect(act).to_be_disabled()
+        reason.fill("ice")
+        let_go()
+    expect(closed).to_contain_text("oil")
+    expect(reason).to_have_value("ice")
+    page.keyboard.press("Escape")
+    expect(sheet).to_have_count(0)
+    closed.get_by_role("button").click()
+    expect(closed).to_have_count(0)
