@@ -215,6 +215,31 @@ def test_what_a_vehicle_may_have_taken_while_it_was_not_heard_is_booked_out() ->
     assert instructed(life.effects, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
 
 
+@pytest.mark.parametrize("load", ["", "shaft"], ids=["nothing on board", "such a load from elsewhere"])
+@pytest.mark.parametrize(("change", "is_booked"), [(-24, False), (24, True)], ids=["to take", "to bring"])
+@pytest.mark.parametrize("names_another", [False, True])
+def test_a_vehicle_that_left_empty_after_it_had_lost_its_memory_here_has_taken_nothing_and_put_down_all(
+    load: str, change: int, *, is_booked: bool, names_another: bool
+) -> None:
+    # The place was down meanwhile.
+    life = Life()
+    _, departures = alone(life)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", change)])
+    beat = rhb("ATV2", 1, 0.0, task="M8-1" if names_another else "")
+    beat = replace(beat, load=load, load_quantity=24 if load else 0, left_empty=DOCK)
+    departures.on_vehicle(beat, 0.0)
+    assert instructed(life.effects, CloseDock) == SHUT
+    assert bool(instructed(life.effects, Book)) is is_booked
+
+
+def test_what_a_vehicle_did_at_another_dock_after_it_had_lost_its_memory_tells_nothing() -> None:
+    life = Life()
+    _, departures = alone(life)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
+    departures.on_vehicle(replace(rhb("ATV2", 1, 0.0), left_empty="m8"), 0.0)
+    assert instructed(life.effects, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
+
+
 def test_a_vehicle_that_asks_for_the_dock_for_something_else_is_done_though_it_has_to_wait() -> None:
     rig = BlindRig("LATHE1", {"bar": 60, "shaft": 6}, plant=shipped_plant("levels"))
     rig.answers = True

@@ -13,6 +13,8 @@ count is told of it (`Book`).
     it names the task no more, and was heard at it until then  the same: no vehicle ends a task with its load on board
     it stands here and names no task at all                    as if it named this one: it has lost its memory, and no
                                                                vehicle comes to a dock without a task
+    it has lost its memory here, and left with nothing on      the same, whatever it was heard doing since (`left_empty`)
+    board
     it brings the same item back for another task              it has lost its memory, and found the load on board
     it does so here, and is without it a moment later          its body has put it down: it had still unloaded
     it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
@@ -193,11 +195,12 @@ class Departures:
             brings_it = found_it and load.change > 0 and heartbeat.node == self._node
             if heartbeat.node != self._node or not (found_it or phase in _MAY_BE_INSIDE):
                 never_left = carries is None and heartbeat.node == self._node
-                is_known = names or never_left or found_it
+                left_empty = heartbeat.left_empty == self._node
+                is_known = names or never_left or left_empty or found_it
                 if phase is Phase.HANDING_OVER and load.change > 0:
                     load = _reported(load)
-                aboard = has_it or phase is Phase.RETURNING if is_known else not self._was_heard(load, now_s)
-                self._end(load, aboard=aboard)
+                brings = (has_it or phase is Phase.RETURNING) and not left_empty
+                self._end(load, aboard=brings if is_known else not self._was_heard(load, now_s))
         if (named := load if brings_it else carries) is not None:
             self._at_task[heartbeat.atv] = (named.task, named.epoch, now_s)
 
