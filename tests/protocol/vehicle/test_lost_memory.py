@@ -7,6 +7,7 @@ from effects import committed, instructed
 from rigs import VehicleRig
 
 from dray.body import Drive
+from dray.memory import WHOLE, AtvMemory
 from dray.messages import AtvHeartbeat
 
 DOCK, NEXT, AWAY = "m7", "m8", "p3"
@@ -90,7 +91,7 @@ def test_its_first_life_has_nothing_to_forget() -> None:
 
 
 def test_a_life_with_notes_has_forgotten_nothing() -> None:
-    before = forgetful(incarnation=1)
-    before.agent._life.commit()
-    says(before)
-    assert says(next_life(before), AWAY) == ""
+    rig = VehicleRig(node=DOCK, incarnation=2)
+    rig.memory = {WHOLE: AtvMemory()}
+    rig.start()
+    assert says(rig, AWAY) == ""

@@ -249,7 +249,7 @@ class Atv(AgentBase):
         else:
             self._commands.forget()
             if self.incarnation > 1:
-                self._lost_memory.begin(state.node)
+                self._lost_memory.start(state.node)
         self._lost_memory.sense(state.node, state.load)
         if isinstance(note, AtvMemory) and note.contract is not None:
             self._contracts.bind(note.contract)

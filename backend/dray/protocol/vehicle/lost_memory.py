@@ -31,7 +31,7 @@ class LostMemory:
         """The node where it lost its memory and which it has left with nothing on board; empty for none."""
         return self.node if self.is_left else ""
 
-    def begin(self, node: str) -> None:
+    def start(self, node: str) -> None:
         """Start without notes of the life before."""
         self._set(node, is_left=False)
 
