@@ -11,6 +11,7 @@ The place follows the heartbeats of a vehicle that was let in to load:
     heard (this agent was down, or deaf)                            fetched, or that it cannot know. In doubt it is booked out:
                                                                     nothing is promised that may not lie there
     an earlier life let it in, and no notes say for which task      the same, by what it has on board when it leaves
+    it has lost its memory here, and left with nothing on board     it has left without, whatever it has on board now (`left_empty`)
     it was heard elsewhere without the load                         what it has on board later is not from here, unless it names
                                                                     the task
 
@@ -97,12 +98,13 @@ class BookingOut:
         if load.vehicle in self._shut:
             load = self._mark(load, ended=True)
         is_here, was_heard = heartbeat.node == self._node, self._was_heard(load, now_s)
-        has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
+        left_empty = heartbeat.left_empty == self._node
+        has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0 and not left_empty
         if has_it and self._may_be_from_here(load, is_known=is_here or was_heard):
             self._book(load)
         elif is_here and not load.gone and (carries is None or was_heard or not load.task):
             self._heard_s[load.vehicle] = now_s
-        elif was_heard or load.ended:
+        elif left_empty or was_heard or load.ended:
             self._leave(load.vehicle)
             if not is_here:
                 self._departures.on_elsewhere(load.vehicle, load.task)

@@ -13,6 +13,9 @@ count is told of it (`Book`).
     it names the task no more, and was heard at it until then  the same: no vehicle ends a task with its load on board
     it stands here and names no task at all                    as if it named this one: it has lost its memory, and no
                                                                vehicle comes to a dock without a task
+    the same in a later life, and it came to load              its body may go on loading: what it leaves with counts
+    it has lost its memory here, and left with nothing on      the same, whatever it was heard doing since (`left_empty`)
+    board
     it brings the same item back for another task              it has lost its memory, and found the load on board
     it does so here, and is without it a moment later          its body has put it down: it had still unloaded
     it has brought its load back, and was not let in           it has put nothing down, even if its load is off it
@@ -81,7 +84,9 @@ class Departures:
         """By vehicle: its newest heartbeat, by incarnation and number."""
         self._at_task: BoundedMap[str, tuple[str, int, float]] = BoundedMap(HEARD_KEPT)
         """By vehicle: the task and epoch of its last heartbeat, and when it came; of the watched task while it brings back
-        that load, and has not driven off yet."""
+        that load, or may still take it, and has not driven off yet."""
+        self._named_in: BoundedMap[str, int] = BoundedMap(HEARD_KEPT)
+        """By vehicle: its last life that has named a task."""
 
     def watch(self, load: DepartureMemory) -> None:
         """Follow a vehicle that may be inside until it leaves. Repeating this is harmless."""
@@ -182,7 +187,7 @@ class Departures:
         if not self._newest.takes(heartbeat.atv, (heartbeat.incarnation, heartbeat.seq), now_s):
             return
         load, carries = self._leaving.get(heartbeat.atv), heartbeat.task
-        brings_it = False
+        moves_it = False
         if load is not None:
             names = carries is not None and (
                 not load.task or (carries.task, carries.epoch) == (load.task, load.epoch)
@@ -190,15 +195,24 @@ class Departures:
             phase = carries.phase if carries is not None and names else None
             has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
             found_it = has_it and not names and carries is not None and carries.phase is Phase.RETURNING
-            brings_it = found_it and load.change > 0 and heartbeat.node == self._node
-            if heartbeat.node != self._node or not (found_it or phase in _MAY_BE_INSIDE):
-                never_left = carries is None and heartbeat.node == self._node
-                is_known = names or never_left or found_it
+            never_left = carries is None and heartbeat.node == self._node
+            may_load = (
+                never_left
+                and not has_it
+                and load.change < 0
+                and self._named_in.get(heartbeat.atv) != heartbeat.incarnation
+            )
+            moves_it = may_load or (found_it and load.change > 0 and heartbeat.node == self._node)
+            if heartbeat.node != self._node or not (found_it or may_load or phase in _MAY_BE_INSIDE):
+                left_empty = heartbeat.left_empty == self._node
+                is_known = names or never_left or left_empty or found_it
                 if phase is Phase.HANDING_OVER and load.change > 0:
                     load = _reported(load)
-                aboard = has_it or phase is Phase.RETURNING if is_known else not self._was_heard(load, now_s)
-                self._end(load, aboard=aboard)
-        if (named := load if brings_it else carries) is not None:
+                brings = (has_it or phase is Phase.RETURNING) and not left_empty
+                self._end(load, aboard=brings if is_known else not self._was_heard(load, now_s))
+        if carries is not None:
+            self._named_in[heartbeat.atv] = heartbeat.incarnation
+        if (named := load if moves_it else carries) is not None:
             self._at_task[heartbeat.atv] = (named.task, named.epoch, now_s)
 
     def note_left(self, vehicle: str) -> None:
