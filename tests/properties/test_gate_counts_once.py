@@ -73,10 +73,20 @@ class DoubtedGate(PlainGate):
         reports = super().instruct(instruction, now_s)
         if not self.is_in_doubt:
             return reports
-        return [replace(each, admitted=max(1, each.admitted)) for each in reports if isinstance(each, GoodsArrived)]
+        return [
+            replace(each, admitted=max(1, each.admitted))
+            for each in reports
+            if isinstance(each, GoodsArrived)
+        ]
 
     def put(self, goal: str, quantity: int) -> tuple[str, list[Report]]:
         return ("its count is in doubt", []) if self.is_in_doubt else super().put(goal, quantity)
+
+
+class HastyGate(DoubtedGate):
+    """A mutant: it says that goals are shut while its count is in doubt."""
+
+    instruct = PlainGate.instruct
 
 
 class World:
@@ -252,6 +262,10 @@ def test_an_order_gets_in_exactly_once_and_every_piece_is_counted(strategists: i
 def test_an_order_gets_in_exactly_once_though_people_count_late(strategists: int) -> None:
     faults = {seed: fault_of(seed, strategists, DoubtedGate) for seed in range(examples(150))}
     assert not any(faults.values()), {seed: fault for seed, fault in faults.items() if fault}
+
+
+def test_a_body_that_says_that_goals_are_shut_while_its_count_is_in_doubt_is_found() -> None:
+    assert any(fault_of(seed, 1, HastyGate) for seed in range(20))
 
 
 def with_a_gate_that_counts_goods_again_after_a_restart(patch: pytest.MonkeyPatch) -> None:
