@@ -198,11 +198,12 @@ def test_an_order_is_handed_over_when_the_count_of_each_shut_goal_is_final() -> 
     rig.say(OrderClaimed("O1", 1))
     rig.say(asked("G1", 5, held=1, of=OF))
     rig.on_message(ONE, asked("G1", 0, 2, held=1))  # and its body has not confirmed that yet.
-    for claimed, by in ((OrderClaimed("O1", 2), OTHER), (OrderClaimed("O1", 1), ONE)):
-        assert sent(rig.say(claimed, by), HolderReported) == [], "nor to a holder that has lost its journal"
     rig.enter("G1", 3)
-    assert sent(rig.say(OrderClaimed("O1", 2), OTHER), HolderReported) == []
-    rig = rig.next_life()
+    for claimed, by in ((OrderClaimed("O1", 2), OTHER), (OrderClaimed("O1", 1), ONE)):
+        effects = rig.on_message(by, claimed)
+        assert sent(effects, HolderReported) == [], "nor to a holder that has lost its journal"
+        assert instructed(effects, Admit) == [Admit("G1", 0)], "its body is told again"
+    rig.obey(effects)
     [told] = sent(rig.say(OrderClaimed("O1", 2), OTHER), HolderReported, to=OTHER)
     done = GoalHeld("G1", OF, 0, 3)
     assert told == HolderReported(OrderHeld("O1", OTHER, 2, (0, 3), done=(done,)))

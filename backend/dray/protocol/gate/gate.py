@@ -297,8 +297,11 @@ class DeliveryGate(AgentBase):
     # --- orders and their holders ---
 
     def _on_claimed(self, sender: str, claimed: OrderClaimed, now_s: float) -> None:
-        if not claimed.over and any(map(self._is_being_shut, self._goals.of_order(claimed.order))):
-            # The goal is not open, and its count is not final: the next holder would have its missing pieces made twice.
+        being_shut = [goal for goal in self._goals.of_order(claimed.order) if self._is_being_shut(goal)]
+        if being_shut and not claimed.over:
+            # Their counts are not final: the next holder would have missing pieces made that may be in.
+            for goal in being_shut:
+                self._admit(goal)
             self._life.ignore("a claim of an order while the gate is being shut for a goal of it")
             return
         self._orders.make_again(sender, claimed.order, claimed.again)
