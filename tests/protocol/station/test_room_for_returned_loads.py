@@ -101,6 +101,20 @@ def test_the_next_life_keeps_its_room(counts: bool, answers: bool) -> None:
 
 
 @BODIES
+def test_the_load_of_a_carrier_that_was_replaced_needs_room_beside_that_of_its_transport(
+    counts: bool, answers: bool
+) -> None:
+    rig = full_but(70, counts=counts, answers=answers)
+    rig.start()
+    rig.on_message("gateway", ORDER)
+    rig.on_message("ATV1", replace(BACK, task="T-1-1"))
+    if answers:
+        rig.report(DockReady("ATV1"))
+    rig.on_message("gateway", replace(ORDER, transport="T-2"))
+    assert rig.level.on_order == 20
+
+
+@BODIES
 def test_what_was_on_order_before_it_came_stays_on_order(counts: bool, answers: bool) -> None:
     rig = full_but(50, counts=counts, answers=answers)
     rig.start()

@@ -441,12 +441,12 @@ class TransportFlow:
         self._life.beat_soon(now_s)
 
     def _put_back(self, item: str) -> int:
-        """Pieces without an open transport that a vehicle at the dock may put down, or that wait for the body's booking."""
+        """Pieces that are brought back here, or whose transport has ended: a vehicle may put them down, or the body may book them."""
         loads = (*self.departures.loads(), *self.bookings.memories())
         return sum(
             max(0, load.change) + load.counted
             for load in loads
-            if load.item == item and self.tasks.get(load.task) is None
+            if load.item == item and (load.returns or self.tasks.get(load.task) is None)
         )
 
     def _to_here(self, item: str, works: Iterable[Transport]) -> int:
