@@ -10,7 +10,7 @@ from spoken import rhb
 from station_rig import ITEM, StationRig
 
 from dray.body import DockReady, FillTo
-from dray.messages import Docked, Phase, TransportCancelled, TransportOrdered
+from dray.messages import Docked, Phase, StockReserved, TransportCancelled, TransportOrdered
 from dray.protocol.runtime.events import Effect
 
 FULL = next(kept.capacity for kept in PLANT.storages["S1"].stocks if kept.material == ITEM)
@@ -107,6 +107,7 @@ def test_the_load_of_a_carrier_that_was_replaced_needs_room_beside_that_of_its_t
     rig = full_but(70, counts=counts, answers=answers)
     rig.start()
     rig.on_message("gateway", ORDER)
+    rig.on_message("S3", StockReserved("T-1-1", 1, ITEM, 20))
     rig.on_message("ATV1", replace(BACK, task="T-1-1"))
     if answers:
         rig.report(DockReady("ATV1"))
