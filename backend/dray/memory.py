@@ -250,6 +250,8 @@ class DepartureMemory(Part, frozen=True):
     """Whether it waits there to put its load back."""
     gone: bool = False
     """Whether it has left, and only its own report can tell that the load lies there."""
+    counted: int = 0
+    """Pieces that it puts back, and that the body counts by itself: they need room, and are not booked."""
 
 
 class ReservationMemory(Part, frozen=True):

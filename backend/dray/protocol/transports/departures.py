@@ -110,6 +110,10 @@ class Departures:
         self._at_task[load.vehicle] = (load.task, load.epoch, now_s)
         self.watch(load)
 
+    def loads(self) -> tuple[DepartureMemory, ...]:
+        """What the watched vehicles may put down or take."""
+        return tuple(self._leaving.values())
+
     def waits_for(self, vehicle: str) -> bool:
         """Whether a vehicle may still be inside; the dock is shut once it has left."""
         return vehicle in self._leaving
@@ -178,7 +182,11 @@ class Departures:
             self._life.commit()
 
     def note_brought(self, vehicle: str) -> None:
-        """What a vehicle has brought is booked in: it has nothing else to report of an earlier life."""
+        """What a vehicle has brought is booked in: it has nothing else to report of an earlier life, and needs no more room."""
+        load = self._leaving.get(vehicle)
+        if load is not None and load.counted:
+            self._leaving[vehicle] = replace(load, counted=0)
+            self._life.commit()
         if self._gone.pop((vehicle, "", 0), None) is not None:
             self._life.commit()
 
@@ -245,7 +253,7 @@ class Departures:
     def memories(self) -> tuple[DepartureMemory, ...]:
         """The watched vehicles, for the next life."""
         gone = tuple(replace(load, gone=True) for load in self._gone.values())
-        return (*self._leaving.values(), *gone)
+        return (*self.loads(), *gone)
 
     def restore(self, memories: Iterable[DepartureMemory]) -> None:
         """Go on watching the vehicles of an earlier life."""
