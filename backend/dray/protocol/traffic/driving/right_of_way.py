@@ -378,19 +378,19 @@ class RightOfWay:
         """Handle a witness's confirmation."""
         if not self.requests.on_confirmed(sender, confirmed):
             self._life.ignore("a confirmation by an agent that is not the witness")
-        self._take_missed(confirmed.district, now_s)
+        self._take_believed(confirmed.district, now_s)
 
     def repeat_request(self, district: str, now_s: float) -> None:
         """Repeat the request to a district, whose alarm has come."""
         groups = self._groups_in(district, self._groups())
         self.requests.repeat(district, self._holds_in(district), groups, self._state(now_s), now_s)
-        self._take_missed(district, now_s)
+        self._take_believed(district, now_s)
 
-    def _take_missed(self, district: str, now_s: float) -> bool:
-        missed = self.requests.take_missed(district)
-        if missed is not None:
-            self.on_granted(*missed, now_s)
-        return missed is not None
+    def _take_believed(self, district: str, now_s: float) -> bool:
+        answer = self.requests.take_believed(district)
+        if answer is not None:
+            self.on_granted(*answer, now_s)
+        return answer is not None
 
     def on_silence_told(self, now_s: float) -> None:
         """A replica has reported silent vehicles: look for another way, once on each leg for each place of theirs."""
@@ -454,7 +454,7 @@ class RightOfWay:
             # It is not known yet where the body goes; the poll will ask again.
             return
         is_to_tell = self.requests.on_holds_asked(sender, asked, settles=self._obeys)
-        if self._take_missed(asked.district, now_s):
+        if self._take_believed(asked.district, now_s):
             return
         if not is_to_tell:
             return
