@@ -163,7 +163,10 @@ class Body(Protocol):
         ...
 
     def attach(self, report: Callable[[Report], None]) -> None:
-        """Report to this callable from now on, and to no other."""
+        """Report to this callable from now on, and to no other.
+
+        From now on no instruction of an earlier life takes effect, and `sense` contains what those before have done.
+        """
         ...
 
 

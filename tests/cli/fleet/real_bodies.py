@@ -89,6 +89,7 @@ class Gatekeeper:
         said: pieces by goal, by answered words.
         surplus: pieces by goal that the gate has refused.
         again: answers to words that had been answered before.
+        unanswered: why the last word that was not answered was not; empty for none.
     """
 
     def __init__(self, fleet: Fleet) -> None:
@@ -96,6 +97,7 @@ class Gatekeeper:
         self.said: Counter[str] = Counter()
         self.surplus: Counter[str] = Counter()
         self._words = self.again = 0
+        self.unanswered = ""
         self._open: dict[str, Word] = {}
         """By goal, the word that is not answered yet."""
 
@@ -142,9 +144,11 @@ class Gatekeeper:
         try:
             with self._fleet.gateway() as client:
                 answer = client.post(f"/api/stations/{GATE}/commands", json=told)
-        except httpx.TransportError:
+        except httpx.TransportError as error:
+            self.unanswered = repr(error)
             return None
         if answer.status_code in (502, 503, 504):
+            self.unanswered = answer.text
             return None
         assert answer.status_code == 200, answer.text
         taken: dict[str, Any] = answer.json()

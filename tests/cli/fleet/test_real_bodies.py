@@ -151,6 +151,7 @@ def test_every_piece_counts_once_though_agents_broker_and_opc_ua_server_are_kill
         return (
             f"ordered {len(orders)} times {PIECES}; made and delivered by the orders {counted}; there lie {seen.there}; "
             f"people have said {dict(keeper.said)}, and {keeper.again} words again; refused {dict(keeper.surplus)}; "
+            f"the last word without an answer: {keeper.unanswered or 'none'}; "
             f"{killer.killed} killed, and {killer.left} not yet"
         )
 
