@@ -43,9 +43,9 @@ from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import LISTEN_S
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.bookings import Bookings
-from dray.protocol.transports.departures import UNHEARD_S, Departures
 from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.transports import RECOVERY_WAIT_S
+from dray.protocol.transports.visits import UNHEARD_S, Visits
 
 DOCK = "m7"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
@@ -92,7 +92,7 @@ def beats(
     return rig.on_message("ATV2", replace(beat, task=doing, node=node, load=load[0], load_quantity=load[1]))
 
 
-def alone(life: Life) -> tuple[Door, Departures]:
+def alone(life: Life) -> tuple[Door, Visits]:
     """Of a dock, without an agent."""
     return dock_parts(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, life), life)
 
@@ -467,7 +467,7 @@ def test_where_the_dock_opens_at_once_the_next_life_books_what_is_taken_in_doubt
     life = Life()
     door, departures = alone(life)
     door.visits.answers, door.visits.counts = False, False
-    door.restore(("ATV2",))
+    departures.restore_opened(("ATV2",))
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", change))
     assert instructed(life.effects, CloseDock) == SHUT
     # It names the task no more, and has such a load on board.
@@ -508,7 +508,7 @@ def test_a_vehicle_that_is_back_with_the_load_for_which_it_was_waited_is_not_let
     departures.watch(load)
     departures.take_back(load, 0.0)
     assert [each.let_in for each in departures.memories()] == [False]
-    departures.note_let_in("ATV2", "M7-1", 1)
+    departures.let_in(load)
     departures.take_back(load, 1.0)
     assert [each.let_in for each in departures.memories()] == [True]
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from dray.memory import ReservationMemory
+from dray.memory import DepartureMemory, ReservationMemory
 from dray.messages import THING, StockAsked, StockLevel
 from dray.messages.base import COUNT_MAX
 from dray.protocol.runtime.bounded_map import BoundedMap
@@ -100,6 +100,13 @@ class Ask:
         if (vehicle, epoch) != (self.vehicle, self.opened):
             self.opened_s, self.refuted = now_s, False
         self.vehicle, self.opened = vehicle, epoch
+
+    def load(self) -> DepartureMemory:
+        """What the vehicle may take for which the dock was opened."""
+        pieces, coordinator = -self.quantity, self.coordinator
+        return DepartureMemory(
+            self.vehicle, self.task, self.opened, self.item, pieces, coordinator=coordinator
+        )
 
     def memory(self) -> ReservationMemory:
         """The record for the next life."""
@@ -343,3 +350,9 @@ class Reservations:
 def _fetched_in(epoch: int, opened: int) -> int:
     """The latest epoch whose load was fetched: the coordinator's, or that of a carrier which has taken over since."""
     return max(epoch, min(opened, epoch + AHEAD_MAX))
+
+
+def reserved_for(load: DepartureMemory) -> ReservationMemory:
+    """The reservation of a load for which the dock was opened."""
+    pieces, epoch = -load.change, load.epoch
+    return ReservationMemory(load.task, epoch, load.item, pieces, load.coordinator, load.vehicle, epoch)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from dray.body import DockReady, StockChanged, StorageState, WorkcellState
-from dray.memory import DepartureMemory, Memory, ReservationMemory, TaskMemory
+from dray.memory import DepartureMemory, Memory, TaskMemory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -40,10 +40,8 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.life import Change, Life
-from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.called import CalledTransports
-from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.dock_door import Door, ready_within_s
 from dray.protocol.transports.goods_recovery import GoodsRecovery
@@ -88,8 +86,7 @@ class TransportFlow:
         called: transports ordered by people and programs.
         door: the door of its dock, for all who load or unload.
         bookings: reports that its body has not answered.
-        booking_out: loads that others fetch, if the body does not count.
-        departures: vehicles that may still be at its dock after their transport ended there.
+        visits: the vehicles at its dock.
         message_handlers: by message type, handlers called with (sender, message, now_s).
         alarms: handlers of these alarms.
         reactions: by kind of change, reactions to what changes in its parts and needs nothing else of its agent.
@@ -110,10 +107,8 @@ class TransportFlow:
         self._life = life
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.bookings = Bookings(life)
-        visits, heard, node = Visits(), self.subscriptions, plant.node_of(place)
-        self.departures = Departures(node, visits, heard, self.bookings, life)
-        self.booking_out = BookingOut(node, heard, self.bookings, self.departures, life)
-        self.door = Door(visits, self.departures, self.booking_out, ready_within_s(plant, place), life)
+        self.visits = Visits(plant.node_of(place), self.subscriptions, self.bookings, life)
+        self.door = Door(self.visits, ready_within_s(plant, place), life)
         self.tasks = Transports(
             place,
             plant,
@@ -126,9 +121,9 @@ class TransportFlow:
             Assessor(plant, life),
         )
         self.sourcing = self.tasks.sourcing
-        self.held = HeldTransports(plant, self.tasks, visits, self.departures, self.bookings)
+        self.held = HeldTransports(plant, self.tasks, self.visits, self.bookings)
         self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held)
-        self._dock = Dock(place, self.tasks, stock, self.door, self.departures, life)
+        self._dock = Dock(place, self.tasks, stock, self.door, life)
         self._handovers = Handovers(
             place,
             self.tasks,
@@ -168,14 +163,9 @@ class TransportFlow:
 
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
         """Take over what the body can count and report by itself."""
-        self._handovers.counts = self.door.visits.counts = body.counts
-        self.door.visits.answers = body.answers
-        self.door.restore(body.opened)
-
-    def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
-        """Another coordinator's vehicle may load now; None for no vehicle."""
-        if load is not None and not self._handovers.counts:
-            self.booking_out.let_in(load, now_s, is_shut=not self.door.was_opened(load.vehicle))
+        self._handovers.counts = self.visits.counts = body.counts
+        self.visits.answers = body.answers
+        self.visits.restore_opened(body.opened)
 
     def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:
         """Take a load back that is not awaited any more; a body that counts and opens at once needs no check.
@@ -187,7 +177,7 @@ class TransportFlow:
             is_kept: whether the load can lie here; otherwise it is taken without a booking.
         """
         counts = self._handovers.counts
-        if counts and not self.door.visits.answers:
+        if counts and not self.visits.answers:
             self.door.agree(vehicle, docked)
             return
         if not is_kept and not counts:
@@ -196,9 +186,8 @@ class TransportFlow:
         load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
         # It may have taken the load here. Its next heartbeat would say so with its forks inside and the dock
         # shut.
-        self.booking_out.note_aboard(vehicle, docked.item)
-        self.booking_out.on_docked(vehicle, docked, now_s)
-        self.departures.take_back(load, now_s)
+        self.visits.on_docked(vehicle, docked, now_s, unloads=True)
+        self.visits.take_back(load, now_s)
         self.door.open(vehicle, docked, docked.item, docked.quantity, now_s, comes=True)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
@@ -274,13 +263,13 @@ class TransportFlow:
 
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away: it is outside, and its requests are dropped."""
-        self.departures.on_carried_away(vehicle)
+        self.visits.on_carried_away(vehicle)
 
     def dismiss(self, gone: Iterable[str]) -> None:
         """Tell the body which of these vehicles will not report any more."""
         for vehicle in gone:
-            if not self.booking_out.waits_for(vehicle):
-                self.departures.note_left(vehicle)
+            if self.visits.get(vehicle) is None:
+                self.visits.dismiss(vehicle)
 
     def note_booked(self, report: StockChanged) -> DepartureMemory | None:
         """The body has counted or booked a vehicle's load. Returns the agent's report that it answers; None for none."""
@@ -289,7 +278,7 @@ class TransportFlow:
         word = self.bookings.on_stock_changed(report)
         self.door.note_moved(report, word)
         if report.change > 0:
-            self.departures.note_brought(report.vehicle)
+            self.visits.note_brought(report.vehicle)
         return word
 
     def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
@@ -327,25 +316,14 @@ class TransportFlow:
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
-        if self.booking_out.waits_for(heartbeat.atv):
-            self.booking_out.on_carrier_heard(heartbeat, now_s)
-        else:
-            self._book_unnoted(heartbeat)
-        self.departures.on_vehicle(heartbeat, now_s)
+        if self.visits.is_unnoted(heartbeat.atv, heartbeat.node) and (
+            load := self._recovery.moved(heartbeat)
+        ):
+            self.visits.name(load)
+        self.visits.on_vehicle(heartbeat, now_s)
         if (recovered := self._recovery.on_heartbeat(heartbeat, now_s)) is not None:
             self._note_ordered(recovered)
         self.called.review(now_s)
-
-    def _book_unnoted(self, heartbeat: AtvHeartbeat) -> None:
-        """Book a load that came or went through the open dock while the notes were lost.
-
-        Its carrier hands it over still, or has not driven away with it yet.
-        """
-        if self._handovers.counts or not self.departures.is_unnoted(heartbeat.atv, heartbeat.node):
-            return
-        load = self._recovery.put_down(heartbeat) or self._recovery.taken(heartbeat)
-        if load is not None:
-            self.bookings.say(load)
 
     def _on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
         if self._is_remembered(answer.task):
@@ -361,8 +339,6 @@ class TransportFlow:
         if (task := self.tasks.get(message.task)) is not None and self.tasks.is_missing(task):
             # A lost load never comes, and the books do not show it.
             self._on_lacking(now_s)
-        if message.station == self._place:
-            self.booking_out.on_docked(sender, message, now_s)
         self._dock.on_docked(sender, message, now_s)
         task = self.tasks.get(message.task)
         if task is None or self._dock.is_opening(sender):
