@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from msgspec import UNSET, UnsetType
 
-from dray.body import CloseDock, OpenDock, StockChanged
+from dray.body import OpenDock, StockChanged
 from dray.memory import DepartureMemory
 from dray.messages import Docked, DockHeld, DockOpened
 from dray.messages.heartbeat import DockWait
