@@ -68,7 +68,7 @@ def of_a_vehicle_that_leaves() -> Hears:
     visits = Visits(PLANT.node_of("M7"), heard, Bookings(life_of), life_of)
 
     def hears(life: int, seq: int, now_s: float) -> bool:
-        visits.watch(DepartureMemory("ATV1"))
+        visits.restore([DepartureMemory("ATV1")])
         life_of.effects.clear()
         visits.on_vehicle(replace(rhb("ATV1", seq, now_s), incarnation=life), now_s)
         return bool(instructed(life_of.effects, CloseDock))

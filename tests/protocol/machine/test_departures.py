@@ -146,7 +146,7 @@ def test_what_the_body_of_a_vehicle_without_memory_puts_down_before_it_drives_of
 def test_a_vehicle_that_lost_its_memory_and_brings_the_found_load_back_has_taken_it() -> None:
     life = Life()
     _, departures = alone(life)
-    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "shaft", -24))
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
     beat = rhb("ATV2", 1, 0.0, task="M7-1", coordinator="M7")
     assert beat.task is not None
     beat = replace(beat, node=DOCK, task=replace(beat.task, phase=Phase.LOADING))
@@ -249,7 +249,7 @@ def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
 def test_a_vehicle_that_was_carried_away_has_left() -> None:
     life = Life()
     _, departures = alone(life)
-    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "housing", 24)])
     departures.on_carried_away("ATV7")
     assert instructed(life.effects, CloseDock) == []
     departures.on_carried_away("ATV2")
@@ -505,7 +505,7 @@ def test_a_vehicle_that_is_back_with_the_load_for_which_it_was_waited_is_not_let
     life = Life()
     _, departures = alone(life)
     load = DepartureMemory("ATV2", "M7-1", 1, "housing", 24)
-    departures.watch(load)
+    departures.restore([load])
     departures.take_back(load, 0.0)
     assert [each.let_in for each in departures.memories()] == [False]
     departures.let_in(load)
@@ -563,7 +563,7 @@ def test_a_load_is_booked_when_its_vehicle_says_that_it_is_down_though_it_was_no
 def test_no_more_is_booked_than_its_vehicle_was_given() -> None:
     life = Life()
     _, departures = alone(life)
-    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "housing", 24)])
     departures.on_put_down("ATV2", "M7-1", 2, 24)
     departures.on_put_down("ATV2", "M8-1", 1, 24)
     assert instructed(life.effects, Book) == []

@@ -13,7 +13,7 @@ from typing import cast
 from msgspec.structs import replace
 
 from dray.body import OpenDock, StockChanged, WorkcellState
-from dray.memory import DepartureMemory, MachineMemory, Memory, visits_of
+from dray.memory import DepartureMemory, MachineMemory, Memory, ReservationMemory, visits_of
 from dray.messages import THING, Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -28,7 +28,7 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
 from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.receiving import GateCount
-from dray.protocol.transports.reservations import Reservations, reserved_for
+from dray.protocol.transports.reservations import Reservations
 from dray.protocol.transports.sourcing import Need
 from dray.protocol.transports.transport_flow import TransportFlow
 
@@ -104,7 +104,9 @@ class MaterialFlow(TransportFlow):
         self.bookings.restore(memory.booked)
         for load in visits:
             if load.task and load.change < 0 and (load.permitted or load.coordinator):
-                self._book.restore(reserved_for(load), (load.vehicle,), now_s)
+                item, pieces, epoch, vehicle = load.item, -load.change, load.epoch, load.vehicle
+                fetched = ReservationMemory(load.task, epoch, item, pieces, load.coordinator, vehicle, epoch)
+                self._book.restore(fetched, (vehicle,), now_s)
 
     def shut_unknown(self, opened: Iterable[str]) -> None:
         """Shut the dock for vehicles of an earlier life that are unknown now."""
@@ -120,9 +122,10 @@ class MaterialFlow(TransportFlow):
         """
         vehicle, item, quantity = let_in.vehicle, let_in.item, let_in.quantity
         if self._goals.products.is_goods(item):
-            self.visits.expect_unnoted(DepartureMemory(vehicle, "", life, item, -quantity))
+            taken = DepartureMemory(vehicle, "", life, item, -quantity, permitted=True)
+            self.visits.restore((taken,))
         elif item in self._supply.materials:
-            self.visits.expect_unnoted(DepartureMemory(vehicle, item=item, change=quantity))
+            self.visits.restore((DepartureMemory(vehicle, item=item, change=quantity, let_in=False),))
 
     # --- requests and reports of the machine ---
 

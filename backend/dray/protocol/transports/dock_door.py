@@ -87,9 +87,9 @@ class Door:
             return False
         self.visits.let_in(request.load)
         self.agree(vehicle, request.docked)
-        for waiting in self.visits.asked.values():
-            # The body works, and the other vehicles have only waited for their turn: restart their clocks.
-            waiting.since_s = now_s
+        # The body works, and the other vehicles have only waited for their turn: restart their clocks.
+        others = self.visits.asked.items()
+        self.visits.asked = {each: waiting._replace(since_s=now_s) for each, waiting in others}
         return True
 
     def _forget_silent(self, now_s: float) -> None:

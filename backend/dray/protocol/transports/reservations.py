@@ -350,9 +350,3 @@ class Reservations:
 def _fetched_in(epoch: int, opened: int) -> int:
     """The latest epoch whose load was fetched: the coordinator's, or that of a carrier which has taken over since."""
     return max(epoch, min(opened, epoch + AHEAD_MAX))
-
-
-def reserved_for(load: DepartureMemory) -> ReservationMemory:
-    """The reservation of a load for which the dock was opened."""
-    pieces, epoch = -load.change, load.epoch
-    return ReservationMemory(load.task, epoch, load.item, pieces, load.coordinator, load.vehicle, epoch)

@@ -316,10 +316,8 @@ class TransportFlow:
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
-        if self.visits.is_unnoted(heartbeat.atv, heartbeat.node) and (
-            load := self._recovery.moved(heartbeat)
-        ):
-            self.visits.name(load)
+        if (word := self._recovery.moved(heartbeat)) is not None:
+            self.visits.on_word(word, heartbeat.node)
         self.visits.on_vehicle(heartbeat, now_s)
         if (recovered := self._recovery.on_heartbeat(heartbeat, now_s)) is not None:
             self._note_ordered(recovered)

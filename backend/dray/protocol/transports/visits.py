@@ -36,6 +36,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import StrEnum
+from typing import NamedTuple
 
 from msgspec.structs import replace
 
@@ -117,20 +118,16 @@ class Visit:
         )
 
 
-class Request:
-    """A vehicle's request that waits for the dock to open.
+class Request(NamedTuple):
+    """A vehicle's request that waits for the dock to open."""
 
-    Attributes:
-        docked: the request.
-        load: what it may move once the dock is open.
-        since_s: since when it is the next one (plant clock, s).
-        asked_s: when it last asked (plant clock, s).
-    """
-
-    __slots__ = ("asked_s", "docked", "load", "since_s")
-
-    def __init__(self, docked: Docked, load: DepartureMemory, since_s: float, asked_s: float) -> None:
-        self.docked, self.load, self.since_s, self.asked_s = docked, load, since_s, asked_s
+    docked: Docked
+    load: DepartureMemory
+    """What it may move once the dock is open."""
+    since_s: float
+    """Since when it is the next one (plant clock, s)."""
+    asked_s: float
+    """When it last asked (plant clock, s)."""
 
 
 class Visits:
@@ -186,14 +183,6 @@ class Visits:
         visit = self._visits.get(vehicle)
         return visit is not None and visit.stage is Stage.INSIDE and not visit.load.task
 
-    def is_unnoted(self, vehicle: str, node: str) -> bool:
-        """Whether only the word of a vehicle at a node can tell what it moves here."""
-        visit = self._visits.get(vehicle)
-        is_unknown = (
-            visit is not None and visit.is_followed and not visit.load.task and visit.load.change >= 0
-        )
-        return is_unknown and not self.counts and node == self._node
-
     # --- the dock opens and shuts ---
 
     def forget_request(self, vehicle: str) -> Request | None:
@@ -232,12 +221,6 @@ class Visits:
             visit = self._put(load, Stage.WAITS)
         visit.heard_s = now_s
         self._follow(visit)
-
-    def watch(self, load: DepartureMemory) -> None:
-        """Follow a vehicle that may be inside until it leaves. Repeating this is harmless."""
-        visit = self._visits.get(load.vehicle)
-        if visit is None or not visit.is_followed:
-            self._follow(self._put(load, Stage.LEAVING if load.let_in else Stage.WAITS))
 
     def withdraw(self, visit: Visit, load: DepartureMemory | None) -> None:
         """The permission of a vehicle that was let in has ended: wait for it to leave.
@@ -355,15 +338,36 @@ class Visits:
         """Handle a vehicle's heartbeat: it may have left."""
         if not self._newest.takes(heartbeat.atv, (heartbeat.incarnation, heartbeat.seq), now_s):
             return
-        visit = self._visits.get(heartbeat.atv)
-        if visit is None:
+        if (visit := self._visits.get(heartbeat.atv)) is None:
             return
+        names = visit.is_named(heartbeat)
+        if names:
+            visit.heard_s = now_s
         if not visit.is_followed:
-            visit.heard_s = now_s if visit.is_named(heartbeat) else visit.heard_s
-        elif visit.load.change < 0:
-            self._follow_out(visit, heartbeat, now_s)
+            return
+        if names or visit.stage is Stage.WAITS:
+            self._mark(visit, ended=not names)
+        was_heard = self._was_heard(visit, now_s)
+        if self._is_here_still(visit, heartbeat, was_heard=was_heard):
+            visit.heard_s = now_s
+            return
+        moved, is_here = self._has_moved(visit, heartbeat, was_heard=was_heard), heartbeat.node == self._node
+        if moved is None and visit.load.coordinator:
+            self._ask(visit, now_s, is_here=is_here)
         else:
-            self._follow_in(visit, heartbeat, now_s)
+            self._end(visit, moved=visit.load.change < 0 if moved is None else moved)
+
+    def on_word(self, load: DepartureMemory, node: str) -> None:
+        """A vehicle says at a node what it moves: taken for the load for which an earlier life without notes let it in here.
+
+        What the body remembers as a load to take keeps the name under which it is booked.
+        """
+        visit = self._visits.get(load.vehicle)
+        if visit is None or not visit.is_followed or visit.load.task or visit.load.change < 0:
+            return
+        if node == self._node and not self.counts:
+            visit.load, visit.stage = load, Stage.LEAVING
+            self._life.commit()
 
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away. What it put down before is unknown, so nothing is booked."""
@@ -402,74 +406,45 @@ class Visits:
             for vehicle in opened:
                 self._put(DepartureMemory(vehicle), Stage.INSIDE)
 
-    def expect_unnoted(self, load: DepartureMemory) -> None:
-        """An earlier life, of which no notes are left, let a vehicle in to move this load: for which task is unknown."""
-        self._follow(self._put(load, Stage.INSIDE if load.change < 0 else Stage.WAITS))
-
-    def name(self, load: DepartureMemory) -> None:
-        """A vehicle that an earlier life let in says what it moves here."""
-        visit = self._visits[load.vehicle]
-        visit.load, visit.stage = load, Stage.LEAVING
-        self._life.commit()
-
     # --- what a heartbeat tells ---
 
-    def _follow_in(self, visit: Visit, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """A vehicle that may bring a load, or of whose load nothing is to be booked."""
+    def _is_here_still(self, visit: Visit, heartbeat: AtvHeartbeat, *, was_heard: bool) -> bool:
+        """Whether a vehicle has not left yet; one that is heard elsewhere and may load still has not come yet."""
+        load, stage, carries = visit.load, visit.stage, heartbeat.task
+        takes, names, has_it = load.change < 0, visit.is_named(heartbeat), _has(heartbeat, load.item)
+        phase = None if carries is None else carries.phase
+        if takes and names and stage is not Stage.LEAVING and phase not in GOODS_ABOARD and not has_it:
+            return True
+        if heartbeat.node != self._node or stage is Stage.GONE:
+            return False
+        found_it = phase is Phase.RETURNING and has_it
+        if found_it or (phase in _MAY_BE_INSIDE and (names or not load.task)):
+            return True
+        is_loaded = has_it and stage is not Stage.WAITS
+        return takes and not is_loaded and (carries is None or was_heard or not load.task or load.ended)
+
+    def _has_moved(self, visit: Visit, heartbeat: AtvHeartbeat, *, was_heard: bool) -> bool | None:
+        """Whether a vehicle that has left has moved its load; None where that is unknown."""
         load, carries = visit.load, heartbeat.task
         is_here, has_it = heartbeat.node == self._node, _has(heartbeat, load.item)
         names = visit.is_named(heartbeat) or (not load.task and carries is not None)
         phase = carries.phase if carries is not None and names else None
-        found_it = _found(heartbeat, load.item) and not names
-        if is_here and (found_it or phase in _MAY_BE_INSIDE):
-            visit.heard_s = now_s
-            return
+        if load.change < 0 and load.task and names:
+            return has_it or phase in GOODS_ABOARD
+        if load.change < 0:
+            if has_it and visit.stage is not Stage.GONE and (is_here or was_heard or not load.ended):
+                return True
+            return False if was_heard or load.ended else None
         if phase is Phase.HANDING_OVER and load.task:
             self._believe(visit)
-        if names or found_it or (is_here and carries is None):
-            moved = not has_it and phase is not Phase.RETURNING
-        else:
-            moved = self._was_heard(visit, now_s)
-        self._end(visit, moved=moved)
-
-    def _follow_out(self, visit: Visit, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """A vehicle that may take a load."""
-        load, carries = visit.load, heartbeat.task
-        is_here, has_it = heartbeat.node == self._node, _has(heartbeat, load.item)
-        names, was_heard = visit.is_named(heartbeat), self._was_heard(visit, now_s)
-        if names and carries is not None:
-            visit.heard_s = now_s
-            self._mark(visit, ended=False)
-            if is_here and carries.phase in _MAY_BE_INSIDE:
-                return
-            if has_it or carries.phase in GOODS_ABOARD:
-                self._end(visit, moved=True)
-            elif not is_here and visit.stage is Stage.LEAVING:
-                self._end(visit, moved=False)
-            return
-        is_known = is_here or was_heard
-        if visit.stage is Stage.WAITS:
-            self._mark(visit, ended=True)
-            has_it = False
-        elif visit.stage is Stage.GONE:
-            is_here = has_it = False
-        if is_here and _found(heartbeat, load.item):
-            visit.heard_s = now_s
-        elif has_it and (is_known or not load.ended):
-            self._end(visit, moved=True)
-        elif is_here and (carries is None or was_heard or not load.task or load.ended):
-            visit.heard_s = now_s
-        elif was_heard or visit.load.ended:
-            self._end(visit, moved=False)
-        else:
-            self._ask(visit, now_s, is_here=is_here)
+        returns_it = has_it and carries is not None and carries.phase is Phase.RETURNING
+        if names or returns_it or (is_here and carries is None):
+            return not has_it and phase is not Phase.RETURNING
+        return was_heard or None
 
     def _ask(self, visit: Visit, now_s: float, *, is_here: bool) -> None:
         """Ask a coordinator whether a vehicle has taken its load: it was not heard for a while."""
         load = visit.load
-        if not load.coordinator:
-            self._end(visit, moved=True)  # Nobody to ask: only a vehicle has named it, or the body.
-            return
         if not is_here and visit.stage is not Stage.GONE:
             if self.answers:
                 self._close(load.vehicle)
@@ -507,14 +482,12 @@ class Visits:
         self._forget(vehicle)
         if vehicle in self.asked and self.asked[vehicle].load.task == load.task:
             self.forget_request(vehicle)
-        if load.change < 0 and stage is not Stage.LEAVING and (moved or stage is Stage.INSIDE):
-            if not moved and not (self.answers or docks):
-                # No moving dock can hurt it: it may come back as long as it has a permission.
-                self._put(DepartureMemory(vehicle, load.task, load.epoch), Stage.INSIDE)
-                return
-            if moved or docks:
-                return  # A body shuts its dock when it books, and opens it anew.
-        if not (docks and moved):
+        if docks and (moved or (load.change < 0 and stage is Stage.INSIDE)):
+            return  # A body shuts its dock when it books, and opens it anew.
+        if load.change < 0 and stage is Stage.INSIDE and not (moved or self.answers):
+            # No moving dock can hurt it: it may come back as long as it has a permission.
+            self._put(DepartureMemory(vehicle, load.task, load.epoch), Stage.INSIDE)
+        else:
             self._close(vehicle)
 
     def _put(self, load: DepartureMemory, stage: Stage) -> Visit:
@@ -542,9 +515,3 @@ class Visits:
 def _has(heartbeat: AtvHeartbeat, item: str) -> bool:
     """Whether a vehicle has such a load on board."""
     return heartbeat.load == item and heartbeat.load_quantity > 0
-
-
-def _found(heartbeat: AtvHeartbeat, item: str) -> bool:
-    """Whether a vehicle returns such a load."""
-    task = heartbeat.task
-    return _has(heartbeat, item) and task is not None and task.phase is Phase.RETURNING
