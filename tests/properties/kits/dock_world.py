@@ -149,10 +149,13 @@ class DockWorld:
             self.moved[self.task] = -self.pieces if self.takes else self.pieces
 
     def tells(self) -> None:
-        """Its heartbeat is heard."""
+        """Its heartbeat is heard, and its coordinator answers what it is asked."""
         self.rig.run(self.rig.now_s + 1.0)
         self.seq += 1
-        self.rig.on_message(CART, self._heartbeat())
+        effects = self.rig.on_message(CART, self._heartbeat())
+        for asked in sent(effects, StockReserved, to="PRESS1"):
+            fetched = asked.task in self.moved or self.is_forgotten
+            self.rig.on_message("PRESS1", StockFreed(asked.task, fetched=fetched))
         if self.has_moved and self.knows and not self.takes:
             self.has_told = True
             self.rig.on_message(CART, Handover(self.task, 1, self.pieces))
@@ -220,7 +223,7 @@ class DockWorld:
     def comes_back(self) -> None:
         """It comes for a second load."""
         if self.takes and not (self.is_here or self.knows or self.has_load or self.task == "PRESS1-2"):
-            self.is_heard()
+            self.tells()
             self.task, self.elsewhere, self.loads = "PRESS1-2", "", 2
             self.is_here = self.knows = True
             self.has_moved = self.is_void = False
@@ -237,7 +240,7 @@ class DockWorld:
     def loads_elsewhere(self) -> None:
         """It has such a load from elsewhere on board."""
         if self.elsewhere and not self.is_here:
-            self.is_heard()
+            self.tells()
             self.has_load = True
 
     def machine_restarts(self) -> None:
@@ -267,17 +270,8 @@ class DockWorld:
             self.is_void = True
         for _ in range(12):
             self.leaves()
-            self.is_heard()
+            self.tells()
             self.rig.run(self.rig.now_s + 4.0)
-
-    def is_heard(self) -> None:
-        """Its heartbeat is heard, and its coordinators answer what they are asked."""
-        before = len(self.rig.all)
-        self.tells()
-        questions = sent(self.rig.all[before:], StockReserved, to="PRESS1")
-        for task in {each.task for each in questions if self.takes}:
-            fetched = task in self.moved or self.is_forgotten
-            self.rig.on_message("PRESS1", StockFreed(task, fetched=fetched))
 
     @property
     def booked(self) -> int:
