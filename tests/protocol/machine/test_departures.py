@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import msgspec
 import pytest
 from defaults import PLANT
 from dock_parts import dock_parts
@@ -16,7 +17,7 @@ from spoken import production, rhb
 
 from dray.adapters.security.signing import is_signed
 from dray.body import Book, CloseDock, DockReady, OpenDock, StockChanged
-from dray.memory import DepartureMemory
+from dray.memory import DepartureMemory, MachineMemory, visits_of
 from dray.messages import (
     Docked,
     DockHeld,
@@ -688,3 +689,30 @@ def test_a_load_for_which_an_earlier_life_may_have_opened_the_dock_is_booked_in_
     # Its report counts also once it has gone, and once.
     assert instructed(told_by_handover(rig), Book) == ([] if booked else BROUGHT)
     assert instructed(told_by_handover(rig), Book) == []
+
+
+def test_what_an_older_version_has_noted_of_loads_to_take_and_of_vehicles_that_leave_is_read() -> None:
+    taken = {"task": "P-1", "epoch": 1, "item": "shaft", "quantity": 6, "coordinator": "P", "vehicle": "ATV1"}
+    written = {
+        "kind": "machine",
+        "let_in": [
+            taken | {"opened": 2},
+            taken | {"vehicle": "ATV2", "opened": 3, "ended": True, "gone": True},
+        ],
+        "leaving": [
+            {"vehicle": "ATV1"},
+            {"vehicle": "ATV3", "task": "M7-1", "epoch": 1, "item": "housing", "change": 24},
+            {"vehicle": "ATV2", "task": "M7-2", "epoch": 1, "item": "housing", "change": 24, "gone": True},
+        ],
+    }
+    note = msgspec.convert(written, MachineMemory)
+    assert visits_of(note) == (
+        DepartureMemory("ATV1", "P-1", 2, "shaft", -6, coordinator="P"),
+        DepartureMemory(
+            "ATV2", "P-1", 3, "shaft", -6, gone=True, permitted=True, coordinator="P", ended=True
+        ),
+        DepartureMemory("ATV3", "M7-1", 1, "housing", 24),
+        DepartureMemory("ATV2", "M7-2", 1, "housing", 24, gone=True),
+    )
+    again = msgspec.convert(msgspec.to_builtins(MachineMemory(visits=visits_of(note))), MachineMemory)
+    assert visits_of(again) == visits_of(note)

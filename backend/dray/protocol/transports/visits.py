@@ -235,17 +235,12 @@ class Visits:
             if self.counts:
                 del self._visits[visit.load.vehicle]
                 return
-        stage = Stage.LEAVING
-        if visit.is_followed:
-            pass
-        elif load is None or not (visit.is_of(load) or not visit.load.task):
-            visit.load = DepartureMemory(visit.load.vehicle)
-        else:
-            if not visit.load.task and load.change > 0:
-                # Whether it was let in for this load is unknown: book it in only on its own word.
-                stage = Stage.WAITS
-            visit.load = load
-        visit.stage = stage
+        is_unnoted = not visit.load.task
+        if not visit.is_followed:
+            is_it = load is not None and (is_unnoted or visit.is_of(load))
+            visit.load = load if load is not None and is_it else DepartureMemory(visit.load.vehicle)
+        # Whether it was let in for a load to bring is unknown then: book that in only on its own word.
+        visit.stage = Stage.WAITS if is_unnoted and visit.load.change > 0 else Stage.LEAVING
         self._follow(visit)
 
     def note_done(self, vehicle: str, task: str) -> None:
@@ -255,6 +250,7 @@ class Visits:
             return
         if visit.is_followed:
             visit.stage = Stage.LEAVING
+            self._life.commit()
         else:
             self._forget(vehicle)
 
@@ -276,8 +272,8 @@ class Visits:
         if visit is None or not visit.is_followed or visit.is_of(asked):
             return
         load, was_heard = visit.load, self._was_heard(visit, now_s)
-        same = load.item in ("", docked.item)
-        if not load.task and load.change <= 0 and same and not unloads:
+        is_same = not docked.item or load.item in ("", docked.item)
+        if not load.task and load.change <= 0 and is_same and not unloads:
             # It may still load for what it was let in for.
             visit.load = replace(load, task=docked.task, epoch=docked.epoch)
         elif load.change < 0:
@@ -305,8 +301,9 @@ class Visits:
                 return False
             if not known and not visit.load.task:
                 return True
-        named = (vehicle, "", 0)
-        key = named if not known and named in self._owed else (vehicle, task, epoch)
+        key = (vehicle, task, epoch)
+        if not known and (vehicle, "", 0) in self._owed:
+            key = (vehicle, "", 0)
         if (owed := self._owed.get(key)) is None:
             return False
         if self.is_here(vehicle):
@@ -345,7 +342,7 @@ class Visits:
             visit.heard_s = now_s
         if not visit.is_followed:
             return
-        if names or visit.stage is Stage.WAITS:
+        if visit.load.change < 0 and (names or visit.stage is Stage.WAITS):
             self._mark(visit, ended=not names)
         was_heard = self._was_heard(visit, now_s)
         if self._is_here_still(visit, heartbeat, was_heard=was_heard):
@@ -425,28 +422,27 @@ class Visits:
 
     def _has_moved(self, visit: Visit, heartbeat: AtvHeartbeat, *, was_heard: bool) -> bool | None:
         """Whether a vehicle that has left has moved its load; None where that is unknown."""
-        load, carries = visit.load, heartbeat.task
+        load, names, carries = visit.load, visit.is_named(heartbeat), heartbeat.task
         is_here, has_it = heartbeat.node == self._node, _has(heartbeat, load.item)
-        names = visit.is_named(heartbeat) or (not load.task and carries is not None)
-        phase = carries.phase if carries is not None and names else None
-        if load.change < 0 and load.task and names:
+        phase = None if carries is None else carries.phase
+        if load.change < 0 and names:
             return has_it or phase in GOODS_ABOARD
         if load.change < 0:
             if has_it and visit.stage is not Stage.GONE and (is_here or was_heard or not load.ended):
                 return True
             return False if was_heard or load.ended else None
-        if phase is Phase.HANDING_OVER and load.task:
+        if names and phase is Phase.HANDING_OVER:
             self._believe(visit)
-        returns_it = has_it and carries is not None and carries.phase is Phase.RETURNING
-        if names or returns_it or (is_here and carries is None):
-            return not has_it and phase is not Phase.RETURNING
+        names |= not load.task and carries is not None
+        if names or (has_it and phase is Phase.RETURNING) or (is_here and carries is None):
+            return not (has_it or (names and phase is Phase.RETURNING))
         return was_heard or None
 
     def _ask(self, visit: Visit, now_s: float, *, is_here: bool) -> None:
         """Ask a coordinator whether a vehicle has taken its load: it was not heard for a while."""
         load = visit.load
         if not is_here and visit.stage is not Stage.GONE:
-            if self.answers:
+            if self.answers or visit.stage is Stage.INSIDE:
                 self._close(load.vehicle)
             visit.stage = Stage.GONE
             self._life.commit()
