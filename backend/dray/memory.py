@@ -66,6 +66,10 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     """The last node that it had passed then, for people who look for it; empty where it is not known."""
     put_down: tuple[Contract, ...] = ()
     """Ended transports whose coordinators have not confirmed that the load is down."""
+    forgot_at: str = ""
+    """The node where it has lost its memory; empty for none, and once that tells nobody anything any more."""
+    left_empty: bool = False
+    """Whether it has left that node with nothing on board."""
 
 
 class ClosuresMemory(Part, tag_field="kind", tag="closures", frozen=True):

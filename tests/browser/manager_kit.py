@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
 from open_house import OpenHouse
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
@@ -72,6 +73,30 @@ def choose(page: Page, name: str) -> None:
     page.keyboard.type(name)
     expect(page.locator("#finder-list").get_by_role("option").first).to_contain_text(name)
     page.keyboard.press("Enter")
+
+
+@contextmanager
+def held(page: Page, address: str) -> Iterator[Callable[[], Any]]:
+    """Posts to an address wait until the given function is called, which returns the answer to the first."""
+    waiting: list[Route] = []
+    gone: list[bool] = []
+
+    def hold(route: Route) -> None:
+        if route.request.method != "POST" or gone:
+            route.continue_()
+        else:
+            waiting.append(route)
+
+    def let_go() -> Any:
+        with page.expect_response(lambda response: response.request.method == "POST") as answered:
+            gone.append(True)
+            for route in waiting:
+                route.continue_()
+        return answered.value.json()
+
+    page.route(address, hold)
+    yield let_go
+    page.unroute(address, hold)
 
 
 def map_scale(page: Page, plant: PlantFile) -> float:

@@ -50,7 +50,7 @@ class GoodsArrived(Part, frozen=True):
     goal: str
     arrived: int
     admitted: int
-    """Maximum pieces to admit; 0 means that the gate is shut and `arrived` is final."""
+    """Maximum pieces to admit; 0 means that the gate is shut and `arrived` is final. While that is in doubt, 1 at least."""
     vehicle: str = ""
     """The vehicle that brought the last ones; empty after an `Admit`, and where the gate cannot tell."""
     by_people: bool = False

@@ -197,6 +197,9 @@ class AtvHeartbeat(Message, said_by=VEHICLES, signed="atv", frozen=True, omit_de
     load: IdOrNone = ""
     """What is on board; empty for nothing."""
     load_quantity: Count = 0
+    left_empty: IdOrNone = ""
+    """The node where it has lost its memory, and which it has left since with nothing on board; empty for none, and once it
+    stands there again."""
     link: Link = Link.WLAN
     via: tuple[Id, ...] = ()
     """The vehicles that have forwarded this heartbeat, in order, when the link is MESH."""

@@ -34,6 +34,7 @@ DISPENSABLE: tuple[dict[str, Any], ...] = (
         "about_problem": UNSET,
         "sent_to_charge": False,
         "in_reserve": False,
+        "left_empty": "",
     },
     {"floor": UNSET, "closures": UNSET},
     {"out_of_service": UNSET, "lost_wlan": UNSET},

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { Problem } from "./problem";
-import { worded } from "./problem-words";
+import { nameItemsBy, worded } from "./problem-words";
 
 const FAULT = { field: "quantity", reason: "too large, says the gateway", code: "at_most", values: { most: "5" } };
 
@@ -13,4 +13,13 @@ test.each([
 ])("a problem is told by %s", async (_by, problem, text) => {
   const after = await worded(problem);
   expect(after).toMatchObject({ status: problem.status, kind: problem.kind, message: text });
+});
+
+test("a material has its name in what people read, and its id in what programs do", async () => {
+  nameItemsBy((id) => (id === "shaft" ? "Shaft" : id));
+  const tooLarge = { field: "quantity", reason: "as the gateway says it", code: "load_too_large", values: { item: "shaft", most: "40", loads: "12 x 40 + 20" } };
+  const only = { field: "item", reason: "as the gateway says it", code: "only_items", values: { items: "shaft, bolt" } };
+  const after = await worded(new Problem(422, "quantity: too large", [tooLarge, only], "unusable-fields"));
+  expect(after.errors.map(({ reason }) => reason)).toEqual(["One load of Shaft is 40 at most. Ask for several transports: 12 x 40 + 20.", "This key calls for Shaft, bolt only."]);
+  expect(after.errors[0]?.values?.item).toBe("shaft");
 });

@@ -1,5 +1,6 @@
 /** What all parts of the management panel share. */
 import { computed, signal } from "@preact/signals";
+import { nameItemsBy } from "../api/problem-words";
 import type { PlantFile } from "../api/types";
 import { inOrder } from "../alerts/alerts";
 import { world } from "../stream/stream";
@@ -14,6 +15,7 @@ export const plantFailed = signal<string | null>(null);
 export const alerts = computed(() => inOrder(world.value?.alerts.values() ?? []));
 /** Names of materials and products by id, also of removed ones. */
 export const names = computed(() => namesOf(plant.value, formerOf(plant.value)));
+nameItemsBy((id) => namesOf(plant.value)(id));
 
 /** What people call an order: by its reference, as long as the stream has it. */
 export const orderName = (order: string): string => world.value?.orders.get(order)?.reference ?? order;

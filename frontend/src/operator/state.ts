@@ -1,5 +1,6 @@
 /** What all parts of the operator panel share. */
 import { computed, signal } from "@preact/signals";
+import { nameItemsBy } from "../api/problem-words";
 import type { PlantFile } from "../api/types";
 import { namesOf } from "../plant/names";
 import { isLost, type Seen } from "../plant/silence";
@@ -16,6 +17,7 @@ export const plantFailed = signal<string | null>(null);
 
 /** Names of materials and products by id. */
 export const names = computed(() => namesOf(plant.value));
+nameItemsBy((id) => names.value(id));
 
 /** The moment that is shown. */
 export const moment = computed<Moment>(() => ({

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from gate_rig import GEARS, SHAFTS, GateRig
 
@@ -473,6 +475,55 @@ def test_a_count_settles_no_doubt_after_the_memory_was_lost(kept: KeptSignals | 
     rig.counter(10_000)
     rig.begin()
     assert rig.body.away.startswith("its count is in doubt")
+
+
+def is_damaged(rig: GateRig) -> None:
+    """Its memory is lost after four shafts have come in."""
+    rig.pass_by(SHAFTS, 4)
+    rig.kept = DAMAGED_SIGNALS
+    rig.begin()
+
+
+def has_jumped(rig: GateRig) -> None:
+    """More have come in than were admitted, and the container is gone."""
+    rig.show(SHAFTS)
+    rig.counter(9_000)
+    rig.show("")
+
+
+def is_reset_unheard(rig: GateRig) -> None:
+    """Its counter is reset during a permit, while nobody listens, and the container is gone."""
+    rig.show(SHAFTS)
+    rig.body.on_link_lost("cut")
+    rig.body.instruct(Admit(SHAFTS, 0))
+    rig.shown, rig.label = 0, ""
+    rig.link()
+
+
+@pytest.mark.parametrize("doubt", [is_damaged, has_jumped, is_reset_unheard])
+def test_no_goal_is_said_to_be_shut_before_people_have_counted(doubt: Callable[[GateRig], None]) -> None:
+    rig = GateRig()
+    doubt(rig)
+    rig.body.instruct(Admit(SHAFTS, 0))
+    rig.clock.pass_s(10 * SETTLE_S)
+    assert said(rig).admitted > 0
+    if doubt is is_damaged:
+        rig.kept = DAMAGED_SIGNALS
+    rig.begin()
+    rig.body.instruct(Admit(SHAFTS, 0))
+    rig.clock.pass_s(10 * SETTLE_S)
+    assert said(rig).admitted > 0, "nor by the next life, nor after another damage"
+    rig.check({SHAFTS: 4})
+    rig.begin()
+    rig.body.instruct(Admit(SHAFTS, 0))
+    assert said(rig) == GoodsArrived(SHAFTS, 4, 0)
+
+
+def test_what_is_admitted_is_confirmed_also_while_the_count_is_in_doubt() -> None:
+    rig = GateRig()
+    is_damaged(rig)
+    rig.body.instruct(Admit(SHAFTS, 10))
+    assert said(rig) == GoodsArrived(SHAFTS, 0, 10)
 
 
 def test_a_count_of_people_takes_no_piece_away() -> None:

@@ -29,7 +29,7 @@ def test_from_a_machine_on_the_plant_to_the_page_of_whoever_has_the_link(
     page.get_by_label("Pieces").fill("45")
     page.get_by_label("Not before").fill("2099-01-01T06:00")
     page.keyboard.press("Enter")
-    split = page.get_by_role("button", name="Call for several loads: 40, 5")
+    split = page.get_by_role("button", name="Call for several loads: 1 x 40 + 5")
     expect(split).to_be_visible()
     assert violations(page) == []
     screenshot(page, "call-from-plant")

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from complaints import Complaints
 from looks import LOCALES, WIDTHS_PX, in_every_look
+from manager_kit import held
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
@@ -32,6 +33,12 @@ def plan(page: Page, name: str, quantity: str) -> None:
     page.get_by_label("Material").select_option("shaft")
     page.get_by_label("Pieces each time").fill(quantity)
     page.get_by_label("To", exact=True).select_option("M8")
+
+
+def remove(page: Page, name: str) -> None:
+    page.get_by_role("button", name=f"Remove {name}").click()
+    page.get_by_role("group", name=f"Remove {name}?").get_by_role("button", name="Remove").click()
+    expect(page.get_by_text("Nothing recurs yet.")).to_be_visible()
 
 
 def test_work_is_planned_seen_in_advance_paused_and_removed(
@@ -96,9 +103,7 @@ def test_work_is_planned_seen_in_advance_paused_and_removed(
     page.get_by_role("button", name="Remove Early").click()
     page.get_by_role("button", name="Keep it").click()
     expect(row).to_be_visible()
-    page.get_by_role("button", name="Remove Early").click()
-    page.get_by_role("group", name="Remove Early?").get_by_role("button", name="Remove").click()
-    expect(page.get_by_text("Nothing recurs yet.")).to_be_visible()
+    remove(page, "Early")
 
 
 def test_an_order_is_planned_line_by_line_and_becomes_a_transport(
@@ -143,9 +148,78 @@ def test_an_order_is_planned_line_by_line_and_becomes_a_transport(
     assert all("status of 422" in each for each in complaints)
     complaints.clear()
 
-    page.get_by_role("button", name="Remove Weekly").click()
-    page.get_by_role("group", name="Remove Weekly?").get_by_role("button", name="Remove").click()
-    expect(page.get_by_text("Nothing recurs yet.")).to_be_visible()
+    remove(page, "Weekly")
+
+
+def test_the_public_holidays_of_a_region_are_left_out_before_and_after_it_is_kept(
+    page: Page, screenshot: Screenshot
+) -> None:
+    plan(page, "After Epiphany", "4")
+    page.get_by_label("Or cron's five fields").fill("0 6 6,7 1 *")
+    runs = page.get_by_role("region", name="Next").get_by_role("listitem")
+    for region, feasts in (("", 5), ("DE-BW", 0)):
+        page.get_by_label("Nor on the public holidays of").fill(region)
+        page.get_by_role("button", name="Show the next moments").click()
+        expect(runs).to_have_count(10)
+        # The sixth of January is a public holiday there.
+        expect(runs.filter(has_text="6 Jan")).to_have_count(feasts)
+        expect(runs.filter(has_text="7 Jan")).to_have_count(10 - feasts)
+    screenshot(page, "recurring-public-holidays")
+
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.get_by_text("After Epiphany is kept.")).to_be_visible()
+    page.get_by_role("button", name="Close").click()
+    row = page.get_by_role("row", name="After Epiphany")
+    expect(row).to_contain_text("not on public holidays: Germany (BW)")
+    expect(row).to_contain_text("7 Jan")
+    expect(row).not_to_contain_text(re.compile(r"\b6 Jan"))
+    row.get_by_role("button", name="After Epiphany", exact=True).click()
+    expect(page.get_by_label("Nor on the public holidays of")).to_have_value("DE-BW")
+    page.get_by_role("button", name="Close").click()
+    remove(page, "After Epiphany")
+
+
+def test_named_days_of_a_calendar_are_ticked_and_can_be_changed_by_their_boxes(
+    forms: Any, page: Page, screenshot: Screenshot
+) -> None:
+    load = {"item": "shaft", "quantity": 4, "to": "M8"}
+    asked = {"name": "Workdays", "calendar": "30 6 * * MON-SAT", "time_zone": "UTC", "transport": load}
+    forms.ask("/api/schedules", asked)
+    page.reload()
+    row = page.get_by_role("row", name="Workdays")
+    row.get_by_role("button", name="Workdays", exact=True).click()
+    expect(page.locator(".recurring-day input:checked")).to_have_count(6)
+    expect(page.get_by_role("checkbox", name="Sun")).not_to_be_checked()
+    expect(page.get_by_label("at", exact=True)).to_have_value("06:30")
+    screenshot(page, "recurring-named-days")
+    page.get_by_label("Pieces each time").fill("5")
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.get_by_text("Workdays is kept.")).to_be_visible()
+    assert forms.ask("/api/schedules")["items"][0]["calendar"] == asked["calendar"]
+
+    page.get_by_role("checkbox", name="Sat").uncheck()
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.get_by_text("Workdays is kept.")).to_be_visible()
+    page.get_by_role("button", name="Close").click()
+    expect(row).to_contain_text("Mon to Fri at 06:30")
+    remove(page, "Workdays")
+
+
+def test_what_is_written_while_it_is_sent_stays(page: Page) -> None:
+    plan(page, "Early", "4")
+    keep, pieces = page.get_by_role("button", name="Keep", exact=True), page.get_by_label("Pieces each time")
+    with held(page, "**/api/schedules") as let_go:
+        keep.click()
+        expect(keep).to_be_disabled()
+        pieces.fill("7")
+        let_go()
+    expect(page.get_by_text("Early is kept.")).to_be_visible()
+    expect(pieces).to_have_value("7")
+    # It is a change of what was kept, and nothing new.
+    keep.click()
+    page.get_by_role("button", name="Close").click()
+    expect(page.get_by_role("row", name="Early")).to_contain_text("7 Shaft")
+    remove(page, "Early")
 
 
 @in_every_look

@@ -42,8 +42,13 @@ def test_a_load_is_called_for_and_seen_and_one_that_waits_for_its_vehicle_tells_
     page.get_by_label("To", exact=True).select_option("M8")
     page.get_by_label("Vehicle that carries").select_option("pallet")
     page.get_by_role("button", name="Call for it").click()
-    expect(page.locator("#call-quantity-wrong")).to_contain_text("One load of shaft is")
+    expect(page.locator("#call-quantity-wrong")).to_contain_text("One load of Shaft is 40 at most")
+    # A slip of the keyboard is not offered as so many loads.
+    expect(page.get_by_text("That would be 100 loads. At most 50 can be called for at once.")).to_be_visible()
     screenshot(page, "transports-form")
+    page.get_by_label("Pieces").fill("500")
+    page.get_by_role("button", name="Call for it").click()
+    expect(page.get_by_role("button", name="Call for several loads: 12 x 40 + 20")).to_be_enabled()
     # What is refused, the browser tells of by itself.
     assert all("status of 422" in each for each in complaints)
     complaints.clear()

@@ -166,7 +166,7 @@ async def test_an_open_order_keeps_its_link_however_long_it_takes(house: House) 
 @pytest.mark.parametrize("token", ["guess", "%00", "%FF", "' OR 1=1 --", "%3Cscript%3E", "x" * 64])
 async def test_a_token_that_nobody_has_leads_to_a_page_that_says_so(house: House, token: str) -> None:
     await Story.begin(house)
-    await assert_gone(house, f"/track/{token}", 404, "There is no order here")
+    await assert_gone(house, f"/track/{token}", 404, "This link leads nowhere")
 
 
 async def test_a_very_long_token_leads_nowhere_either(house: House) -> None:

@@ -58,6 +58,13 @@ def test_every_language_has_a_word_for_all_that_can_happen(language: str) -> Non
     assert (len(texts.calendar.weekdays), len(texts.calendar.months)) == (7, 12)
 
 
+@pytest.mark.parametrize("language", TEXTS)
+def test_a_link_without_a_page_is_told_of_in_words_that_hold_for_orders_and_transports(language: str) -> None:
+    texts = TEXTS[language]
+    said = " ".join([*texts.gone_title.values(), *texts.gone_text.values(), *texts.gone_help.values()])
+    assert not re.search(r"\border|auftr[aä]g|pedido|transport", said, re.IGNORECASE)
+
+
 @pytest.mark.parametrize(
     ("chosen", "remembered", "accepted", "language"),
     [

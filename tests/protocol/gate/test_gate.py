@@ -193,6 +193,31 @@ def test_who_takes_an_order_over_hears_what_has_arrived_and_what_is_open() -> No
     assert counted(rig.run(rig.now_s + 2 * ASK_AGAIN_S), ONE) == []
 
 
+def test_an_order_is_handed_over_when_the_count_of_each_shut_goal_is_final() -> None:
+    rig = GateRig()
+    rig.say(OrderClaimed("O1", 1))
+    rig.say(asked("G1", 5, held=1, of=OF))
+    rig.on_message(ONE, asked("G1", 0, 2, held=1))  # and its body has not confirmed that yet.
+    rig.enter("G1", 3)
+    for claimed, by in ((OrderClaimed("O1", 2), OTHER), (OrderClaimed("O1", 1), ONE)):
+        effects = rig.on_message(by, claimed)
+        assert sent(effects, HolderReported) == [], "nor to a holder that has lost its journal"
+        assert instructed(effects, Admit) == [Admit("G1", 0)], "its body is told again"
+    rig.obey(effects)
+    [told] = sent(rig.say(OrderClaimed("O1", 2), OTHER), HolderReported, to=OTHER)
+    done = GoalHeld("G1", OF, 0, 3)
+    assert told == HolderReported(OrderHeld("O1", OTHER, 2, (0, 3), done=(done,)))
+
+
+def test_that_an_order_has_ended_is_answered_while_a_goal_of_it_is_being_shut() -> None:
+    rig = GateRig()
+    rig.say(OrderClaimed("O1", 1))
+    rig.say(asked("G1", 5, held=1, of=OF))
+    rig.on_message(ONE, asked("G1", 0, 2, held=1))
+    [told] = sent(rig.say(OrderClaimed("O1", 1, over=1)), HolderReported, to=ONE)
+    assert told.held.over == 1
+
+
 def test_a_goal_is_let_in_on_the_word_of_who_holds_its_order_alone() -> None:
     rig = GateRig()
     rig.say(OrderClaimed("O1", 1))

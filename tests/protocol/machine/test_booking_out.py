@@ -406,13 +406,36 @@ def test_a_load_that_was_not_fetched_while_the_agent_was_down_lies_there_still()
     assert lies_there(rig)[0] == 12
 
 
-def elsewhere(rig: MachineRig, *, aboard: str = "shaft") -> list[Effect]:
+def elsewhere(rig: MachineRig, *, aboard: str = "shaft", left_empty: str = "") -> list[Effect]:
     """The cart works for another press."""
     rig.run(rig.now_s + 1.0)
     beat = rhb(CART, 1000 + int(rig.now_s), rig.now_s, task="PRESS2-7", coordinator="PRESS2")
-    return rig.on_message(
-        CART, replace(beat, node="elsewhere", load=aboard, load_quantity=6 if aboard else 0)
-    )
+    beat = replace(beat, node="elsewhere", left_empty=left_empty)
+    return rig.on_message(CART, replace(beat, load=aboard, load_quantity=6 if aboard else 0))
+
+
+@pytest.mark.parametrize("aboard", ["", "shaft"])
+def test_a_vehicle_that_left_empty_after_it_had_lost_its_memory_here_has_not_fetched_its_load(
+    aboard: str,
+) -> None:
+    first = at_the_dock()
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+    rig.memory, rig.now_s = committed(first.all), first.now_s
+    rig.start()
+    effects = elsewhere(rig, aboard=aboard, left_empty=DOCK)
+    assert (instructed(effects, Book), sent(effects, StockReserved)) == ([], [])
+    assert instructed(elsewhere(rig), Book) == []
+    assert lies_there(rig)[0] == 12
+
+
+def test_a_vehicle_that_says_so_after_its_coordinator_was_asked_has_not_fetched_its_load() -> None:
+    rig = after_a_trip()
+    assert instructed(elsewhere(rig, aboard="", left_empty=DOCK), Book) == []
+    assert instructed(rig.on_message("PRESS1", StockFreed(TASK, fetched=True)), Book) == []
+
+
+def test_a_life_without_notes_knows_that_a_vehicle_without_memory_has_left_empty() -> None:
+    assert instructed(elsewhere(without_notes(), left_empty=DOCK), Book) == []
 
 
 def test_what_a_vehicle_has_on_board_after_it_was_heard_elsewhere_without_is_not_from_here() -> None:

@@ -216,6 +216,79 @@ def test_what_a_vehicle_may_have_taken_while_it_was_not_heard_is_booked_out() ->
     assert instructed(life.effects, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
 
 
+TAKEN = [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
+
+
+def loads(departures: Visits, *, life: int, at_s: float, names: bool = False) -> None:
+    """ATV2 loads 24 shafts at the dock; only a life that remembers it names the task."""
+    beat = rhb("ATV2", int(at_s) + 1, at_s, task="M7-1" if names else "", coordinator="M7")
+    doing = None if beat.task is None else replace(beat.task, phase=Phase.LOADING)
+    departures.on_vehicle(replace(beat, node=DOCK, incarnation=life, task=doing), at_s)
+
+
+def leaves(departures: Visits, *, life: int, at_s: float, aboard: bool) -> None:
+    """ATV2 drives off without the task."""
+    beat = rhb("ATV2", int(at_s) + 1, at_s, task="ATV2-found-7" if aboard else "")
+    doing = None if beat.task is None else replace(beat.task, phase=Phase.RETURNING)
+    beat = replace(beat, load="shaft" if aboard else "", load_quantity=24 if aboard else 0)
+    for node in (DOCK, "c1") if aboard else ("c1",):
+        departures.on_vehicle(replace(beat, node=node, incarnation=life, task=doing), at_s)
+        beat = replace(beat, seq=beat.seq + 1)
+
+
+@pytest.mark.parametrize("is_restarted", [False, True], ids=["this life", "the next life"])
+@pytest.mark.parametrize("lives", [(2,), (2, 3)], ids=["one loss", "two losses"])
+@pytest.mark.parametrize(("aboard", "booked"), [(True, TAKEN), (False, [])])
+def test_the_body_of_a_vehicle_that_lost_its_memory_may_go_on_loading(
+    lives: tuple[int, ...], *, aboard: bool, booked: list[Book], is_restarted: bool
+) -> None:
+    life = Life()
+    _, departures = alone(life)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
+    if not is_restarted:
+        loads(departures, life=1, at_s=0.0, names=True)
+    for each in lives:
+        loads(departures, life=each, at_s=1.0)
+        loads(departures, life=each, at_s=6.0)
+    assert instructed(life.effects, CloseDock) == []
+    leaves(departures, life=lives[-1], at_s=11.0, aboard=aboard)
+    assert (instructed(life.effects, CloseDock), instructed(life.effects, Book)) == (SHUT, booked)
+
+
+def test_a_vehicle_that_has_ended_its_task_at_the_dock_does_not_load_there_any_more() -> None:
+    life = Life()
+    _, departures = alone(life)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
+    loads(departures, life=1, at_s=0.0, names=True)
+    loads(departures, life=1, at_s=1.0)
+    assert (instructed(life.effects, CloseDock), instructed(life.effects, Book)) == (SHUT, [])
+
+
+@pytest.mark.parametrize("load", ["", "shaft"], ids=["nothing on board", "such a load from elsewhere"])
+@pytest.mark.parametrize(("change", "is_booked"), [(-24, False), (24, True)], ids=["to take", "to bring"])
+@pytest.mark.parametrize("names_another", [False, True])
+def test_a_vehicle_that_left_empty_after_it_had_lost_its_memory_here_has_taken_nothing_and_put_down_all(
+    load: str, change: int, *, is_booked: bool, names_another: bool
+) -> None:
+    # The place was down meanwhile.
+    life = Life()
+    _, departures = alone(life)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", change)])
+    beat = rhb("ATV2", 1, 0.0, task="M8-1" if names_another else "")
+    beat = replace(beat, load=load, load_quantity=24 if load else 0, left_empty=DOCK)
+    departures.on_vehicle(beat, 0.0)
+    assert instructed(life.effects, CloseDock) == SHUT
+    assert bool(instructed(life.effects, Book)) is is_booked
+
+
+def test_what_a_vehicle_did_at_another_dock_after_it_had_lost_its_memory_tells_nothing() -> None:
+    life = Life()
+    _, departures = alone(life)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
+    departures.on_vehicle(replace(rhb("ATV2", 1, 0.0), left_empty="m8"), 0.0)
+    assert instructed(life.effects, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
+
+
 def test_a_vehicle_that_asks_for_the_dock_for_something_else_is_done_though_it_has_to_wait() -> None:
     rig = BlindRig("LATHE1", {"bar": 60, "shaft": 6}, plant=shipped_plant("levels"))
     rig.answers = True

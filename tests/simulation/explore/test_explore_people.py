@@ -103,6 +103,12 @@ def test_a_cancellation_is_said_until_it_is_heard() -> None:
 
 
 def test_an_order_is_published_again_with_what_the_strategist_says_is_outstanding() -> None:
+    """And with what has arrived, which tells another strategist how much was ordered."""
+
+    def again(first: int, second: int, *, release: int) -> OrderReleased:
+        items = (OrderItem("P1", first, arrived=6 - first), OrderItem("P2", second, arrived=1 - second))
+        return OrderReleased("D1", items, 900.0, release=release)
+
     said: list[Message] = []
 
     async def revoke() -> None:
@@ -127,9 +133,9 @@ def test_an_order_is_published_again_with_what_the_strategist_says_is_outstandin
     run(revoke(), JUMP)
     assert list(dict.fromkeys(said)) == [
         OrderRevoked("D1", 1),
-        OrderReleased("D1", (OrderItem("P1", 4), OrderItem("P2", 0)), 900.0, release=2),
+        again(4, 0, release=2),
         OrderRevoked("D1", 2),
-        OrderReleased("D1", (OrderItem("P1", 3), OrderItem("P2", 0)), 900.0, release=3),
+        again(3, 0, release=3),
     ]
 
 

@@ -15,7 +15,8 @@ A permit that is taken back while its label is shown ends that long after the co
 `admitted` is the number of pieces from the beginning of the permit on. It does not fall while they come in: the controller compares it with
 what it has let in itself, so that it makes no difference how late the agent hears the counts.
 
-A count that no permit explains is in doubt. The gate stays shut until people have counted (`Checked`).
+A count that no permit explains is in doubt. The gate stays shut until people have counted (`Checked`). Until then no goal is reported as shut:
+more of it may be in than is counted.
 
 A permit that the controller refuses holds up its own container only. It is given again after `AGAIN`, then after twice that time, and so on.
 """
@@ -401,9 +402,14 @@ class SignalledGate:
         self._tell()
 
     def _say(self, name: str) -> None:
-        """Report the count of a goal, and how many pieces may be in: more than are admitted until a permit for more has ended."""
+        """Report the count of a goal, and how many pieces may be in: more than are admitted until a permit for more has ended.
+
+        While the count is in doubt it is final for no goal: a shut one is reported as if it could still get a piece.
+        """
         goal = self._kept.goals[name]
         most = goal.arrived + self._kept.left if self._is_exceeded(name) else goal.admitted
+        if self._kept.doubt:
+            most = max(most, 1)
         self._report(GoodsArrived(name, goal.arrived, most))
 
     def _is_exceeded(self, name: str) -> bool:

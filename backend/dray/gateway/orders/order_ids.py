@@ -11,29 +11,35 @@ TIME_DIGITS = 9
 """Digits for the time: 32^9 ms last for a thousand years from 1970."""
 
 CHANCE_DIGITS = 4
-"""Random digits, one in a million: ids of one millisecond differ, and other ids are hard to guess."""
+"""Random digits, one in a million: ids of several processes differ, and other ids are hard to guess."""
 
 TOKEN_BYTES = 24
 """192 bits, so that pages cannot be guessed (W3C TAG, capability URLs)."""
 
 
-def new_order_id(wall_s: float) -> str:
-    """An order id that sorts by time, as ``O-1M9K3X2A4-K7QM``."""
-    return f"O-{_by_time(wall_s)}"
+class Ids:
+    """Ids of one kind, as ``O-1M9K3X2A4-K7QM``, that sort in the order in which they were given.
 
+    Each is of a later millisecond than the one before, so none comes twice, however many are asked for at a time. Those
+    of another process differ by chance.
 
-def new_transport_id(wall_s: float) -> str:
-    """A transport id that sorts by time, as ``T-1M9K3X2A4-K7QM``."""
-    return f"T-{_by_time(wall_s)}"
+    Args:
+        letter: the kind: ``O`` for orders, ``T`` for transports.
+    """
 
+    def __init__(self, letter: str) -> None:
+        self._letter = letter
+        self._last_ms = 0
 
-def _by_time(wall_s: float) -> str:
-    number, digits = int(wall_s * 1000), ""
-    for _ in range(TIME_DIGITS):
-        number, digit = divmod(number, 32)
-        digits = ALPHABET[digit] + digits
-    chance = "".join(secrets.choice(ALPHABET) for _ in range(CHANCE_DIGITS))
-    return f"{digits}-{chance}"
+    def next(self, wall_s: float) -> str:
+        """An id of this moment."""
+        self._last_ms = max(self._last_ms + 1, int(wall_s * 1000))
+        number, digits = self._last_ms, ""
+        for _ in range(TIME_DIGITS):
+            number, digit = divmod(number, 32)
+            digits = ALPHABET[digit] + digits
+        chance = "".join(secrets.choice(ALPHABET) for _ in range(CHANCE_DIGITS))
+        return f"{self._letter}-{digits}-{chance}"
 
 
 def new_token() -> str:

@@ -21,7 +21,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.orders.drafts import OrderDraft, WorkDraft, nonsense
 from dray.gateway.orders.feasibility import OrderPreview, Situation, Wanted, preview
 from dray.gateway.orders.idempotency import AtWork, alone, refuse_other_body
-from dray.gateway.orders.order_ids import new_order_id, new_token
+from dray.gateway.orders.order_ids import Ids, new_token
 from dray.gateway.orders.outbox import Outbox
 from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.facts import SILENCE_S
@@ -72,6 +72,7 @@ class OrderPlacement:
         self._store, self._placing = store, placing
         self._projection, self._outbox, self._wall_s = projection, outbox, wall_s
         self.keys_at_work: AtWork = {}
+        self._ids = Ids("O")
         self._coming: Counter[str] = Counter()
         """Number of orders being written, per caller."""
 
@@ -306,12 +307,32 @@ class OrderPlacement:
                 f"{MAX_OPEN_ORDERS} orders have not ended; cancel some, or try again later",
                 headers={"Retry-After": "600"},
             )
-        # A millisecond apart, so that their ids differ and sort in this order.
-        orders = [
-            _order(draft, caller, now_s + index / 1000, self._projection.speed)
-            for index, draft in enumerate(drafts)
-        ]
+        # A millisecond apart, as their ids are.
+        orders = [self._order(draft, caller, now_s + index / 1000) for index, draft in enumerate(drafts)]
         return Placement(orders, render(orders).decode())
+
+    def _order(self, draft: OrderDraft, caller: str, now_s: float) -> Order:
+        due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
+        return Order(
+            id=self._ids.next(now_s),
+            status=OrderStatus.RELEASED if draft.release else OrderStatus.STORED,
+            customer=draft.customer,
+            token=new_token(),
+            items=tuple(Item(item.product, item.quantity) for item in draft.items),
+            created_at_s=now_s,
+            reference=draft.reference,
+            due_at_s=due_at_s,
+            released_at_s=now_s if draft.release else None,
+            releases=int(draft.release),
+            updated_at_s=now_s,
+            priority=draft.priority,
+            caller=caller,
+            wanted_at_s=(
+                order_wanted_s(draft.priority, now_s, due_at_s, self._projection.speed)
+                if draft.release
+                else None
+            ),
+        )
 
     def _refuse_nonsense(self, draft: WorkDraft, now_s: float) -> None:
         """Refuse a well-formed draft that is invalid here.
@@ -327,23 +348,3 @@ class OrderPlacement:
 def _fingerprint(drafts: Sequence[OrderDraft]) -> str:
     """Identifies a request's content, independent of its notation."""
     return hashlib.sha256("\n".join(draft.model_dump_json() for draft in drafts).encode()).hexdigest()
-
-
-def _order(draft: OrderDraft, caller: str, now_s: float, speed: float) -> Order:
-    due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
-    return Order(
-        id=new_order_id(now_s),
-        status=OrderStatus.RELEASED if draft.release else OrderStatus.STORED,
-        customer=draft.customer,
-        token=new_token(),
-        items=tuple(Item(item.product, item.quantity) for item in draft.items),
-        created_at_s=now_s,
-        reference=draft.reference,
-        due_at_s=due_at_s,
-        released_at_s=now_s if draft.release else None,
-        releases=int(draft.release),
-        updated_at_s=now_s,
-        priority=draft.priority,
-        caller=caller,
-        wanted_at_s=order_wanted_s(draft.priority, now_s, due_at_s, speed) if draft.release else None,
-    )

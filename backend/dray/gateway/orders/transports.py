@@ -30,7 +30,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders.call_limits import AGAIN_S, refuse_beyond, refuse_full
 from dray.gateway.orders.idempotency import AtWork, alone, key_at_work, refuse_other_body
-from dray.gateway.orders.order_ids import new_transport_id
+from dray.gateway.orders.order_ids import Ids
 from dray.gateway.orders.outbox import Reminders
 from dray.gateway.orders.transport_draft import WISH_S, TransportDraft
 from dray.gateway.orders.transport_places import misplaced, places_for, thing_misplaced
@@ -83,6 +83,7 @@ class PlainTransports:
     ) -> None:
         self._store, self._projection, self._send = store, projection, send
         self._time, self._wall_s = time, wall_s
+        self._ids = Ids("T")
         self._reminders = Reminders()
         self._places: dict[str, str] = {}
         """Per transport with a repeated message, the place asked."""
@@ -374,7 +375,7 @@ class PlainTransports:
         if draft.priority in (Priority.HIGH, Priority.URGENT):
             due_s = min(due_s, within_s)
         return TransportRow(
-            id=new_transport_id(now_s),
+            id=self._ids.next(now_s),
             source=source,
             destination=destination,
             item=item,

@@ -297,6 +297,13 @@ class DeliveryGate(AgentBase):
     # --- orders and their holders ---
 
     def _on_claimed(self, sender: str, claimed: OrderClaimed, now_s: float) -> None:
+        being_shut = [goal for goal in self._goals.of_order(claimed.order) if self._is_being_shut(goal)]
+        if being_shut and not claimed.over:
+            # Their counts are not final: the next holder would have missing pieces made that may be in.
+            for goal in being_shut:
+                self._admit(goal)
+            self._life.ignore("a claim of an order while the gate is being shut for a goal of it")
+            return
         self._orders.make_again(sender, claimed.order, claimed.again)
         told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over)
         if told.holder == sender:
@@ -341,10 +348,14 @@ class DeliveryGate(AgentBase):
                 shut = replace(goal, admitted=0, number=goal.number + 1)
                 self._goals.put(shut)
                 self._obeyed.pop(goal.goal, None)
-            if self._obeyed.get(goal.goal) != 0:
+            if self._is_being_shut(shut):
                 is_shut = False
                 self._admit(shut)
         return is_shut
+
+    def _is_being_shut(self, goal: GateGoal) -> bool:
+        """Whether a goal has no admission, and the body has not confirmed that: its count is not final."""
+        return not goal.admitted and self._obeyed.get(goal.goal) != 0
 
 
 def _refuse(_command: MachineCommand, _grant: Grant, _now_s: float) -> CommandRefusal:

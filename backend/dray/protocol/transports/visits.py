@@ -13,13 +13,14 @@ It has left unless it stands at the dock's node, and
 
     names the task and loads, unloads or returns its load      it is inside
     returns such a load for another task                       it has lost its memory, and found the load on board
-    is to take a load, and has no task, or none for a moment   its body may go on loading, although its agent was started
-                                                               again or has lost the task: what it leaves with counts
+    is to take a load, and does not name the task in a life    its body may go on loading, although its agent was started
+    that never did, without or shortly after a silence         again without notes: what it leaves with counts
 
 What it has moved when it has left:
 
     it names the task, or has no task and stands here          a load to take, if it is on board; a load to bring, if not
     it returns such a load for another task                    the same: it has taken it, or put nothing down
+    it lost its memory here, and left with nothing on board    a load to bring, whatever it was heard doing since (`left_empty`)
     it was heard at the task until now (`UNHEARD_S`)           a load to bring: no vehicle ends a task with its load on board
     the dock was not opened for it                             nothing
     else it is unknown                                         a load to take is booked out if such a load is on board; else its
@@ -88,14 +89,16 @@ class Visit:
         is_followed: whether its heartbeats are followed; otherwise a contract of this place tells what it does.
         heard_s: when it was last heard or seen at its task in this life (plant clock, s).
         asked_s: when its coordinator was last asked whether it has fetched the load (plant clock, s).
+        named_in: the vehicle's last life that has named its task; 0 for none.
     """
 
-    __slots__ = ("asked_s", "heard_s", "is_followed", "load", "stage")
+    __slots__ = ("asked_s", "heard_s", "is_followed", "load", "named_in", "stage")
 
     def __init__(self, load: DepartureMemory, stage: Stage) -> None:
         self.load, self.stage = load, stage
         self.is_followed = False
         self.heard_s = self.asked_s = -NEVER_S
+        self.named_in = 0
 
     def is_of(self, load: DepartureMemory) -> bool:
         """Whether it is a visit for this load, in this direction."""
@@ -339,7 +342,7 @@ class Visits:
             return
         names = visit.is_named(heartbeat)
         if names:
-            visit.heard_s = now_s
+            visit.heard_s, visit.named_in = now_s, heartbeat.incarnation
         if not visit.is_followed:
             return
         if visit.load.change < 0 and (names or visit.stage is Stage.WAITS):
@@ -417,24 +420,27 @@ class Visits:
         found_it = phase is Phase.RETURNING and has_it
         if found_it or (phase in _MAY_BE_INSIDE and (names or not load.task)):
             return True
-        is_loaded = has_it and stage is not Stage.WAITS
-        return takes and not is_loaded and (carries is None or was_heard or not load.task or load.ended)
+        has_ended = visit.named_in == heartbeat.incarnation or (has_it and stage is not Stage.WAITS)
+        return takes and not has_ended and (carries is None or was_heard or not load.task or load.ended)
 
     def _has_moved(self, visit: Visit, heartbeat: AtvHeartbeat, *, was_heard: bool) -> bool | None:
         """Whether a vehicle that has left has moved its load; None where that is unknown."""
         load, names, carries = visit.load, visit.is_named(heartbeat), heartbeat.task
         is_here, has_it = heartbeat.node == self._node, _has(heartbeat, load.item)
-        phase = None if carries is None else carries.phase
+        phase, is_gone = None if carries is None else carries.phase, visit.stage is Stage.GONE
+        stands = is_here and carries is None and not is_gone
+        if heartbeat.left_empty == self._node:
+            return load.change > 0
         if load.change < 0 and names:
             return has_it or phase in GOODS_ABOARD
         if load.change < 0:
-            if has_it and visit.stage is not Stage.GONE and (is_here or was_heard or not load.ended):
+            if has_it and not is_gone and (is_here or was_heard or not load.ended):
                 return True
-            return False if was_heard or load.ended else None
+            return False if was_heard or load.ended or stands else None
         if names and phase is Phase.HANDING_OVER:
             self._believe(visit)
         names |= not load.task and carries is not None
-        if names or (has_it and phase is Phase.RETURNING) or (is_here and carries is None):
+        if names or stands or (has_it and phase is Phase.RETURNING):
             return not (has_it or (names and phase is Phase.RETURNING))
         return was_heard or None
 

@@ -73,6 +73,7 @@ from dray.protocol.vehicle.drivers.traffic_handling import (
     handle_traffic,
 )
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
+from dray.protocol.vehicle.lost_memory import LostMemory
 from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
 from dray.protocol.vehicle.people.assistance import Assistance
 from dray.protocol.vehicle.people.command_handling import DENIED, CommandHandling
@@ -154,8 +155,16 @@ class Atv(AgentBase):
         )
         authority, assistance = CommandAuthorisation(atv, plant, trusts), Assistance(self._life)
         self._commands = CommandHandling(authority, assistance, self._driver, self._charging, self._life)
+        self._lost_memory = LostMemory(self._life)
         self._status_report = StatusReport(
-            self, software, self._driver, self._contracts, self._idle, self._commands, self._life
+            self,
+            software,
+            self._driver,
+            self._contracts,
+            self._idle,
+            self._commands,
+            self._lost_memory,
+            self._life,
         )
         self._closures = ClosureHandling(plant, trusts, self._contracts, self._idle, self._life)
         self.problems = ProblemHandling(
@@ -234,10 +243,14 @@ class Atv(AgentBase):
         self._commands.stopped = state.held
         if isinstance(note, AtvMemory):
             self._commands.restore(note)
+            self._lost_memory.restore(note)
             for ended in note.put_down:
                 self._contracts.put_down.add(ended, now_s)
         else:
             self._commands.forget()
+            if self.incarnation > 1:
+                self._lost_memory.start(state.node)
+        self._lost_memory.sense(state.node, state.load)
         if isinstance(note, AtvMemory) and note.contract is not None:
             self._contracts.bind(note.contract)
             self._contracts.go_on(lambda job: job.resume(state.load, now_s), now_s)
@@ -262,6 +275,8 @@ class Atv(AgentBase):
             problem=self.problems.memory,
             node=self._driver.node,
             put_down=self._contracts.put_down.memories(),
+            forgot_at=self._lost_memory.node,
+            left_empty=self._lost_memory.is_left,
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -281,6 +296,7 @@ class Atv(AgentBase):
         self.battery_frac, self.battery_reckoned = body.battery_frac, body.battery_reckoned
         self.load = (body.load, body.load_quantity)
         self.body_wait = body.wait
+        self._lost_memory.sense(body.node, body.load)
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._contracts.bring_back(now_s)

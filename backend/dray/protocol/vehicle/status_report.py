@@ -12,6 +12,7 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
+from dray.protocol.vehicle.lost_memory import LostMemory
 from dray.protocol.vehicle.people.command_handling import CommandHandling
 
 WAIT_TOLD_S = 10.0
@@ -41,7 +42,7 @@ class StatusReport:
     Args:
         vehicle: the vehicle.
         software: the version it runs.
-        driver, contracts, idle, commands: the vehicle's parts.
+        driver, contracts, idle, commands, lost_memory: the vehicle's parts.
 
     Attributes:
         access_point: its modem's last WLAN access point; empty if unknown.
@@ -55,6 +56,7 @@ class StatusReport:
         contracts: Contracts,
         idle: IdlePositioning,
         commands: CommandHandling,
+        lost_memory: LostMemory,
         life: Life,
     ) -> None:
         self._vehicle = vehicle
@@ -63,6 +65,7 @@ class StatusReport:
         self._contracts = contracts
         self._idle = idle
         self._commands = commands
+        self._lost_memory = lost_memory
         self._life = life
         self.access_point = ""
         self._lost: LostWlan | UnsetType = UNSET
@@ -117,6 +120,7 @@ class StatusReport:
             battery_reckoned=self._vehicle.battery_reckoned,
             load=self._vehicle.load[0],
             load_quantity=self._vehicle.load[1],
+            left_empty=self._lost_memory.left_empty,
             task=job.brief() if job is not None else None,
             watches=self._contracts.standby.briefs() if self._contracts.standby else (),
             way=driver.ahead,

@@ -3,6 +3,7 @@ import { useId } from "preact/hooks";
 import { acknowledgeAlert } from "../../api/client";
 import { isOpen } from "../../alerts/alerts";
 import type { AlertView } from "../../api/types";
+import { afterSent } from "../../parts/sent";
 import { nowS } from "../../stream/stream";
 import { t } from "../../text/views/alerts";
 import { PopButton } from "../parts/PopButton";
@@ -26,11 +27,14 @@ export function SayMenu({ alert, what }: { alert: AlertView; what: string }) {
   const mine = open || alert.acknowledged_by === me.value?.name;
   const ready = open || comment.value.trim() !== "" || later.value !== "";
   const send = async (close: () => void) => {
+    const sent = { comment: comment.value, later: later.value };
     busy.value = true;
     failed.value = "";
     try {
       await acknowledgeAlert(alert.id, comment.value.trim(), mine && later.value !== "" ? nowS.value + Number(later.value) : null);
-      close();
+      comment.value = afterSent(sent.comment, comment.value, "");
+      later.value = afterSent(sent.later, later.value, "");
+      if (comment.value === "" && later.value === "") close();
     } catch (error) {
       failed.value = t("alerts.takeFailed", { reason: problemText(error) });
     } finally {

@@ -1,4 +1,5 @@
 import { useSignal } from "@preact/signals";
+import { afterSent } from "../../parts/sent";
 import { t } from "../../text/operator";
 import { plant } from "../state";
 import { busy, place as here, sendThing } from "./call";
@@ -18,8 +19,9 @@ export function ThingForm() {
   const ability = carried.value || (kinds[0] ?? "");
   const isWhole = thing.value.trim() !== "" && place.value !== "" && ability !== "";
   const send = (way: "bring" | "take"): void => {
-    void sendThing(way, thing.value.trim(), place.value, ability).then((sent) => {
-      if (sent) thing.value = "";
+    const sent = thing.value;
+    void sendThing(way, sent.trim(), place.value, ability).then((called) => {
+      if (called) thing.value = afterSent(sent, thing.value, "");
     });
   };
   return (

@@ -17,7 +17,7 @@ from sqlalchemy import Table, event, insert
 from sqlalchemy.ext.asyncio import create_async_engine
 
 from dray.gateway.orders.drafts import OrderDraft
-from dray.gateway.orders.order_ids import new_order_id, new_token
+from dray.gateway.orders.order_ids import Ids, new_token
 from dray.plant import default_plant
 from dray.store.access.audit import AuditRow, row_of_line
 from dray.store.access.digest import digest
@@ -57,11 +57,11 @@ def create_bare_app(url: str) -> FastAPI:
         yield
         await engine.dispose()
 
-    app = FastAPI(lifespan=lifespan)
+    app, ids = FastAPI(lifespan=lifespan), Ids("O")
 
     @app.post("/api/orders", status_code=201)
     async def place(draft: OrderDraft, idempotency_key: Annotated[str, Header()]) -> dict[str, Any]:
-        order = _order(draft)
+        order = _order(ids.next(time.time()), draft)
         answer = msgspec.to_builtins(order)
         async with engine.begin() as connection:
             for table, rows in _rows(order, idempotency_key, msgspec.json.encode(answer).decode()):
@@ -71,10 +71,10 @@ def create_bare_app(url: str) -> FastAPI:
     return app
 
 
-def _order(draft: OrderDraft) -> Order:
+def _order(name: str, draft: OrderDraft) -> Order:
     now_s = time.time()
     return Order(
-        id=new_order_id(now_s),
+        id=name,
         status=OrderStatus.RELEASED,
         customer=draft.customer,
         token=new_token(),

@@ -42,7 +42,8 @@ class Revocation:
 class Revoker:
     """Revokes orders, and publishes their outstanding parts again.
 
-    Like the gateway it publishes only after the strategist's answer, and with the quantities of that answer.
+    Like the gateway it publishes only after the strategist's answer, with the quantities of that answer and what has
+    arrived.
 
     Args:
         bus: joined at once.
@@ -68,8 +69,8 @@ class Revoker:
             back = await self._say(OrderRevoked(order.id, release), RevocationTaken, order.id, release)
             if isinstance(back, RevocationTaken) and back.outstanding:
                 items = tuple(
-                    OrderItem(item.product, outstanding)
-                    for item, outstanding in zip(items, back.outstanding, strict=True)
+                    OrderItem(item.product, outstanding, arrived=item.quantity - outstanding)
+                    for item, outstanding in zip(order.items, back.outstanding, strict=True)
                 )
             if not any(item.quantity for item in items):
                 return

@@ -101,14 +101,14 @@ DE = Catalogue(
     offline="Keine Verbindung. Letzter bekannter Stand: {time}",
     private="Jeder mit diesem Link kann diese Seite sehen. Geben Sie ihn nur an Personen weiter, denen Sie vertrauen.",
     gone_title={
-        "unknown": "Hier ist kein Auftrag",
+        "unknown": "Dieser Link führt ins Leere",
         "revoked": "Dieser Link wurde zurückgenommen",
         "expired": "Dieser Link ist abgelaufen",
     },
     gone_text={
         "unknown": "Vielleicht ist der Link unvollständig: manche Mailprogramme brechen lange Links in zwei Zeilen um.",
-        "revoked": "Wer ihn Ihnen geschickt hat, hat ihn beendet. Der Auftrag selbst ist davon nicht betroffen.",
-        "expired": "Links zu Aufträgen enden nach einiger Zeit. Der Auftrag selbst ist davon nicht betroffen.",
+        "revoked": "Wer ihn Ihnen geschickt hat, hat ihn beendet. Die Lieferung selbst ist davon nicht betroffen.",
+        "expired": "Solche Links enden nach einiger Zeit. Die Lieferung selbst ist davon nicht betroffen.",
     },
     gone_help={
         "unknown": "Öffnen Sie den Link aus der Nachricht noch einmal, oder bitten Sie den Absender um einen neuen.",

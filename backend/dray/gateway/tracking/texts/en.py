@@ -87,14 +87,14 @@ EN = Catalogue(
     offline="No connection. Last known state: {time}",
     private="Anyone with this link can see this page. Share it only with people you trust.",
     gone_title={
-        "unknown": "There is no order here",
+        "unknown": "This link leads nowhere",
         "revoked": "This link was taken back",
         "expired": "This link has expired",
     },
     gone_text={
         "unknown": "The link may be incomplete: some mail programs break long links into two lines.",
-        "revoked": "The sender has ended it. The order itself is not affected.",
-        "expired": "Links to orders end after some time. The order itself is not affected.",
+        "revoked": "The sender has ended it. The delivery itself is not affected.",
+        "expired": "Links like this end after some time. The delivery itself is not affected.",
     },
     gone_help={
         "unknown": "Open the link from the message once more, or ask the sender for a new one.",

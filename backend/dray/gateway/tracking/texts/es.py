@@ -87,14 +87,14 @@ ES = Catalogue(
     offline="Sin conexión. Último estado conocido: {time}",
     private="Cualquier persona con este enlace puede ver esta página. Compártalo solo con personas de confianza.",
     gone_title={
-        "unknown": "Aquí no hay ningún pedido",
+        "unknown": "Este enlace no lleva a ninguna parte",
         "revoked": "Este enlace ha sido retirado",
         "expired": "Este enlace ha caducado",
     },
     gone_text={
         "unknown": "Puede que el enlace esté incompleto: algunos programas de correo parten los enlaces largos.",
-        "revoked": "Quien se lo envió lo ha anulado. El pedido en sí no se ve afectado.",
-        "expired": "Los enlaces a pedidos caducan al cabo de un tiempo. El pedido en sí no se ve afectado.",
+        "revoked": "Quien se lo envió lo ha anulado. La entrega en sí no se ve afectada.",
+        "expired": "Los enlaces como este caducan al cabo de un tiempo. La entrega en sí no se ve afectada.",
     },
     gone_help={
         "unknown": "Abra otra vez el enlace del mensaje o pida uno nuevo a quien se lo envió.",

@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { closeFloor, previewClosure } from "../../../api/client";
+import { fieldsAfterSent } from "../../../parts/sent";
 import { laneOf } from "../../../plant/surface/lanes";
 import { NOTHING_DRAWN, outline, shapeOf } from "../../../selection/outline";
 import { selection } from "../../../selection/selection";
@@ -32,6 +33,7 @@ export function CloseMenu() {
   const send = async (close: () => void) => {
     const request = requestOf(wanted(), shapeOf(outline.value.corners));
     if (!request || busy.value) return;
+    const sent = draft.value;
     busy.value = true;
     failed.value = "";
     try {
@@ -42,7 +44,8 @@ export function CloseMenu() {
       }
       await closeFloor(request);
       if (request.outline) outline.value = NOTHING_DRAWN;
-      close();
+      if (draft.value === sent) close();
+      else change(fieldsAfterSent(sent, draft.value, EMPTY));
     } catch (error) {
       failed.value = t("closures.failed", { reason: problemText(error) });
     } finally {

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import type { AtvView } from "../../../api/types";
 import { hindranceOf, type VehicleKind } from "../../../commands/hindrance";
+import { afterSent } from "../../../parts/sent";
 import { isLost } from "../../../plant/silence";
 import { isPast } from "../../../stream/freshness";
 import { freshness, presentS, world } from "../../../stream/stream";
@@ -77,9 +78,11 @@ function TakeOut({ atv, hindered }: { atv: AtvView; hindered: boolean }) {
   const afterWork = useSignal(true);
   const id = useId();
   const send = async () => {
-    const back = hours.value === "" ? {} : { wait_s: Number(hours.value) * HOUR_S };
-    await tell(atv.id, { kind: "take_out", reason: reason.value.trim(), after_work: afterWork.value, ...back });
-    reason.value = hours.value = "";
+    const sent = { reason: reason.value, hours: hours.value };
+    const back = sent.hours === "" ? {} : { wait_s: Number(sent.hours) * HOUR_S };
+    if (!(await tell(atv.id, { kind: "take_out", reason: sent.reason.trim(), after_work: afterWork.value, ...back }))) return;
+    reason.value = afterSent(sent.reason, reason.value, "");
+    hours.value = afterSent(sent.hours, hours.value, "");
   };
   return (
     <form

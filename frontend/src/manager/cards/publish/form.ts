@@ -3,6 +3,7 @@ import { computed, effect, signal } from "@preact/signals";
 import { newKey, placeOrder } from "../../../api/client";
 import type { FieldError } from "../../../api/types";
 import { Problem } from "../../../api/problem";
+import { afterSent } from "../../../parts/sent";
 import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
 import { problemText } from "../../problem-text";
@@ -44,6 +45,7 @@ export async function send(release: boolean): Promise<void> {
     document.getElementById(`publish-${firstWrong}`)?.focus();
     return;
   }
+  const { reference } = written.value;
   const order = orderOf(draft.value, release);
   const body = JSON.stringify(order);
   if (body !== keyFor) [key, keyFor] = [newKey(), body];
@@ -51,7 +53,7 @@ export async function send(release: boolean): Promise<void> {
   try {
     const { hints, id } = await placeOrder(order, key);
     keyFor = "";
-    written.value = { ...written.value, reference: "" };
+    written.value = { ...written.value, reference: afterSent(reference, written.value.reference, "") };
     outcome.value = { good: true, text: t(release ? "publish.published" : "publish.defined", { id }), hints: await inReadersWords(hints) };
   } catch (error) {
     complain(error);

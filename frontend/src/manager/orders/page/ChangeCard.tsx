@@ -4,6 +4,7 @@ import { changeOrder, type OrderChange } from "../../../api/client";
 import { Problem } from "../../../api/problem";
 import type { OrderAnswer } from "../../../api/types";
 import { Card } from "../../../parts/Card";
+import { fieldsAfterSent } from "../../../parts/sent";
 import { world } from "../../../stream/stream";
 import { format, t } from "../../../text/views/order";
 import { problemText } from "../../problem-text";
@@ -37,11 +38,12 @@ export function ChangeCard({ kept, onChanged }: { kept: OrderAnswer; onChanged: 
     edit(writtenOf(kept));
   };
   const save = async (wanted: OrderChange) => {
+    const sent = written.value;
     busy.value = true;
     try {
       const after = await changeOrder(kept.id, wanted, read.value.etag);
       read.value = after;
-      written.value = writtenOf(after);
+      written.value = fieldsAfterSent(sent, written.value, writtenOf(after));
       failed.value = "";
       onChanged();
     } catch (error) {

@@ -2,6 +2,7 @@
 import { signal } from "@preact/signals";
 import { addPerson, giveSecret, type Key, type KeyDraft, letIn, makeKey, makeLoginLink, movePerson, type Person, revokeKey, type SecretKind } from "../../../api/people";
 import { Problem } from "../../../api/problem";
+import { afterSent, fieldsAfterSent } from "../../../parts/sent";
 import { t } from "../../../text/views/people";
 import { problemText } from "../../problem-text";
 
@@ -58,14 +59,35 @@ export function editSecret(change: string): void {
   forget();
 }
 
+/** Counts how often the sheet was opened: an answer about whom it was for before changes nothing. */
+let opened = 0;
+
 /** @param person null for somebody new */
 export function begin(person: Person | null): void {
+  opened += 1;
   chosen.value = person;
-  written.value = person ? { ...person, role: person.role === "manager" ? "manager" : "operator", areas: [...person.areas] } : somebody();
+  written.value = person ? writtenOf(person) : somebody();
   secret.value = "";
   kind.value = person?.role === "manager" ? "password" : "pin";
   link.value = "";
   forget();
+}
+
+function writtenOf(person: Person): ReturnType<typeof somebody> {
+  return { ...person, role: person.role === "manager" ? "manager" : "operator", areas: [...person.areas] };
+}
+
+/** The sheet goes on with what has become of the person; what was written since stays in it. */
+async function goOn(act: () => Promise<Person>): Promise<void> {
+  const fields = () => ({ written: written.value, kind: kind.value, secret: secret.value });
+  const [sent, opening] = [fields(), opened];
+  const person = await act();
+  if (opening !== opened) return;
+  const since = fields();
+  begin(person);
+  written.value = fieldsAfterSent(sent.written, since.written, written.value);
+  kind.value = afterSent(sent.kind, since.kind, kind.value);
+  secret.value = afterSent(sent.secret, since.secret, "");
 }
 
 export function beginKey(): void {
@@ -82,7 +104,7 @@ export function ticked(list: readonly string[], one: string, on: boolean): strin
 export const add = (): Promise<boolean> =>
   ask(async () => {
     const { areas, id, name, role } = written.value;
-    begin(await addPerson({ id: id.trim(), name: name.trim() || id.trim(), role, areas: role === "manager" ? [] : areas }));
+    await goOn(() => addPerson({ id: id.trim(), name: name.trim() || id.trim(), role, areas: role === "manager" ? [] : areas }));
     return t("people.added");
   });
 
@@ -94,19 +116,19 @@ export const makeLink = (person: Person): Promise<boolean> =>
 
 export const give = (person: Person): Promise<boolean> =>
   ask(async () => {
-    begin(await giveSecret(person.id, kind.value, secret.value));
+    await goOn(() => giveSecret(person.id, kind.value, secret.value));
     return t("people.given");
   });
 
 export const move = (person: Person): Promise<boolean> =>
   ask(async () => {
-    begin(await movePerson(person.id, written.value.areas));
+    await goOn(() => movePerson(person.id, written.value.areas));
     return t("people.moved");
   });
 
 export const setMay = (person: Person, may: boolean): Promise<boolean> =>
   ask(async () => {
-    begin(await letIn(person.id, may));
+    await goOn(() => letIn(person.id, may));
     return t(may ? "people.enabled" : "people.disabled");
   });
 

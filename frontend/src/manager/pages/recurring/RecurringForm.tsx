@@ -5,11 +5,12 @@ import { Outcome } from "../../parts/Outcome";
 import { Sheet } from "../../parts/Sheet";
 import { toWrong } from "../../parts/to-wrong";
 import { plant } from "../../state";
-import { dayName, DAYS, shown } from "./draft";
+import { dayName, shown } from "./draft";
 import { Choice, Field, Text } from "./fields";
 import { before, busy, edit, outcome, preview, runs, send, written } from "./form";
 import { OrderLines } from "./OrderLines";
 import { countries } from "./regions";
+import { DAYS } from "./rhythm";
 
 /** What the button opens. */
 export const FORM = "recurring-form";

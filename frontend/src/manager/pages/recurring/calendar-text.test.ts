@@ -6,7 +6,7 @@ import { recurring as de } from "../../../text/views/recurring/de";
 import { recurring } from "../../../text/views/recurring/en";
 import { recurring as es } from "../../../text/views/recurring/es";
 import { calendarText } from "./calendar-text";
-import { DAYS } from "./draft";
+import { DAYS } from "./rhythm";
 import { rhythmOf } from "./rhythm";
 
 afterAll(() => { speak("en", { ...en, ...recurring }, "en-GB"); });

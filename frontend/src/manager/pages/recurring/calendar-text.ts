@@ -1,7 +1,7 @@
 /** A calendar of recurring work in words. */
 import { format, n, t } from "../../../text/views/recurring";
-import { dayName, DAYS } from "./draft";
-import { type Every, type Rhythm, rhythmOf } from "./rhythm";
+import { dayName } from "./draft";
+import { DAYS, type Every, type Rhythm, rhythmOf } from "./rhythm";
 
 /** As many in a row are told by the first and the last of them. */
 const ROW = 3;

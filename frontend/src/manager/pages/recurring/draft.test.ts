@@ -19,7 +19,28 @@ describe("a calendar", () => {
     expect(calendarOf({ ...empty("UTC"), ...change })).toBe(cron);
   });
 
-  test.each(["45 5 * * 1,2,3", "0 22 * * *", "*/30 * * * *", "0 6 1 * *", "0 6 * * MON-FRI"])("of %s comes back as it was", (calendar) => {
+  test.each([
+    ["0 6 * * MON-SAT", ["1", "2", "3", "4", "5", "6"]],
+    ["05 16 * * 5-7", ["5", "6", "0"]],
+    ["0 6 * * sun", ["0"]],
+    ["0 6 * * 0-6", ["1", "2", "3", "4", "5", "6", "0"]],
+  ])("%s ticks exactly its days, and no field of cron's", (calendar, days) => {
+    const written = writtenOf({ ...schedule, calendar });
+    expect([written.days, written.cron]).toEqual([days, ""]);
+  });
+
+  test.each(["*/30 * * * *", "0 6 1 * *", "0 6 * 1 MON", "0 6,18 * * MON-SAT", "0 6 L * *"])("that days do not tell, %s, stands in cron's field, and ticks none", (calendar) => {
+    const written = writtenOf({ ...schedule, calendar });
+    expect([written.days, written.cron]).toEqual([[], calendar]);
+  });
+
+  test("of which a day was ticked off is told by the days that are left", () => {
+    const written = writtenOf({ ...schedule, calendar: "30 6 * * MON-SAT" });
+    expect(calendarOf({ ...written, days: written.days.slice(1) })).toBe("30 6 * * 2,3,4,5,6");
+    expect(calendarOf({ ...written, time: "07:30" })).toBe("30 7 * * 1,2,3,4,5,6");
+  });
+
+  test.each(["45 5 * * 1,2,3", "0 22 * * *", "*/30 * * * *", "0 6 1 * *", "0 6 * * MON-FRI", "0 6 * * MON-SAT", "05 06 * * 5-7"])("of %s comes back as it was", (calendar) => {
     expect(calendarOf(writtenOf({ ...schedule, calendar }))).toBe(calendar);
   });
 });

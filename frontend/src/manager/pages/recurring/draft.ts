@@ -1,9 +1,7 @@
 /** Recurring work as somebody writes it: days and a time, or cron's own fields. */
 import type { Schedule, ScheduleDraft } from "../../../api/schedules";
 import { isPriority, type Priority } from "../../orders/priority";
-
-/** As cron counts them, in the order of a week here. */
-export const DAYS = ["1", "2", "3", "4", "5", "6", "0"] as const;
+import { DAYS, type Rhythm, rhythmOf } from "./rhythm";
 
 /** A line of an order. */
 export interface Line {
@@ -19,6 +17,8 @@ export interface Written {
   readonly kind: "transport" | "order";
   readonly days: readonly string[];
   readonly time: string;
+  /** The calendar of which days and time were read; it is sent as it is while they say the same. Empty for none. */
+  readonly read: string;
   /** Cron's five fields; where they are given, days and time are not asked. */
   readonly cron: string;
   readonly zone: string;
@@ -47,31 +47,42 @@ export interface Written {
 
 export function empty(zone: string): Written {
   return {
-    name: "", kind: "transport", days: ["1", "2", "3", "4", "5"], time: "06:00", cron: "", zone, holidays: "", holidaysOf: "", missed: "skip",
+    name: "", kind: "transport", days: ["1", "2", "3", "4", "5"], time: "06:00", read: "", cron: "", zone, holidays: "", holidaysOf: "", missed: "skip",
     from: "", to: "", item: "", thing: "", quantity: "", priority: "normal", vehicle: "", ability: "", only: true,
     customer: "", reference: "", lines: [NO_LINE], dueH: "",
   };
 }
 
-export function calendarOf({ cron, days, time }: Written): string {
+export function calendarOf({ cron, days, read, time }: Written): string {
   if (cron.trim() !== "") return cron.trim();
   const [hour, minute] = time.split(":").map(Number);
   const on = DAYS.filter((day) => days.includes(day));
-  return `${minute ?? 0} ${hour ?? 0} * * ${on.length === DAYS.length || on.length === 0 ? "*" : on.join(",")}`;
+  const calendar = `${minute ?? 0} ${hour ?? 0} * * ${on.length === DAYS.length || on.length === 0 ? "*" : on.join(",")}`;
+  return JSON.stringify(rhythmOf(calendar)) === JSON.stringify(rhythmOf(read)) ? read : calendar;
+}
+
+/** Days, time and cron's fields of a calendar: one that days and a time of day cannot tell stands in cron's fields, and no day is ticked. */
+function whenOf(calendar: string): Pick<Written, "days" | "time" | "read" | "cron"> {
+  const rhythm = rhythmOf(calendar);
+  if (rhythm === null || !isWeekly(rhythm)) return { days: [], time: "06:00", read: "", cron: calendar };
+  const [timeMin = 0] = rhythm.timesMin;
+  const two = (number: number): string => String(number).padStart(2, "0");
+  return { days: rhythm.days.length === 0 ? DAYS : rhythm.days, time: `${two(Math.floor(timeMin / 60))}:${two(timeMin % 60)}`, read: calendar, cron: "" };
+}
+
+/** Whether days of the week and one time of day tell it. */
+function isWeekly({ dates, months, timesMin }: Rhythm): boolean {
+  return dates.length === 0 && months.length === 0 && timesMin.length === 1;
 }
 
 export function writtenOf(schedule: Schedule): Written {
   const { holidays, holidays_of, missed, name, order, transport } = schedule;
-  const simple = /^(\d{1,2}) (\d{1,2}) \* \* (\*|[0-6](?:,[0-6])*)$/.exec(schedule.calendar);
-  const [, minute = "0", hour = "6", on = "*"] = simple ?? [];
   const asked = order ?? transport;
   return {
     ...empty(schedule.time_zone),
     name,
     kind: order ? "order" : "transport",
-    days: on === "*" ? DAYS : on.split(","),
-    time: `${hour.padStart(2, "0")}:${minute.padStart(2, "0")}`,
-    cron: simple ? "" : schedule.calendar,
+    ...whenOf(schedule.calendar),
     holidays: holidays.join(" "),
     holidaysOf: holidays_of,
     missed: missed === "catch_up" ? "catch_up" : "skip",

@@ -1,8 +1,8 @@
 import { beforeEach, expect, test, vi } from "vitest";
-import { addSchedule, previewRuns } from "../../../api/schedules";
+import { addSchedule, previewRuns, type Schedule } from "../../../api/schedules";
 import type { PlantFile } from "../../../api/types";
 import { plant } from "../../state";
-import { edit, begin, lines, preview, send } from "./form";
+import { before, begin, edit, lines, preview, send, written } from "./form";
 
 vi.mock("../../../api/schedules", () => ({ addSchedule: vi.fn(), changeSchedule: vi.fn(), previewRuns: vi.fn() }));
 
@@ -32,4 +32,26 @@ test("the next moments are those without the days and public holidays that are w
   edit({ holidays: "2030-12-24", holidaysOf: " DE-BW " });
   await preview();
   expect(vi.mocked(previewRuns).mock.calls[0]?.[0]).toMatchObject({ holidays: ["2030-12-24"], holidays_of: "DE-BW" });
+});
+
+const kept = { id: "S-1", name: "Weekly", calendar: "0 6 * * 1,2,3,4,5", time_zone: "UTC", holidays: [], holidays_of: "", missed: "skip", transport: null, order: { customer: "Acme", reference: null, items: [{ product: "g1", quantity: 4 }], priority: "normal", due_after_s: null } } as unknown as Schedule;
+
+test("what is written while it is sent stays, and is a change of what was kept", async () => {
+  edit({ name: " Weekly " });
+  vi.mocked(addSchedule).mockImplementation(async () => {
+    edit({ customer: "Hall 3" });
+    return await Promise.resolve(kept);
+  });
+  await send();
+  expect([written.value.customer, written.value.name, before.value]).toEqual(["Hall 3", "Weekly", kept]);
+});
+
+test("an answer about what the form was closed with changes nothing in what was opened since", async () => {
+  vi.mocked(addSchedule).mockImplementation(async () => {
+    begin(null);
+    edit({ name: "Other" });
+    return await Promise.resolve(kept);
+  });
+  await send();
+  expect([written.value.name, written.value.kind, before.value]).toEqual(["Other", "transport", null]);
 });

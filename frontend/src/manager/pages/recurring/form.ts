@@ -2,6 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import { Problem } from "../../../api/problem";
 import { addSchedule, changeSchedule, previewRuns, type Schedule } from "../../../api/schedules";
+import { fieldsAfterSent } from "../../../parts/sent";
 import { t } from "../../../text/views/recurring";
 import { chosenOf } from "../../cards/publish/draft";
 import { problemText } from "../../problem-text";
@@ -28,7 +29,11 @@ export function edit(change: Partial<Written>): void {
   forget();
 }
 
+/** Counts how often the form was opened: an answer about what stood in it before changes nothing. */
+let opened = 0;
+
 export function begin(schedule: Schedule | null): void {
+  opened += 1;
   before.value = schedule;
   written.value = schedule ? writtenOf(schedule) : empty(Intl.DateTimeFormat().resolvedOptions().timeZone);
   forget();
@@ -51,10 +56,14 @@ export async function preview(): Promise<boolean> {
 }
 
 export async function send(): Promise<boolean> {
-  const draft = draftOf({ ...written.value, lines: lines.value });
+  const [sent, opening] = [written.value, opened];
+  const draft = draftOf({ ...sent, lines: lines.value });
   return await ask(async () => {
     const kept = before.value === null ? await addSchedule({ ...draft, paused: false }) : await changeSchedule(before.value, draft);
-    begin(kept);
+    if (opening !== opened) return;
+    before.value = kept;
+    written.value = fieldsAfterSent(sent, written.value, writtenOf(kept));
+    forget();
     outcome.value = { good: true, text: t("recurring.kept", { name: kept.name }) };
   });
 }

@@ -1,5 +1,7 @@
 /** A cron expression as its days and its times of day, as the gateway reads it. */
-import { DAYS } from "./draft";
+
+/** As cron counts them, in the order of a week here. */
+export const DAYS = ["1", "2", "3", "4", "5", "6", "0"] as const;
 
 /** Times of day of which each is named; of more, only how far they are apart. */
 const MOST_TIMES = 4;

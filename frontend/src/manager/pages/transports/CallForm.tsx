@@ -10,7 +10,7 @@ import { Sheet } from "../../parts/Sheet";
 import { useRefreshed } from "../../refreshed";
 import { plant } from "../../state";
 import { addressOfTransport } from "../../views";
-import { busy, complaints, edit, loadsOf, outcome, send, splitBy, type Written, written } from "./call";
+import { busy, complaints, edit, LOADS_MOST, loadsText, outcome, send, splitBy, type Written, written } from "./call";
 
 /** What the button opens. */
 export const FORM = "call-form";
@@ -36,6 +36,7 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
   const { answer: priorities } = useRefreshed(fetchPriorities, PRIORITIES_EVERY_MS);
   const places = [...(file?.storages ?? []), ...(file?.machines ?? [])];
   const abilities = [...new Set(file?.vehicle_types.flatMap((type) => type.abilities) ?? [])];
+  const loads = splitBy.value === 0 ? 1 : Math.ceil(Number(quantity) / splitBy.value);
   return (
     <Sheet id={FORM} title={t("called.callTitle")}>
       <form
@@ -81,7 +82,8 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
         <p id={AGEING} class="muted">
           {priorities.value && ageingText(priorities.value)}
         </p>
-        {splitBy.value > 0 && (
+        {loads > LOADS_MOST && <p>{t("called.tooMany", { loads: format.count(loads), most: format.count(LOADS_MOST) })}</p>}
+        {loads > 1 && loads <= LOADS_MOST && (
           <p>
             <button
               type="button"
@@ -93,7 +95,7 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
                 });
               }}
             >
-              {t("called.split", { loads: format.list(loadsOf(Number(quantity), splitBy.value).map((each) => format.count(each))) })}
+              {t("called.split", { loads: loadsText(Number(quantity), splitBy.value) })}
             </button>
           </p>
         )}

@@ -4,7 +4,8 @@ import { newKey } from "../../../api/client";
 import { Problem } from "../../../api/problem";
 import { callTransport, type TransportDraft } from "../../../api/transports";
 import type { FieldError } from "../../../api/types";
-import { t } from "../../../text/views/transports";
+import { fieldsAfterSent } from "../../../parts/sent";
+import { format, t } from "../../../text/views/transports";
 import type { Priority } from "../../orders/priority";
 import { problemText } from "../../problem-text";
 
@@ -29,7 +30,7 @@ export const EMPTY: Written = { item: "", thing: "", quantity: "", from: "", to:
 
 export const written = signal<Written>(EMPTY);
 export const complaints = signal<Readonly<Record<string, string>>>({});
-/** What one vehicle carries at most, where more was asked for: it can be asked for in as many loads; 0 for nothing to split. */
+/** What one vehicle carries at most, where more was asked for: it can be asked for in several loads; 0 for nothing to split. */
 export const splitBy = signal(0);
 export const busy = signal(false);
 /** `called`: which one it has become. */
@@ -46,12 +47,18 @@ export function edit(change: Partial<Written>): void {
   key = "";
 }
 
-/** Loads that are offered for one call: more are a slip of the keyboard. */
-const LOADS_MOST = 10;
+/** Loads that are offered for one call: as many as a call button's key may have open at first; more are a slip of the keyboard. */
+export const LOADS_MOST = 50;
 
 /** In which loads so many pieces come, where one has so many at most: the last has what is left. */
 export function loadsOf(pieces: number, most: number): number[] {
   return Array.from({ length: Math.ceil(pieces / most) }, (_, load) => Math.min(most, pieces - load * most));
+}
+
+/** The loads of so many pieces in short, as the gateway's refusal has them: 2 x 40 + 20. */
+export function loadsText(pieces: number, most: number): string {
+  const [full, rest] = [Math.floor(pieces / most), pieces % most];
+  return `${format.count(full)} x ${format.count(most)}${rest === 0 ? "" : ` + ${format.count(rest)}`}`;
 }
 
 /** What is sent. What is no number goes as it was written, for the gateway says best what is wrong with it. */
@@ -91,20 +98,20 @@ export async function send(most = 0): Promise<boolean> {
   if (busy.value) return false;
   busy.value = true;
   if (key === "") key = newKey();
-  const draft = draftOf(written.value);
+  const [sent, tried] = [written.value, key];
+  const draft = draftOf(sent);
   try {
     let id = "";
-    if (most === 0) ({ id } = await callTransport(draft, key));
-    else for (const [load, quantity] of loadsOf(draft.quantity ?? 0, most).entries()) ({ id } = await callTransport({ ...draft, quantity }, `${key}-${load}`));
+    if (most === 0) ({ id } = await callTransport(draft, tried));
+    else for (const [load, quantity] of loadsOf(draft.quantity ?? 0, most).entries()) ({ id } = await callTransport({ ...draft, quantity }, `${tried}-${load}`));
     // Where it was called to or from is where the next one is called, most often.
-    edit({ ...EMPTY, from: written.value.from, to: written.value.to });
+    edit(fieldsAfterSent(sent, written.value, { ...EMPTY, from: sent.from, to: sent.to }));
     outcome.value = { good: true, text: t("called.sent", { id: "" }), called: id };
     return true;
   } catch (error) {
     const errors = error instanceof Problem ? error.errors : [];
     const { at, elsewhere } = complaintsOf(errors);
-    const most = mostOf(errors);
-    splitBy.value = most > 0 && (draft.quantity ?? 0) <= most * LOADS_MOST ? most : 0;
+    splitBy.value = mostOf(errors);
     complaints.value = at;
     const reason = elsewhere === "" && Object.keys(at).length === 0 ? problemText(error) : elsewhere;
     outcome.value = reason === "" ? null : { good: false, text: t("called.failed", { reason }) };

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { complaintsOf, draftOf, EMPTY, loadsOf, mostOf } from "./call";
+import { complaintsOf, draftOf, EMPTY, loadsOf, loadsText, mostOf } from "./call";
 import { queryOf, tableOf } from "./filter";
 
 test.each([
@@ -32,6 +32,7 @@ test("a complaint stands at its field", () => {
 test("what is more than one load comes in several, with what is left in the last", () => {
   expect(loadsOf(100, 40)).toEqual([40, 40, 20]);
   expect(loadsOf(80, 40)).toEqual([40, 40]);
+  expect([loadsText(100, 40), loadsText(80, 40)]).toEqual(["2 x 40 + 20", "2 x 40"]);
   const tooLarge = { field: "quantity", reason: "more", code: "load_too_large", values: { most: "40" } };
   expect(mostOf([tooLarge])).toBe(40);
   expect(mostOf([tooLarge, { field: "to", reason: "unknown", code: "place_not_keeping", values: {} }])).toBe(0);

@@ -39,6 +39,7 @@ export const transports: Catalogue<typeof en> = {
   "called.ageing": "Gewünscht binnen (Uhr der Fabrik): {within}. Was auf ein Fahrzeug wartet, lässt höchstens {most} min lang anderes vor: Was danach gerufen wird, kommt dahinter.",
   "called.send": "Rufen",
   "called.split": "Mehrere Ladungen rufen: {loads}",
+  "called.tooMany": "Das wären {loads} Ladungen. Auf einmal lassen sich höchstens {most} rufen.",
   "called.sent": "Gerufen: {id}",
   "called.failed": "Nicht ausgeführt: {reason}",
   "called.off": "Abbrechen",

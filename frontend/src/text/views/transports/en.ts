@@ -37,6 +37,7 @@ export const transports = {
   "called.ageing": "Wanted within (of the factory's clock): {within}. What waits for a vehicle lets others pass for {most} min at most: what is called for after that goes behind it.",
   "called.send": "Call for it",
   "called.split": "Call for several loads: {loads}",
+  "called.tooMany": "That would be {loads} loads. At most {most} can be called for at once.",
   "called.sent": "Called: {id}",
   "called.failed": "Not done: {reason}",
   "called.off": "Call off",

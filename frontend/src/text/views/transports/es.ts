@@ -39,6 +39,7 @@ export const transports: Catalogue<typeof en> = {
   "called.ageing": "Se quiere en (reloj de la fábrica): {within}. Lo que espera un vehículo deja pasar a otros {most} min como máximo: lo que se pide después va detrás.",
   "called.send": "Pedir",
   "called.split": "Pedir varias cargas: {loads}",
+  "called.tooMany": "Serían {loads} cargas. De una vez se pueden pedir {most} como máximo.",
   "called.sent": "Pedido: {id}",
   "called.failed": "No se ha hecho: {reason}",
   "called.off": "Anular",

@@ -2,6 +2,7 @@
 import { signal } from "@preact/signals";
 import { defineProduct } from "../../../../api/products";
 import { Problem } from "../../../../api/problem";
+import { fieldsAfterSent } from "../../../../parts/sent";
 import { t } from "../../../../text/views/products";
 import { plantAsked } from "../../../plant-asked";
 import { problemText } from "../../../problem-text";
@@ -19,7 +20,11 @@ export function edit(change: Partial<Written>): void {
   outcome.value = null;
 }
 
+/** Counts how often the form was opened: an answer about what stood in it before changes nothing. */
+let opened = 0;
+
 export function begin(product: ProductAnswer | null): void {
+  opened += 1;
   written.value = product ? writtenOf(product) : empty(plant.value?.vehicle_types[0]?.abilities[0] ?? "");
   complaints.value = {};
   outcome.value = null;
@@ -37,10 +42,13 @@ export async function send(): Promise<boolean> {
   outcome.value = null;
   if (sending.value || Object.keys(wrong).length > 0) return false;
   sending.value = true;
+  const opening = opened;
   try {
     const defined = await defineProduct(wanted.id.trim(), draftOf(wanted), wanted.etag);
-    written.value = writtenOf(defined);
-    outcome.value = { good: true, text: t("products.defined", { name: defined.name, revision: defined.revision }) };
+    if (opening === opened) {
+      written.value = fieldsAfterSent(wanted, written.value, writtenOf(defined));
+      outcome.value = { good: true, text: t("products.defined", { name: defined.name, revision: defined.revision }) };
+    }
     // Whatever names products by the plant knows it at once.
     void plantAsked.now();
     return true;
