@@ -84,7 +84,7 @@ class HeldTransports:
         """Book a load in; the body's answer ends its transport. A body that books shuts the dock for the load's vehicle."""
         if self._visits.is_here(load.vehicle):
             return CommandRefusal.DOCK_OPEN
-        self._visits.forget(load)
+        self._visits.forget_owed(load.vehicle, load.task, load.epoch)
         self._bookings.say(load)
         return None
 

@@ -278,7 +278,7 @@ class TransportFlow:
         word = self.bookings.on_stock_changed(report)
         self.door.note_moved(report, word)
         if report.change > 0:
-            self.visits.note_brought(report.vehicle)
+            self.visits.forget_owed(report.vehicle)
         return word
 
     def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:

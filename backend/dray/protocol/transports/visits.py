@@ -27,6 +27,8 @@ What it has moved when it has left:
                                                                coordinator is asked until it answers, and in doubt it is booked
                                                                out: nothing is promised that may not lie there. A load to bring
                                                                is booked in once the vehicle reports that it is down
+    it was heard elsewhere without it, and is asked about      what it has on board later is not from here, unless it names
+                                                               the task
     an earlier life let it in, and no notes say for what       what it says here that it carries or hands over, else what the body
                                                                remembers, as unknown
 
@@ -315,14 +317,12 @@ class Visits:
         self._bookings.say(replace(owed, task=task, epoch=epoch, change=min(owed.change, quantity)))
         return False
 
-    def note_brought(self, vehicle: str) -> None:
-        """What a vehicle has brought is booked in: it has nothing else to report of a life without notes."""
-        if self._owed.pop((vehicle, "", 0), None) is not None:
-            self._life.commit()
+    def forget_owed(self, vehicle: str, task: str = "", epoch: int = 0) -> None:
+        """A load is in the books, or a person has seen it: the report of its vehicle would tell nothing new.
 
-    def forget(self, load: DepartureMemory) -> None:
-        """A person has seen the load of a vehicle that has left: its report would tell nothing new."""
-        if self._owed.pop((load.vehicle, load.task, load.epoch), None) is not None:
+        Without a task it is the load for which a life without notes has let the vehicle in.
+        """
+        if self._owed.pop((vehicle, task, epoch), None) is not None:
             self._life.commit()
 
     def on_freed(self, sender: str, freed: StockFreed) -> bool:
@@ -350,12 +350,12 @@ class Visits:
         was_heard = self._was_heard(visit, now_s)
         if self._is_here_still(visit, heartbeat, was_heard=was_heard):
             visit.heard_s = now_s
-            return
-        moved, is_here = self._has_moved(visit, heartbeat, was_heard=was_heard), heartbeat.node == self._node
-        if moved is None and visit.load.coordinator:
-            self._ask(visit, now_s, is_here=is_here)
+        elif (moved := self._has_moved(visit, heartbeat, was_heard=was_heard)) is not None:
+            self._end(visit, moved=moved)
+        elif visit.load.coordinator:
+            self._ask(visit, now_s, is_here=heartbeat.node == self._node)
         else:
-            self._end(visit, moved=visit.load.change < 0 if moved is None else moved)
+            self._end(visit, moved=visit.load.change < 0)
 
     def on_word(self, load: DepartureMemory, node: str) -> None:
         """A vehicle says at a node what it moves: taken for the load for which an earlier life without notes let it in here.
