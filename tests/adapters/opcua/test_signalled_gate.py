@@ -111,11 +111,17 @@ def test_a_goal_is_said_to_be_shut_when_its_permit_can_bring_nothing_in_any_more
     assert rig.body.away == ""
 
 
-def test_a_goal_is_not_said_to_be_shut_while_the_controller_refuses_the_end_of_its_permit() -> None:
+def taken_back() -> GateRig:
+    """The permit for the shafts was taken back; the wire is cut, and nobody has noticed."""
     rig = GateRig()
     rig.show(SHAFTS)
     rig.is_cut = True
     rig.body.instruct(Admit(SHAFTS, 0))
+    return rig
+
+
+def test_a_goal_is_not_said_to_be_shut_while_the_controller_refuses_the_end_of_its_permit() -> None:
+    rig = taken_back()
     rig.body.on_refused(Signal.ADMITTED, "BadNotWritable")
     rig.clock.pass_s(5 * SETTLE_S)
     assert said(rig) == GoodsArrived(SHAFTS, 0, 10)
@@ -127,10 +133,7 @@ def test_a_goal_is_not_said_to_be_shut_while_the_controller_refuses_the_end_of_i
 
 
 def test_what_comes_in_as_the_end_of_its_permit_is_lost_with_the_wire_counts() -> None:
-    rig = GateRig()
-    rig.show(SHAFTS)
-    rig.is_cut = True
-    rig.body.instruct(Admit(SHAFTS, 0))
+    rig = taken_back()
     rig.clock.pass_s(3 * SETTLE_S)
     assert said(rig) == GoodsArrived(SHAFTS, 0, 10)
     rig.body.on_link_lost("it does not answer")
@@ -142,10 +145,7 @@ def test_what_comes_in_as_the_end_of_its_permit_is_lost_with_the_wire_counts() -
 
 
 def test_counts_may_come_for_a_second_after_the_end_of_their_permit_was_confirmed() -> None:
-    rig = GateRig()
-    rig.show(SHAFTS)
-    rig.is_cut = True
-    rig.body.instruct(Admit(SHAFTS, 0))
+    rig = taken_back()
     rig.clock.pass_s(1.9 * SETTLE_S)
     rig.is_cut = False
     rig.write()

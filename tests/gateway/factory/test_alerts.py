@@ -6,7 +6,7 @@ from typing import Any, get_args
 
 import pytest
 from alerts_kit import alerts, the_alert
-from facts_kit import SPEED, wall_s
+from facts_kit import SPEED, opened, tell, wall_s
 from fake_bus import PLANT
 from heartbeats import atv_heartbeat, events, machine_heartbeat, station_heartbeat
 from msgspec import UNSET
@@ -33,7 +33,7 @@ from dray.messages import (
     TaskBrief,
     Transport,
 )
-from dray.messages.fact import GoalWaits, MachineFailure, PhaseEntered, TaskOpened
+from dray.messages.fact import GoalWaits, MachineFailure, PhaseEntered
 from dray.messages.heartbeat import DockWait, StockLevel
 from dray.store.factory.alert_history import Acknowledgement
 from dray.store.factory.exclusions import Exclusion
@@ -300,19 +300,8 @@ def test_a_vehicle_that_a_person_has_stopped_asks_for_no_help_though_its_task_wa
 def transport(projection: Projection) -> None:
     """M1 has announced T1, and ATV1 carries it."""
     work = Transport(item="steel", quantity=8, sources=("S1",), destination="M1", ability="tote", goal="G1")
-    opened = TaskOpened(
-        task="T1",
-        epoch=1,
-        round=1,
-        role=Role.PRIMARY,
-        work=work,
-        radius_m=15.0,
-        deadline_s=400.0,
-        bids_until_s=2.0,
-    )
-    entered = PhaseEntered(task="T1", epoch=1, phase=Phase.CARRYING)
-    for event in (*events("M1", opened, at_s=0.0), *events("ATV1", entered, at_s=1.0)):
-        projection.fold(event)
+    tell(projection, "M1", opened("T1", work=work), at_s=0.0)
+    tell(projection, "ATV1", PhaseEntered(task="T1", epoch=1, phase=Phase.CARRYING), at_s=1.0)
 
 
 def in_trouble(projection: Projection, detail: str, machine_seq: int) -> None:

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from alerts_kit import alerts, the_alert
 from answers import problem
-from facts_kit import wall_s
+from facts_kit import opened, tell, wall_s
 from gateway_kit import House
 from heartbeats import events, machine_heartbeat
 from msgspec import UNSET
@@ -27,12 +27,11 @@ from dray.messages import (
     Message,
     OperatorHeartbeat,
     Reason,
-    Role,
     StrandedGoods,
     TaskBrief,
     Transport,
 )
-from dray.messages.fact import TaskClosed, TaskOpened
+from dray.messages.fact import TaskClosed
 from dray.plant import load_plant
 from dray.store.access.audit import AuditRow
 from dray.store.orders.orders import Item, Order
@@ -69,18 +68,7 @@ def announced(projection: Projection, task: str = TASK) -> None:
     work = Transport(
         item="pump-p3", quantity=24, sources=(MACHINE,), destination="D1", ability="tote", goal="O-1.1"
     )
-    opened = TaskOpened(
-        task=task,
-        epoch=1,
-        round=1,
-        role=Role.PRIMARY,
-        work=work,
-        radius_m=15.0,
-        deadline_s=400.0,
-        bids_until_s=2.0,
-    )
-    for event in events(MACHINE, opened, at_s=0.0):
-        projection.fold(event)
+    tell(projection, MACHINE, opened(task, work=work), at_s=0.0)
 
 
 def left_aboard(

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 from alerts_kit import the_alert
 from answers import problem
+from facts_kit import opened, tell
 from gateway_kit import House
-from heartbeats import events, machine_heartbeat, station_heartbeat
+from heartbeats import machine_heartbeat, station_heartbeat
 from msgspec.structs import replace
 
 from dray.gateway.access.principal import Role as PersonRole
@@ -20,11 +21,9 @@ from dray.messages import (
     MachineCommandKind,
     Message,
     Reason,
-    Role,
     TaskBrief,
     Transport,
 )
-from dray.messages.fact import TaskOpened
 from dray.plant import load_plant
 
 pytestmark = pytest.mark.anyio
@@ -51,18 +50,7 @@ def path_of(place: str) -> str:
 def held(projection: Projection, place: str) -> None:
     """A place waits for a person who looks for the housings that were to come."""
     work = Transport(item="housing", quantity=24, sources=("S3",), destination=place, ability="tote")
-    opened = TaskOpened(
-        task=task_of(place),
-        epoch=1,
-        round=1,
-        role=Role.PRIMARY,
-        work=work,
-        radius_m=15.0,
-        deadline_s=400.0,
-        bids_until_s=2.0,
-    )
-    for event in events(place, opened, at_s=0.0):
-        projection.fold(event)
+    tell(projection, place, opened(task_of(place), work=work), at_s=0.0)
     brief = TaskBrief(
         task=task_of(place),
         epoch=3,

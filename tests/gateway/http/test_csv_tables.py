@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from typing import Any
 
 import pytest
+from facts_kit import opened
 from fake_bus import PLANT
 from gateway_kit import PRODUCT, House
 from heartbeats import atv_heartbeat, events
@@ -15,8 +16,7 @@ from wall_clock import NOW_S
 
 from dray.gateway.http.csv_tables import CUT_SHORT, header_of, line, table
 from dray.gateway.routes.orders import orders as orders_module
-from dray.messages import AtvStatus, Role, Transport
-from dray.messages.fact import TaskOpened
+from dray.messages import AtvStatus, Transport
 
 pytestmark = pytest.mark.anyio
 
@@ -96,17 +96,7 @@ async def test_the_fleet_is_a_table(house: House) -> None:
 
 async def test_the_tasks_are_a_table(house: House) -> None:
     work = Transport(item="shaft", quantity=20, sources=("S1",), destination="M1", ability="tote")
-    opened = TaskOpened(
-        task="M1-1",
-        epoch=1,
-        role=Role.PRIMARY,
-        round=1,
-        work=work,
-        radius_m=20.0,
-        deadline_s=900.0,
-        bids_until_s=105.0,
-    )
-    house.bus.say(*events("M1", opened))
+    house.bus.say(*events("M1", opened("M1-1", work=work)))
     [row] = await rows(house, "/api/tasks", state="bidding")
     assert (row["id"], row["item"], row["quantity"], row["state"]) == ("M1-1", "shaft", "20", "bidding")
     assert await rows(house, "/api/tasks", state="delivered") == []

@@ -20,6 +20,8 @@ from dray.messages.fact import (
     CarrierChanged,
     GoalContracted,
     GoalLost,
+    GoalWithdrawn,
+    OrderDropped,
     OrderFulfilled,
     PhaseEntered,
     PieceMade,
@@ -131,6 +133,31 @@ def test_events_may_come_in_any_order() -> None:
     told, shuffled = brought(), brought()
     random.Random(7).shuffle(shuffled)
     assert timeline(shuffled, []) == timeline(told, [])
+
+
+def test_a_cancelled_order_ends_the_goals_that_are_not_all_made_those_of_its_parts_too() -> None:
+    told = timeline(
+        rows(
+            (1.0, "strategist", GoalContracted("G1", "O-1", 0, "gearbox", 4, "ASSEMBLY1", 90.0)),
+            (2.0, "strategist", GoalContracted("G2", "O-1", 0, "gear-set", 6, "PRESS1", 60.0, "gearbox")),
+            (3.0, "strategist", GoalContracted("G3", "O-1", 0, "gear", 8, "MILL1", 30.0, "gear-set")),
+            (4.0, "strategist", GoalContracted("G4", "O-1", 0, "shaft", 1, "LATHE1", 30.0, "gear-set")),
+            (5.0, "MILL1", PieceMade("G3", "gear", 3)),
+            (6.0, "LATHE1", PieceMade("G4", "shaft", 1)),
+            (9.0, "strategist", GoalWithdrawn("G2", "PRESS1", 0)),
+            (9.0, "strategist", GoalWithdrawn("G3", "MILL1", 0)),
+            (9.0, "strategist", OrderDropped("O-1")),
+        ),
+        [],
+    )
+    assert [(goal.goal, goal.ended, goal.ended_at_s, goal.made) for goal in told.goals] == [
+        ("G1", "withdrawn", 9.0, 0),
+        ("G2", "withdrawn", 9.0, 0),
+        ("G3", "withdrawn", 9.0, 3),
+        ("G4", "", None, 1),
+    ]
+    assert [each.goal for each in told.moments if each.kind == "withdrawn"] == ["G2", "G3"]
+    assert kinds(told)[-1] == "dropped"
 
 
 def test_a_goal_that_was_lost_goes_on_at_another_machine() -> None:

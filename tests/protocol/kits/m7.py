@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from effects import published
-from rigs import MachineRig
+from effects import published, sent
+from rigs import BlindRig, MachineRig
 from spoken import production
 
+from dray.body import DockReady
 from dray.messages import (
     Docked,
+    DockOpened,
     Handover,
     MachineHeartbeat,
     MachineStatus,
@@ -66,8 +68,23 @@ def handover(task: str = "M7-1", epoch: int = 1, quantity: int = 24) -> Handover
 
 def supplied_by(atv: str = "ATV2", stock: dict[str, int] = NO_HOUSINGS) -> MachineRig:
     """M7 without housings; a vehicle is contracted to bring some (M7-1)."""
-    rig = m7(stock, goal=24)
+    return hiring(MachineRig("M7", stock), atv)
+
+
+def hiring(rig: MachineRig, atv: str = "ATV2", *, goal: int = 24, answers: bool = False) -> MachineRig:
+    """Start M7 with a goal; a vehicle is contracted to bring what it lacks (M7-1). With `answers` its dock makes itself safe."""
+    rig.answers = answers
+    rig.start()
+    rig.take_goal("G1", production(quantity=goal))
     rig.hire("M7-1", atv)
+    return rig
+
+
+def unloading(rig: MachineRig | None = None) -> MachineRig:
+    """M7, whose dock makes itself safe and whose body does not count; ATV2 unloads 24 housings there (M7-1)."""
+    rig = hiring(rig or BlindRig("M7", NO_HOUSINGS), answers=True)
+    rig.on_message("ATV2", docked())
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened)
     return rig
 
 

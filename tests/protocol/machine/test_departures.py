@@ -9,7 +9,7 @@ import pytest
 from defaults import PLANT
 from dock_parts import dock_parts
 from effects import committed, instructed, listening, sent
-from m7 import NO_HOUSINGS, docked, handover
+from m7 import NO_HOUSINGS, docked, handover, hiring, supplied_by, unloading
 from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
 from seals import FOR_EVER_S, seal
@@ -52,18 +52,6 @@ DOCK = "m7"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
 SHUT = [CloseDock(vehicle="ATV2")]
 BROUGHT = [Book("ATV2", "housing", 24, task="M7-1", epoch=1)]
-
-
-def unloading(rig: MachineRig | None = None) -> MachineRig:
-    """M7, whose dock makes itself safe and whose body does not count; ATV2 unloads 24 housings there (M7-1)."""
-    rig = rig or BlindRig("M7", NO_HOUSINGS)
-    rig.answers = True
-    rig.start()
-    rig.take_goal("G1", production(quantity=24))
-    rig.hire("M7-1", "ATV2")
-    rig.on_message("ATV2", docked())
-    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened)
-    return rig
 
 
 def given_back(rig: MachineRig | None = None) -> MachineRig:
@@ -304,10 +292,7 @@ def test_a_vehicle_that_asks_for_the_dock_for_something_else_is_done_though_it_h
 
 
 def test_where_the_dock_opens_at_once_a_drop_after_the_transport_was_given_back_is_booked() -> None:
-    rig = BlindRig("M7", NO_HOUSINGS)
-    rig.start()
-    rig.take_goal("G1", production(quantity=24))
-    rig.hire("M7-1", "ATV2")
+    rig = hiring(BlindRig("M7", NO_HOUSINGS))
     assert sent(rig.on_message("ATV2", docked()), DockOpened)
     assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
     assert instructed(beats(rig, Phase.UNLOADING, aboard=True), Book) == []
@@ -457,20 +442,13 @@ def test_who_carries_goes_on_unloading_over_a_restart_of_the_machines_agent() ->
 
 
 def test_a_dock_that_was_never_opened_is_shut_at_once() -> None:
-    rig = BlindRig("M7", NO_HOUSINGS)
-    rig.answers = True
-    rig.start()
-    rig.take_goal("G1", production(quantity=24))
-    rig.hire("M7-1", "ATV2")
+    rig = hiring(BlindRig("M7", NO_HOUSINGS), answers=True)
     rig.on_message("ATV2", docked())
     assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
 
 
 def test_a_dock_that_ends_a_transfer_without_effect_is_shut_at_once() -> None:
-    rig = MachineRig("M7", NO_HOUSINGS)
-    rig.start()
-    rig.take_goal("G1", production(quantity=24))
-    rig.hire("M7-1", "ATV2")
+    rig = supplied_by("ATV2")
     rig.on_message("ATV2", docked())
     assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 from effects import award_number, committed, facts, instructed, sent
-from m7 import NO_HOUSINGS, docked, handover
+from m7 import NO_HOUSINGS, docked, handover, unloading
 from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
-from spoken import accepted, bid, production, rhb
+from spoken import accepted, bid, rhb
 
 from dray.body import Book, DockReady, OpenDock
 from dray.messages import (
@@ -41,14 +41,7 @@ def beats(rig: MachineRig, vehicle: str, phase: Phase | None = None, *, node: st
 
 def superseded(*, opened: tuple[str, ...] = ("ATV2",)) -> MachineRig:
     """M7 was down while ATV2 put 24 housings down (M7-1) and went on; it hears nothing of ATV2, and seeks a carrier."""
-    first = BlindRig("M7", NO_HOUSINGS)
-    first.answers = True
-    first.start()
-    first.take_goal("G1", production(quantity=24))
-    first.hire("M7-1", "ATV2")
-    first.on_message("ATV2", docked())
-    first.report(DockReady(vehicle="ATV2"))
-    return unheard(first, opened=opened)
+    return unheard(unloading(), opened=opened)
 
 
 def unheard(before: MachineRig, *, opened: tuple[str, ...]) -> MachineRig:

@@ -6,10 +6,10 @@ import pytest
 from defaults import PLANT
 from dock_parts import dock_parts
 from effects import facts, instructed, published, sent
-from m7 import FULL, NO_HOUSINGS, docked, handover, m7, outgoing, supplied_by
+from m7 import FULL, NO_HOUSINGS, docked, handover, hiring, m7, outgoing, supplied_by
 from msgspec import UNSET
 from rigs import MachineRig
-from spoken import production, rhb
+from spoken import rhb
 
 from dray.body import CloseDock, DockReady, OpenDock, StockChanged
 from dray.memory import DepartureMemory
@@ -119,12 +119,7 @@ def test_a_dock_that_is_asked_for_twice_is_opened_twice_for_the_same_load() -> N
 
 def with_a_dock_that_answers() -> MachineRig:
     """M7 without housings, whose dock takes time to open; ATV2 is contracted to bring some (M7-1)."""
-    rig = MachineRig("M7", NO_HOUSINGS)
-    rig.answers = True
-    rig.start()
-    rig.take_goal("G1", production(quantity=24))
-    rig.hire("M7-1", "ATV2")
-    return rig
+    return hiring(MachineRig("M7", NO_HOUSINGS), answers=True)
 
 
 def test_where_the_dock_takes_time_to_open_a_vehicle_waits_until_it_is_ready() -> None:

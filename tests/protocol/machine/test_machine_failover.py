@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 from defaults import KEYS, PLANT
 from effects import award_number, committed, facts, instructed, listening, published, sent
+from m7 import hiring
 from rigs import MachineRig
 from spoken import accepted, bid, production, rhb
 
@@ -39,11 +40,7 @@ GONE_S = LATENESS_MAX_S + 60.0
 
 def supplied(stock: dict[str, int] = STOCK, goal: int = 24) -> MachineRig:
     """M7 without housings; ATV2 is contracted to bring some (M7-1)."""
-    rig = MachineRig("M7", stock)
-    rig.start()
-    rig.take_goal("G1", production(quantity=goal))
-    rig.hire("M7-1", "ATV2")
-    return rig
+    return hiring(MachineRig("M7", stock), goal=goal)
 
 
 def with_goods() -> tuple[MachineRig, str]:

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from spoken import rhb
 from station_rig import ITEM, StationRig
 
-from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock
+from dray.body import Book, CloseDock, DockReady, FillTo, Instruction, OpenDock
 from dray.messages import Docked, DockOpened, Phase, StationHeartbeat, StockFreed
 from dray.messages.heartbeat import DockWait
 from dray.protocol.runtime.events import Effect, Ignore, Instruct
@@ -127,8 +127,9 @@ OUT, IN = Book("ATV1", ITEM, -40, task="M8-1", epoch=1), Book("ATV1", ITEM, 40, 
 
 
 def told(effects: list[Effect]) -> list[Instruction]:
-    """All that the body was told."""
-    return [effect.instruction for effect in effects if isinstance(effect, Instruct)]
+    """All that the body was told of its dock and of loads."""
+    said = [effect.instruction for effect in effects if isinstance(effect, Instruct)]
+    return [each for each in said if not isinstance(each, FillTo)]
 
 
 def test_what_is_put_back_where_it_was_loaded_is_booked_out_before_the_dock_is_opened_for_it() -> None:

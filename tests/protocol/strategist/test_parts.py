@@ -6,16 +6,18 @@ from bureau import announced, contract, reborn
 from effects import instructed, published, sent
 from msgspec.structs import replace
 from rigs import StrategistRig
-from spoken import mhb
+from spoken import goal_bid, mhb
 
 from dray.body import Admit
 from dray.messages import (
+    Award,
     BufferLevel,
     GoalBrief,
     GoalClosed,
     OrderCancelled,
     OrderItem,
     OrderReleased,
+    OrderRevoked,
     Production,
     StationHeartbeat,
     StockLevel,
@@ -23,8 +25,10 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import GoalContracted, GoalWithdrawn, OrderFulfilled
+from dray.messages.gate import OrderHeld
 from dray.plant.file.file import shipped_plant
 from dray.protocol.runtime.events import Effect, Record
+from dray.protocol.strategist.order_holding import TURN_S
 from dray.protocol.strategist.part_planning import PLAN_EVERY_S, SETTLE_S
 
 PLANT = shipped_plant("levels")
@@ -194,3 +198,119 @@ def test_an_order_whose_parts_nobody_makes_is_not_taken() -> None:
     rig.start()
     order(rig, "O1", 4)
     assert announced(rig.all) == []
+
+
+def withdrawn(effects: list[Effect]) -> list[str]:
+    """Goals that machines are told to leave."""
+    return [message.task for message in sent(effects, Withdrawn)]
+
+
+def told_withdrawn(effects: list[Effect]) -> list[str]:
+    """Goals of which history is told that they are withdrawn."""
+    return [e.fact.goal for e in effects if isinstance(e, Record) and isinstance(e.fact, GoalWithdrawn)]
+
+
+def test_a_cancelled_order_takes_the_goals_of_both_levels_along_begun_or_not() -> None:
+    rig = bureau()
+    rig.run(3 * SETTLED_S)
+    sets, shafts, gears = (goal_of(rig, part) for part in ("gear-set", "shaft", "gear"))
+    contract(rig, sets, "PRESS1")
+    contract(rig, shafts, "LATHE1")
+    begun = replace(brief(shafts, "shaft", 12, 2), to_begin=9)
+    rig.on_message("LATHE1", mhb("LATHE1", begun, seq=2))
+    effects = rig.on_message("gateway", OrderCancelled("O1"))
+    assert withdrawn(effects) == [sets, shafts]
+    assert told_withdrawn(effects) == [sets, shafts]
+    # Nobody has taken the gears: their auction is over.
+    assert not sent(rig.on_message("MILL1", goal_bid(gears, 100.0)), Award)
+    assert put_up(rig.run(rig.now_s + 3 * SETTLED_S)) == []
+
+
+def served_by_the_store(*others: str) -> tuple[StrategistRig, str]:
+    """O1 takes the six gear sets in the store, and so O2, due later, has six more made by PRESS1."""
+    rig = StrategistRig(plant=PLANT, others=others)
+    rig.start()
+    for name, due_s in (("O1", 7200.0), ("O2", 9000.0)):
+        rig.on_message("gateway", OrderReleased(name, (OrderItem("gearbox", 6),), due_s))
+        if others:
+            rig.run(rig.now_s + TURN_S)
+            rig.report(OrderHeld(name, "strategist", 1))
+    run_with_store(rig, 2 * SETTLED_S)
+    goal = goal_of(rig, "gear-set")
+    assert goal.startswith("O2")
+    contract(rig, goal, "PRESS1")
+    return rig, goal
+
+
+def run_with_store(rig: StrategistRig, until_s: float, *briefs: GoalBrief, pieces: int = 6) -> list[Effect]:
+    """Time passes, while the store tells of its gear sets and PRESS1 of its goals."""
+    effects: list[Effect] = []
+    while rig.now_s < until_s:
+        effects += rig.run(rig.now_s + 1.0)
+        store(rig, seq=100 + int(rig.now_s), gear_set=pieces)
+        if briefs:
+            effects += rig.on_message("PRESS1", mhb("PRESS1", *briefs, seq=100 + int(rig.now_s)))
+    return effects
+
+
+def test_a_goal_of_parts_that_nobody_needs_after_a_cancellation_is_withdrawn_with_those_of_the_next_level() -> (
+    None
+):
+    rig, goal = served_by_the_store()
+    idle = brief(goal, "gear-set", 6, 0)
+    assert withdrawn(run_with_store(rig, rig.now_s + SETTLED_S, idle)) == []
+    [gears] = [of for of, part, _ in announced(rig.all) if part == "gear"]
+    cancelled = rig.on_message("gateway", OrderCancelled("O1"))
+    effects = cancelled + run_with_store(rig, rig.now_s + SETTLE_S - PLAN_EVERY_S, idle)
+    assert withdrawn(effects) == []
+    effects = run_with_store(rig, rig.now_s + 2 * PLAN_EVERY_S, idle)
+    # Its machine is told again while it names it.
+    assert (set(withdrawn(effects)), told_withdrawn(effects)) == ({goal}, [goal])
+    # Without it nobody needs its parts.
+    run_with_store(rig, rig.now_s + SETTLED_S)
+    assert not sent(rig.on_message("MILL1", goal_bid(gears, 100.0)), Award)
+    assert put_up(run_with_store(rig, rig.now_s + 3 * SETTLED_S)) == []
+
+
+def test_a_begun_goal_of_parts_is_made_also_where_nobody_needs_it() -> None:
+    rig, goal = served_by_the_store()
+    begun = replace(brief(goal, "gear-set", 6, 0), to_begin=5)
+    run_with_store(rig, rig.now_s + 2.0, begun)
+    rig.on_message("gateway", OrderCancelled("O1"))
+    assert withdrawn(run_with_store(rig, rig.now_s + 3 * SETTLED_S, begun)) == []
+
+
+def test_a_goal_of_parts_of_which_a_piece_is_needed_is_made() -> None:
+    rig, goal = served_by_the_store()
+    idle = brief(goal, "gear-set", 6, 0)
+    rig.on_message("gateway", OrderCancelled("O1"))
+    assert withdrawn(run_with_store(rig, rig.now_s + 3 * SETTLED_S, idle, pieces=5)) == []
+
+
+def test_a_goal_of_parts_that_is_needed_again_within_a_moment_is_made() -> None:
+    rig, goal = served_by_the_store()
+    idle = brief(goal, "gear-set", 6, 0)
+    rig.on_message("gateway", OrderCancelled("O1"))
+    run_with_store(rig, rig.now_s + SETTLE_S - PLAN_EVERY_S, idle)
+    run_with_store(rig, rig.now_s + PLAN_EVERY_S, idle, pieces=0)
+    assert withdrawn(run_with_store(rig, rig.now_s + SETTLE_S - PLAN_EVERY_S, idle)) == []
+
+
+def test_beside_another_strategist_whose_needs_are_unknown_no_goal_of_parts_counts_as_unneeded() -> None:
+    rig, goal = served_by_the_store("strategist2")
+    rig.on_message("gateway", OrderCancelled("O1"))
+    idle = brief(goal, "gear-set", 6, 0)
+    assert withdrawn(run_with_store(rig, rig.now_s + 3 * SETTLED_S, idle)) == []
+
+
+def test_a_goal_of_parts_that_waits_for_the_auction_of_another_orders_is_put_up_when_that_order_is_taken_back() -> (
+    None
+):
+    rig = bureau(6)
+    rig.run(SETTLED_S)
+    order(rig, "O2", 6)
+    rig.run(rig.now_s + SETTLED_S)
+    assert [of.partition("-")[0] for of, part, _ in announced(rig.all) if part == "gear-set"] == ["O1"]
+    rig.on_message("gateway", OrderRevoked("O1", 1))
+    rig.run(rig.now_s + PLAN_EVERY_S)
+    assert [of.partition("-")[0] for of, part, _ in announced(rig.all) if part == "gear-set"] == ["O1", "O2"]

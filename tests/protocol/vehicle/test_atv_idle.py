@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from atv1 import SETTLED_S, command, contracted, handing_over, last_beat, parked
 from defaults import KEYS, PLANT
 from effects import committed, facts, instructed, listening, published
@@ -179,16 +181,21 @@ def test_a_charger_that_gives_no_power_is_left_for_another_one_after_a_few_tries
     assert rig.last(Drive).nodes[-1] == PLANT.node_of(claim.dwell_point)
 
 
-def test_who_finds_neither_a_charger_nor_a_parking_place_waits_at_nobodys_dock() -> None:
-    dock = PLANT.node_of("M8")
-    rig = parked(node=dock, battery_frac=0.5)
-    rig.run(SETTLED_S)
-    for _ in PLANT.dwell_points:
+def claim_all(rig: VehicleRig, places: Collection[str]) -> None:
+    """ATV7 stands at each place that the vehicle claims, as many times as there are such places."""
+    for _ in places:
         rig.run(rig.now_s + 0.1)
         dwell_point = published(rig.all, DwellPointClaimed)[-1].dwell_point
         rig.on_message(
             "ATV7", DwellPointClaimed(dwell_point=dwell_point, atv="ATV7", battery_frac=0.1, standing=True)
         )
+
+
+def test_who_finds_neither_a_charger_nor_a_parking_place_waits_at_nobodys_dock() -> None:
+    dock = PLANT.node_of("M8")
+    rig = parked(node=dock, battery_frac=0.5)
+    rig.run(SETTLED_S)
+    claim_all(rig, PLANT.dwell_points)
     rig.run(rig.now_s + 0.1)
     waits_at = rig.last(Drive).nodes[-1]
     assert waits_at not in {PLANT.node_of(place) for place in PLANT.places}
@@ -200,12 +207,7 @@ def test_who_finds_neither_a_charger_nor_a_parking_place_waits_at_nobodys_dock()
 def test_who_must_charge_and_finds_no_charger_waits_at_a_parking_place_and_asks_again() -> None:
     rig = parked(node=PLANT.node_of("M8"), battery_frac=0.2)
     rig.run(SETTLED_S)
-    for _ in PLANT.chargers:
-        rig.run(rig.now_s + 0.1)
-        dwell_point = published(rig.all, DwellPointClaimed)[-1].dwell_point
-        rig.on_message(
-            "ATV7", DwellPointClaimed(dwell_point=dwell_point, atv="ATV7", battery_frac=0.1, standing=True)
-        )
+    claim_all(rig, PLANT.chargers)
     rig.run(rig.now_s + CONTEST_S + 0.1)
     assert rig.last(Drive).nodes[-1] in {place.node for place in PLANT.parkings.values()}
     rig.arrive()
@@ -216,12 +218,7 @@ def test_who_must_charge_and_finds_no_charger_waits_at_a_parking_place_and_asks_
 def test_when_every_charger_is_taken_the_vehicle_asks_again_later_and_does_not_spin() -> None:
     rig = parked(node="p8", battery_frac=0.5)
     rig.run(SETTLED_S)
-    for _ in PLANT.chargers:
-        rig.run(rig.now_s + 0.1)
-        dwell_point = published(rig.all, DwellPointClaimed)[-1].dwell_point
-        rig.on_message(
-            "ATV7", DwellPointClaimed(dwell_point=dwell_point, atv="ATV7", battery_frac=0.1, standing=True)
-        )
+    claim_all(rig, PLANT.chargers)
     rig.run(rig.now_s + 0.1)
     claims = len([effect for effect in rig.all if published([effect], DwellPointClaimed)])
     rig.run(rig.now_s + 20.0)

@@ -25,7 +25,7 @@ from dray.messages import (
 )
 from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S
 from dray.protocol.runtime.events import Effect
-from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S, ShutOut
+from dray.protocol.traffic.driving.wait import SHUT_OUT_S, ShutOut
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.job.transport_job import ASKS_AGAIN_S
 

@@ -142,7 +142,7 @@ def test_what_another_one_holds_is_waited_for_and_that_is_told() -> None:
     vehicle.grant(by="B")
     assert not vehicle.row.is_placed
     assert vehicle.row.is_hindered
-    assert vehicle.row.waits_for == "B"
+    assert vehicle.row.wait.by == "B"
     vehicle.grant(HERE)
     assert vehicle.row.is_placed
 

@@ -79,8 +79,8 @@ def test_a_vehicle_that_does_not_know_the_epoch_sends_its_request_to_all_replica
     assert sorted(vehicle.told()) == sorted(REPLICAS)
     assert vehicle.granted("M1", 3) is None
     assert not vehicle.asked("M2", 3), "its replica has that request already"
-    assert vehicle.requests.take_missed("D") is not None
-    assert vehicle.requests.take_missed("D") is None
+    assert vehicle.requests.take_believed("D") is not None
+    assert vehicle.requests.take_believed("D") is None
     assert vehicle.granted("M1", 3) == ("b3",)
 
 
@@ -124,8 +124,8 @@ def test_whatever_epoch_a_replica_chooses_that_makes_it_its_turn_none_of_its_gra
         elif (later := vehicle.says_epoch()) > present:
             assert later <= present + OUTBID_MAX, "the replica would not follow"
             present = later + 3 - later % 3
-        missed = vehicle.requests.take_missed("D")
-        assert missed is None or missed[0] == "M1"
+        answer = vehicle.requests.take_believed("D")
+        assert answer is None or answer[0] == "M1"
     said = vehicle.says()
     present = max(present, said.epoch)
     present += 3 - present % 3
@@ -138,9 +138,9 @@ def test_it_is_believed_when_another_one_tells_the_same_epoch() -> None:
     vehicle = Correspondence()
     assert vehicle.granted("M2", 4) is None
     vehicle.asked("M3", 4)
-    missed = vehicle.requests.take_missed("D")
-    assert missed is not None
-    assert vehicle.requests.on_granted(*missed, 1.0) == ("b3",)
+    answer = vehicle.requests.take_believed("D")
+    assert answer is not None
+    assert vehicle.requests.on_granted(*answer, 1.0) == ("b3",)
     assert vehicle.granted("M1", 3) is None, "the earlier one is over"
 
 

@@ -114,3 +114,13 @@ def test_a_long_way_is_forgotten_behind() -> None:
         way.give_back()
         assert len(way.held) <= 2
     assert way.node == "m4-lane"
+
+
+def test_each_place_after_the_base_is_needed_first_by_one_lane() -> None:
+    way = way_from("b3", "m4-lane", "m4", "m4-lane", "c3")
+    lanes = way.lanes_to()
+    assert lanes["m4-lane"] == ("b3", "m4-lane")
+    assert lanes["m4"] == ("m4-lane", "m4")
+    assert lanes["c3"] == ("m4-lane", "c3")
+    way.take(["m4-lane", "m4"])
+    assert way.lanes_to() == {"c3": ("m4-lane", "c3")}

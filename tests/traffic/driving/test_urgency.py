@@ -20,15 +20,8 @@ from dray.messages.floor.traffic import (
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Send
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving.right_of_way import (
-    AGES_BY_S,
-    AGES_EVERY_S,
-    HELD_UP,
-    IDLE,
-    SHUT_OUT_S,
-    WITH_TASK,
-    Errand,
-)
+from dray.protocol.traffic.driving.right_of_way import HELD_UP, IDLE, WITH_TASK, Errand
+from dray.protocol.traffic.driving.wait import AGES_BY_S, AGES_EVERY_S, SHUT_OUT_S
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 PLANT = load_plant("single-track")

@@ -254,8 +254,8 @@ def test_after_a_thief_has_started_a_recovery_poll_under_whatever_epoch_a_vehicl
                     requests.on_confirmed(sender, message)
                 elif isinstance(message, PlaceGranted):
                     has = bool(requests.on_granted(sender, message, replicas.now_s)) or has
-                if (missed := requests.take_missed(NAME)) is not None:
-                    has = bool(requests.on_granted(*missed, replicas.now_s)) or has
+                if (answer := requests.take_believed(NAME)) is not None:
+                    has = bool(requests.on_granted(*answer, replicas.now_s)) or has
         return has
 
     epoch = next_turn(replicas, SECOND) + leap

@@ -63,9 +63,9 @@ class Vehicle:
     def on_message(self, sender: str, message: object) -> None:
         if isinstance(message, PlaceConfirmed):
             self.requests.on_confirmed(sender, message)
-            missed = self.requests.take_missed("M1")
+            answer = self.requests.take_believed("M1")
         elif isinstance(message, PlaceGranted):
-            missed = (sender, message)
+            answer = (sender, message)
         elif isinstance(message, HoldsAsked):
             if self.requests.on_holds_asked(sender, message):
                 held = ("b3",) if self.holds else ()
@@ -78,7 +78,7 @@ class Vehicle:
             return
         else:
             return
-        if missed is not None and self.requests.on_granted(*missed, 1.0):
+        if answer is not None and self.requests.on_granted(*answer, 1.0):
             self.holds = True
             self.say(("b3",), ())
 
@@ -565,12 +565,12 @@ def test_a_vehicle_asks_the_witness_and_goes_on_without_it_when_that_one_does_no
     )
     vehicle.on_message("M1", granted)
     for _ in range(WITNESS_ASKED):
-        assert vehicle.requests.take_missed("M1") is None
+        assert vehicle.requests.take_believed("M1") is None
         vehicle.requests.repeat("M1", (), WANTED, vehicle.state, LEAST_AGAIN_S)
     assert [effect.to for effect in vehicle.out if isinstance(effect, Send)] == WITNESS_ASKED * ["M1", "M2"]
-    assert vehicle.requests.take_missed("M1") is None
+    assert vehicle.requests.take_believed("M1") is None
     vehicle.requests.repeat("M1", (), WANTED, vehicle.state, LEAST_AGAIN_S)
-    assert vehicle.requests.take_missed("M1") == ("M1", granted)
+    assert vehicle.requests.take_believed("M1") == ("M1", granted)
 
 
 def test_nor_as_long_as_the_witness_answers_that_it_has_no_such_line() -> None:

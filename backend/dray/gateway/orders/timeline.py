@@ -227,6 +227,9 @@ class _Timeline:
                     self._say("delivered", at_s)
             case OrderDropped():
                 self._say("dropped", at_s)
+                for goal in self._goals.values():
+                    if not goal.ended and goal.made < goal.quantity:
+                        self._on_end(goal.goal, "withdrawn", at_s)
             case OrderReturned():
                 self._say("returned", at_s)
             case _:

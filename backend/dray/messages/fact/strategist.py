@@ -72,7 +72,8 @@ class GoalLost(Fact, told_by=STRATEGISTS, frozen=True):
 class GoalWithdrawn(Fact, told_by=STRATEGISTS, frozen=True):
     """A machine need not make a goal any more: its order was taken back.
 
-    A goal of parts is also withdrawn when its order has ended or its machine has failed; missing parts become another goal.
+    A goal of parts is also withdrawn when its order has ended, when its machine has failed, or when nobody needs its parts any more; missing
+    parts become another goal.
     """
 
     goal: Id

@@ -30,7 +30,7 @@ class Flow(Protocol):
         """Have a load set aside, and then fetched."""
 
     def inbound(self, item: str) -> int:
-        """Pieces on their way to this place, or ordered to it."""
+        """Pieces that are to find room here: on order, or put down without an order."""
 
 
 class Refilling:

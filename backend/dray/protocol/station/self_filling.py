@@ -2,6 +2,8 @@
 
     fill to = capacity - on order; while the material is short: capacity - loads that have a carrier
 
+Loads that vehicles bring back to its dock keep their room, too.
+
 The body keeps the last limit while its station is away. A station that has lost its notes tells none before it has
 listened to the carriers of its earlier lives. While vehicles wait here for more than there is, a load that nobody
 carries yet keeps no room: its source may be short, too, and the machines must not wait for it.
@@ -26,7 +28,7 @@ class Flow(Protocol):
         """Whether carriers may still report loads for an earlier life without notes."""
 
     def inbound(self, item: str) -> int:
-        """Pieces on their way to this place, or ordered to it."""
+        """Pieces that are to find room here: on order, or put down without an order."""
 
     def carried(self, item: str) -> int:
         """Those of them that have a carrier."""

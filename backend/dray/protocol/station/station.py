@@ -240,6 +240,7 @@ class Station(AgentBase):
         if docked.returns and docked.station == self.id:
             is_kept = self._book.holds(docked.item, docked.quantity)
             self._flow.take_back(sender, docked, now_s, is_kept=is_kept)
+            self._self_filling.pursue()
         elif docked.station != self.id and not self._flow.knows(docked.task):
             self._life.ignore("a request for the dock of another storage")
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
@@ -255,7 +256,7 @@ class Station(AgentBase):
 
     def _on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
         self._flow.message_handlers[TransportOrdered](sender, order, now_s)
-        self._self_filling.pursue()
+        self._go_on(now_s)
 
     def _on_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
         if not self._shutdown.begun:
@@ -290,7 +291,7 @@ class Station(AgentBase):
         levels = tuple(
             replace(
                 level,
-                on_order=self._flow.inbound(level.item),
+                on_order=self._flow.on_order(level.item),
                 uncounted=level.item in self._uncounted,
             )
             for level in self._book.levels()

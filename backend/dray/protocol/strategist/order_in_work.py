@@ -59,6 +59,11 @@ class OpenGoal:
         self.taken_s: float | None = None
         """When a machine has taken it, if this life has seen that."""
 
+    @property
+    def is_begun(self) -> bool:
+        """Whether its machine has taken the material of a piece, by its report."""
+        return self.to_begin < self.work.quantity
+
     def booked(self) -> GoalBooked:
         """The record for the next life."""
         return GoalBooked(

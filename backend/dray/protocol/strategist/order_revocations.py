@@ -76,21 +76,25 @@ class OrderRevocations:
 
     def on_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
         """Drop an order, and answer every request, even for an order that has not come yet."""
-        order = self._book.close_order(message.order)
-        if order is not None:
+        if (order := self._book.order(message.order)) is not None:
             self._drop(order, now_s)
+        else:
+            self._book.close_order(message.order)
         self._over.of(message.order, (EVERY_RELEASE,), now_s).stands((EVERY_RELEASE,), now_s)
         self._ends.tell(message.order, EVERY_RELEASE)
         self._life.send(sender, CancellationTaken(order=message.order))
 
     def _drop(self, order: OrderInWork, now_s: float) -> None:
+        products = dict.fromkeys(goal.work.product for goal in order.goals.values())
+        self._parts.withdraw(order)
+        self._book.close_order(order.id)
         for goal in order.goals.values():
-            if goal.machine and not goal.work.part_of:
+            if goal.machine:
                 # From now on the gate is shut for it, as for any goal without a machine.
                 self._life.instruct(Admit(goal=goal.id, quantity=0))
             self._auctions.close_goal(goal, "withdrawn")
-        for goal in order.goals.values():
-            self._auctions.ask_next(goal.work.product, now_s)
+        for product in products:
+            self._auctions.ask_next(product, now_s)
         self._life.record(OrderDropped(order=order.id))
 
     def on_revoked(self, sender: str, message: OrderRevoked, now_s: float) -> None:

@@ -35,6 +35,7 @@ class PartGoals:
         machines: the machines and their products.
         life: the agent's life; alarms are named `PLAN`.
         shutdown: of the strategist: while it drains it gives nothing out.
+        alone: whether there is no other strategist, whose orders may take what these do not need.
 
     Attributes:
         message_handlers, alarms: entries for the strategist's tables.
@@ -49,9 +50,12 @@ class PartGoals:
         machines: MachineMonitor,
         life: Life,
         shutdown: GracefulShutdown,
+        *,
+        alone: bool,
     ) -> None:
         self._plant, self._keys, self._book = plant, keys, book
         self._auctions, self._life, self._shutdown = auctions, life, shutdown
+        self._alone = alone
         self._leads = PartLeads(machines, plant.working_time)
         self._stock = PartStock(plant)
         self._planner = PartPlanner(plant, book, self._stock, self._leads)
@@ -102,6 +106,11 @@ class PartGoals:
 
     def _plan(self, _about: None, now_s: float) -> None:
         self._life.alarm(PLAN, now_s + PLAN_EVERY_S)
-        if not self._shutdown.begun:
-            for part in dict.fromkeys(goal.work.product for goal in self._planner.plan(now_s)):
-                self._auctions.ask_next(part, now_s)
+        if self._shutdown.begun:
+            return
+        plan = self._planner.plan(now_s)
+        for goal in plan.unneeded if self._alone else ():
+            self.lose(goal)
+        # An auction may also have ended with its order, while another goal of the part waited for it.
+        for part in self._plant.parts:
+            self._auctions.ask_next(part, now_s)

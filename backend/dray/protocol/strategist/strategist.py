@@ -102,7 +102,14 @@ class Strategist(AgentBase):
             self._shutdown,
         )
         self._parts = PartGoals(
-            plant, self._keys, self._book, self._auctions, self._monitor, self._life, self._shutdown
+            plant,
+            self._keys,
+            self._book,
+            self._auctions,
+            self._monitor,
+            self._life,
+            self._shutdown,
+            alone=not others,
         )
         self._shared = (
             SharedOrders(self._keys, self._book, self._life, self._shutdown, others) if others else None

@@ -50,7 +50,7 @@ class Bookings:
         return self._said.pop(word)
 
     def memories(self) -> tuple[DepartureMemory, ...]:
-        """The unanswered reports, for the next life to repeat."""
+        """The unanswered reports, also for the next life to repeat."""
         return tuple(self._said.values())
 
     def restore(self, memories: Iterable[DepartureMemory]) -> None:

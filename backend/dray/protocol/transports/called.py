@@ -118,7 +118,7 @@ class Flow(Protocol):
         """Cancel the request for a load that no vehicle was hired for."""
 
     def inbound(self, item: str) -> int:
-        """Pieces on their way to this place, or ordered to it."""
+        """Pieces that are to find room here: on order, or put down without an order."""
 
 
 class CalledTransports:

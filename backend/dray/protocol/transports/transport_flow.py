@@ -12,6 +12,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
+from msgspec.structs import replace
+
 from dray.body import DockReady, StockChanged, StorageState, WorkcellState
 from dray.memory import DepartureMemory, Memory, TaskMemory
 from dray.messages import (
@@ -170,6 +172,8 @@ class TransportFlow:
     def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:
         """Take a load back that is not awaited any more; a body that counts and opens at once needs no check.
 
+        It has its room from now on, until it is counted or the vehicle has left with it.
+
         Args:
             vehicle: its id.
             docked: its request.
@@ -177,13 +181,15 @@ class TransportFlow:
             is_kept: whether the load can lie here; otherwise it is taken without a booking.
         """
         counts = self._handovers.counts
-        if counts and not self.visits.answers:
-            self.door.agree(vehicle, docked)
-            return
         if not is_kept and not counts:
             self._life.ignore(NOT_KEPT)
-        quantity = docked.quantity if is_kept and not counts else 0
-        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
+        quantity = docked.quantity if is_kept else 0
+        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item)
+        load = replace(load, counted=quantity) if counts else replace(load, change=quantity)
+        if counts and not self.visits.answers:
+            self.visits.take_back(load, now_s)
+            self.door.agree(vehicle, docked)
+            return
         # It may have taken the load here. Its next heartbeat would say so with its forks inside and the dock
         # shut.
         self.visits.on_docked(vehicle, docked, now_s, unloads=True)
@@ -243,13 +249,18 @@ class TransportFlow:
                     called.task = ""
 
     def inbound(self, item: str) -> int:
+        """Pieces that are to find room here: on order, or put down without an order."""
+        return self.on_order(item) + self._put_back(item)
+
+    def on_order(self, item: str) -> int:
         """Pieces on their way to this place, or ordered to it."""
         works = [*(cast(Transport, task.work) for task in self.tasks), *(need.work for need in self.sourcing)]
         return self._to_here(item, works)
 
     def carried(self, item: str) -> int:
-        """Pieces of loads to this place that have a carrier."""
-        return self._to_here(item, [cast(Transport, task.work) for task in self.tasks if task.primary])
+        """Those of them that have a carrier."""
+        works = [cast(Transport, task.work) for task in self.tasks if task.primary]
+        return self._to_here(item, works) + self._put_back(item)
 
     def offer(self, sender: str, message: WorkSought, now_s: float) -> None:
         """Offer a waiting transport to a vehicle that asks for work."""
@@ -264,6 +275,7 @@ class TransportFlow:
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away: it is outside, and its requests are dropped."""
         self.visits.on_carried_away(vehicle)
+        self._life.note(MaterialChanged())
 
     def dismiss(self, gone: Iterable[str]) -> None:
         """Tell the body which of these vehicles will not report any more."""
@@ -278,7 +290,7 @@ class TransportFlow:
         word = self.bookings.on_stock_changed(report)
         self.door.note_moved(report, word)
         if report.change > 0:
-            self.visits.forget_owed(report.vehicle)
+            self.visits.note_brought(report.vehicle)
         return word
 
     def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
@@ -318,7 +330,10 @@ class TransportFlow:
         self._handovers.on_carrier_heard(heartbeat)
         if (word := self._recovery.moved(heartbeat)) is not None:
             self.visits.on_word(word, heartbeat.node)
+        was_here = self.visits.waits_for(heartbeat.atv)
         self.visits.on_vehicle(heartbeat, now_s)
+        if was_here and not self.visits.waits_for(heartbeat.atv):
+            self._life.note(MaterialChanged())
         if (recovered := self._recovery.on_heartbeat(heartbeat, now_s)) is not None:
             self._note_ordered(recovered)
         self.called.review(now_s)
@@ -398,6 +413,15 @@ class TransportFlow:
         self.called.on_settled(delivered.task, delivered.counted)
         self._life.commit()
         self._life.beat_soon(now_s)
+
+    def _put_back(self, item: str) -> int:
+        """Pieces that are brought back here, or whose transport has ended: a vehicle may put them down, or the body may book them."""
+        loads = (*self.visits.loads(), *self.bookings.memories())
+        return sum(
+            max(0, load.change) + load.counted
+            for load in loads
+            if load.item == item and (load.returns or self.tasks.get(load.task) is None)
+        )
 
     def _to_here(self, item: str, works: Iterable[Transport]) -> int:
         return sum(work.quantity for work in works if work.destination == self._place and work.item == item)

@@ -181,7 +181,12 @@ class Visits:
     def waits_for(self, vehicle: str) -> bool:
         """Whether the dock is shut once a vehicle has left, whose permission has ended or is for a returned load."""
         visit = self._visits.get(vehicle)
-        return visit is not None and visit.is_followed and not visit.memory().permitted
+        may_take = visit is not None and visit.load.change < 0 and visit.stage in (Stage.WAITS, Stage.INSIDE)
+        return visit is not None and visit.is_followed and not may_take
+
+    def loads(self) -> tuple[DepartureMemory, ...]:
+        """What the followed vehicles may put down or take."""
+        return tuple(visit.load for visit in self._visits.values() if visit.is_followed)
 
     def is_of_earlier_life(self, vehicle: str) -> bool:
         """Whether an earlier life let a vehicle in, and its permission stands."""
@@ -317,6 +322,14 @@ class Visits:
         self._bookings.say(replace(owed, task=task, epoch=epoch, change=min(owed.change, quantity)))
         return False
 
+    def note_brought(self, vehicle: str) -> None:
+        """What a vehicle has brought is in the books: it needs no more room, and there is nothing else to report."""
+        visit = self._visits.get(vehicle)
+        if visit is not None and visit.load.counted:
+            visit.load = replace(visit.load, counted=0)
+            self._life.commit()
+        self.forget_owed(vehicle)
+
     def forget_owed(self, vehicle: str, task: str = "", epoch: int = 0) -> None:
         """A load is in the books, or a person has seen it: the report of its vehicle would tell nothing new.
 
@@ -373,11 +386,9 @@ class Visits:
         """People have carried a vehicle away. What it put down before is unknown, so nothing is booked."""
         visit = self._visits.get(vehicle)
         self.forget_request(vehicle)
-        if visit is None:
-            return
-        if visit.is_followed and visit.stage is not Stage.INSIDE:
+        if self.waits_for(vehicle):
             self._close(vehicle)
-        if visit.load.coordinator:
+        if visit is not None and visit.load.coordinator:
             visit.stage = Stage.GONE
             self._life.commit()
         else:

@@ -58,7 +58,8 @@ from dray.protocol.runtime.life import BEAT, Life
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.driving.place_requests import Sign, unsigned
-from dray.protocol.traffic.driving.right_of_way import RightOfWay, ShutOut
+from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.driving.wait import ShutOut
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.closure_handling import ClosureHandling

@@ -28,7 +28,7 @@ from dray.plant.restrictions import Ends
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.life import Life
 from dray.protocol.takeover.standby import WATCHED_SILENCE
-from dray.protocol.traffic.driving.right_of_way import ShutOut
+from dray.protocol.traffic.driving.wait import ShutOut
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.idle_positioning import IdlePositioning

@@ -15,7 +15,7 @@ from dray.protocol.closures.obstacles import Obstacles
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S
+from dray.protocol.traffic.driving.wait import SHUT_OUT_S
 
 STANDS = frozenset({AtvStatus.ERROR, AtvStatus.STOPPED})
 """States in which a vehicle stands until a person has checked it."""

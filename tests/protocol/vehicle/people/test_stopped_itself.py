@@ -22,6 +22,7 @@ from dray.messages import (
     Resigned,
 )
 from dray.messages.fact import BidRefused
+from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.people.command_handling import ALONE, DENIED, DOUBLED, FORGOTTEN
 from dray.protocol.vehicle.people.problem_handling import DOUBLED_S
@@ -62,6 +63,15 @@ def alone() -> VehicleRig:
     ask_holds(rig)
     rig.held = True
     rig.wake()
+    return rig
+
+
+def next_life(before: VehicleRig, *, traffic: TrafficMap | None = None, held: bool = True) -> VehicleRig:
+    """It starts again with what it has noted; `held`: its body still stands."""
+    rig = VehicleRig(incarnation=2, traffic=traffic)
+    rig.held = held
+    rig.memory = committed(before.all)
+    rig.start()
     return rig
 
 
@@ -106,11 +116,7 @@ def test_a_problem_of_its_body_that_passes_leaves_the_call() -> None:
 
 
 def test_its_next_life_calls_too() -> None:
-    before = doubled()
-    rig = VehicleRig(incarnation=2)
-    rig.held = True
-    rig.memory = committed(before.all)
-    rig.start()
+    rig = next_life(doubled())
     rig.run(DOUBLED_S)
     assert calls(rig) == (DOUBLED, True)
     assert command(rig, CommandKind.ACKNOWLEDGE).done
@@ -131,10 +137,7 @@ def test_its_next_life_calls_also_when_its_memory_is_lost() -> None:
 
 
 def test_its_next_life_stands_also_where_its_body_has_not_heard_of_it() -> None:
-    before = doubled()
-    rig = VehicleRig(incarnation=2)
-    rig.memory = committed(before.all)
-    rig.start()
+    rig = next_life(doubled(), held=False)
     assert instructed(rig.all, Hold) == [Hold()]
     rig.held = True
     rig.run(DOUBLED_S)
@@ -171,11 +174,7 @@ def test_its_task_waits_for_that_person_who_may_promise_to_come() -> None:
 
 
 def test_its_next_life_calls_for_the_same_reason() -> None:
-    before = denied()
-    rig = VehicleRig(incarnation=2, traffic=TRAFFIC)
-    rig.held = True
-    rig.memory = committed(before.all)
-    rig.start()
+    rig = next_life(denied(), traffic=TRAFFIC)
     rig.run(DOUBLED_S)
     assert calls(rig) == (DENIED, True)
     assert command(rig, CommandKind.ACKNOWLEDGE).done
@@ -218,10 +217,7 @@ def test_one_that_is_alone_is_stopped_once_and_again_when_it_may_drive() -> None
 
 
 def test_its_next_life_that_has_right_of_way_calls_until_a_person_lets_it_go() -> None:
-    before = alone()
-    rig = VehicleRig(incarnation=2, traffic=TRAFFIC)
-    rig.memory = committed(before.all)
-    rig.start()
+    rig = next_life(alone(), traffic=TRAFFIC, held=False)
     assert instructed(rig.all, Hold) == [Hold()]
     rig.held = True
     rig.run(DOUBLED_S)
@@ -247,11 +243,7 @@ def test_it_says_why_it_does_not_bid_until_it_is_resumed() -> None:
 
 
 def test_its_next_life_says_so_too() -> None:
-    before = doubled()
-    rig = VehicleRig(incarnation=2)
-    rig.held = True
-    rig.memory = committed(before.all)
-    rig.start()
+    rig = next_life(doubled())
     assert says(rig, "M8-2") == DOUBLED
 
 

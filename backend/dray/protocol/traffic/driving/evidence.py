@@ -28,7 +28,7 @@ class Evidence:
 
     Attributes:
         agreed: the latest epoch that a majority of the replicas have reported.
-        waiting: sender and answer: the newest one that is not believed yet; None for none.
+        unbelieved: sender and answer: the newest one that is not believed yet; None for none.
         witness_asked: questions to the witness since it was last heard.
     """
 
@@ -43,14 +43,14 @@ class Evidence:
         "_replicas",
         "_reported",
         "agreed",
-        "waiting",
+        "unbelieved",
         "witness_asked",
     )
 
     def __init__(self, replicas: Sequence[str], life: int) -> None:
         self._replicas, self._life = replicas, life
         self.agreed = NO_EPOCH
-        self.waiting: tuple[str, PlaceGranted] | None = None
+        self.unbelieved: tuple[str, PlaceGranted] | None = None
         self.witness_asked = 0
         self._reported: dict[str, int] = {}
         """Replica -> the latest epoch that it has reported."""
@@ -118,8 +118,8 @@ class Evidence:
 
     @property
     def waits_for_witness(self) -> bool:
-        """Whether the waiting answer lacks its confirmation alone."""
-        return self.waiting is not None and self.waiting[1].epoch == self.agreed
+        """Whether the unbelieved answer lacks its confirmation alone."""
+        return self.unbelieved is not None and self.unbelieved[1].epoch == self.agreed
 
     def is_confirmed(
         self, granted: PlaceGranted, mark: bytes, seen: int, since: int, asked: Collection[str]
@@ -153,7 +153,7 @@ class Evidence:
 
     def accept(self, granted: PlaceGranted, seen: int, since: int) -> int:
         """Note a believed answer. Returns the highest number seen, which is void after a recovery poll."""
-        self.waiting = None
+        self.unbelieved = None
         if not self._is_of_new_table(granted, since):
             return seen
         seen = 0 if self._begins_lower(granted, seen, since) else seen

@@ -357,13 +357,13 @@ class PlaceRequests:
         if _is_over(line, granted):
             return None
         if not evidence.is_agreed(sender, granted.epoch):
-            evidence.waiting = (sender, granted)
+            evidence.unbelieved = (sender, granted)
             self._say_to_all(line, sender)
             return None
         if not self._is_confirmed(line, granted):
-            if evidence.waiting is None and not line.unanswered:
+            if evidence.unbelieved is None and not line.unanswered:
                 self._life.alarm((REQUEST_AGAIN, granted.district), now_s + LEAST_AGAIN_S)
-            evidence.waiting = (sender, granted)
+            evidence.unbelieved = (sender, granted)
             return None
         line.seen = evidence.accept(granted, line.seen, line.since_poll)
         line.epoch, line.turn = granted.epoch, 0
@@ -445,14 +445,16 @@ class PlaceRequests:
             return line.settles or not line.asked_all
         return not line.asked_all
 
-    def take_missed(self, district: str) -> tuple[str, PlaceGranted] | None:
-        """A missed answer, with its sender, that is agreed and confirmed by now; None for none."""
+    def take_believed(self, district: str) -> tuple[str, PlaceGranted] | None:
+        """The answer, with its sender, that was not believed at first, and is agreed and confirmed by now; None for none."""
         line = self._lines.get(district)
-        waiting = line.evidence.waiting if line is not None and line.evidence.waits_for_witness else None
-        if line is None or waiting is None or not self._is_confirmed(line, waiting[1]):
+        if line is None or not line.evidence.waits_for_witness:
             return None
-        line.evidence.waiting = None
-        return waiting
+        answer = line.evidence.unbelieved
+        if answer is None or not self._is_confirmed(line, answer[1]):
+            return None
+        line.evidence.unbelieved = None
+        return answer
 
     def _line(self, district: str) -> _Line:
         line = self._lines.get(district)

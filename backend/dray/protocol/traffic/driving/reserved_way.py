@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 
+from dray.plant.restrictions import Ends
 from dray.protocol.traffic.places import STILL_M, Places
 
 NOT_ON_THIS_WAY = 2**31
@@ -95,6 +97,14 @@ class ReservedWay:
     def beyond(self) -> tuple[str, ...]:
         """The nodes after its base."""
         return tuple(self._nodes[self._base + 1 :])
+
+    def lanes_to(self) -> dict[str, Ends]:
+        """Place -> the first lane after the base that needs it, in the order of the way."""
+        lanes: dict[str, Ends] = {}
+        for lane in pairwise((self.base_end, *self.beyond)):
+            for place in self._places.needs(*lane):
+                lanes.setdefault(place, lane)
+        return lanes
 
     @property
     def base_left_m(self) -> float:

@@ -8,14 +8,12 @@ its instructions to the body. Whenever it is woken, it first reports the vehicle
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
 
 from dray.messages.floor.traffic import (
     FIRST_S,
     ROUTE_MAX,
-    Blocked,
     HoldsAsked,
     PlaceConfirmed,
     PlaceGranted,
@@ -25,10 +23,11 @@ from dray.messages.floor.traffic import (
 )
 from dray.plant.model import VehicleType
 from dray.plant.restrictions import OPEN, Ends, Restrictions
-from dray.protocol.runtime.life import Change, Life
+from dray.protocol.runtime.life import Life
 from dray.protocol.runtime.timers import spread_frac
 from dray.protocol.traffic.driving.place_requests import PlaceRequests, Sign, State, unsigned
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
+from dray.protocol.traffic.driving.wait import AGES_BY_S, SHUT_OUT_S, ShutOut, Wait
 from dray.protocol.traffic.driving.wheels import Wheels
 from dray.protocol.traffic.driving.yielding import Yielding
 from dray.protocol.traffic.neighbours import Seen
@@ -44,13 +43,6 @@ RESTED = "rested"
 REROUTE_S, REROUTE_MORE_S = 3.0, 2.0
 """Time held up before a vehicle looks for another way; a share of the second part, by its name, is added."""
 
-AGES_EVERY_S, AGES_BY_S = 30.0, 240.0
-"""Every 30 s held up add 240 s to the age of a vehicle's leg. Otherwise a vehicle where many pass waits for all that began their
-legs before it."""
-
-SHUT_OUT_S = 30.0
-"""Wait for a silent vehicle after which the way past it counts as closed; most that were switched off briefly are back by then."""
-
 WITH_TASK, IDLE, RESTING = 0, 1, 2
 """Classes of rank. A resting vehicle makes room for all driving ones. Otherwise one that has rested for long would block vehicles
 that begin to look for a place to rest."""
@@ -65,18 +57,6 @@ class Errand(Enum):
     """Out of another vehicle's way."""
     REST = "rest"
     """A rest at a refuge."""
-
-
-@dataclass(frozen=True, slots=True)
-class ShutOut(Change):
-    """A vehicle is shut out: a silent vehicle holds a place that it needs, and no way leads round it."""
-
-    by: str
-    """The silent vehicle."""
-    lanes: tuple[Ends, ...]
-    """Lanes into the place that it holds, beginning with the one on the way of the shut-out vehicle."""
-    waited_s: float
-    """How long the shut-out vehicle has waited."""
 
 
 class RightOfWay:
@@ -95,6 +75,7 @@ class RightOfWay:
         sign: signs its requests.
 
     Attributes:
+        wait: for its next places.
         is_denied: it was driving when it learned of its removal, and so drives on places that it does not hold.
         is_doubled: it got an answer to a request it never sent: an impostor may have given its places back.
     """
@@ -122,6 +103,7 @@ class RightOfWay:
         self.atv = atv
         self.way = ReservedWay(places, node, next_node)
         self.requests = PlaceRequests(incarnation, places.replicas_of, life, sign)
+        self.wait = Wait()
         self.errand = Errand.OWN
         self.goal = next_node or node
         self.docked = False
@@ -142,16 +124,6 @@ class RightOfWay:
         self._speed_mps = 0.0
         self._went_round: frozenset[str] = frozenset()
         """Places of silent vehicles for which it has looked for another way on this leg."""
-        self._held_up_s: float | None = None
-        """Since when it stands and waits for its next group."""
-        self._aged_s = 0.0
-        """When this wait last made it more urgent."""
-        self.waited_at_goal_s = 0.0
-        """Time on this leg for which it stood only because its goal, such as a dock, was held."""
-        self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
-        """Why its next group was not granted, the vehicle in the way, and the place, by the table's newest answer."""
-        self._silent_since_s = 0.0
-        """Since when a silent vehicle is in the way, if one is."""
         self.removal = 0
         """Number of its newest known removal: earlier grants are void."""
         self._asked = set(self.way.held)
@@ -192,7 +164,7 @@ class RightOfWay:
         """
         if self._asked:
             return (WITH_TASK, FIRST_S, self.atv)
-        if self._held_up_s is not None and self._blocked is Blocked.SILENT:
+        if self.wait.is_for_silent:
             return (max(self._rank[0], IDLE), *self._rank[1:])
         return self._rank
 
@@ -205,44 +177,22 @@ class RightOfWay:
     @property
     def is_hindered(self) -> bool:
         """Whether it waits for a place or makes room, and so comes no nearer to its goal."""
-        return self._held_up_s is not None or self.errand is not Errand.OWN
-
-    @property
-    def waits_for(self) -> str:
-        """The vehicle that holds its next place, or goes first; empty when it waits for none, or does not know."""
-        return self._blocked_by if self._held_up_s is not None else ""
-
-    @property
-    def waits_at(self) -> str:
-        """The place for which it waits; empty when it waits for none, or does not know."""
-        return self._blocked_at if self._held_up_s is not None else ""
-
-    @property
-    def held_up_since_s(self) -> float | None:
-        """Since when it stands and waits for a place; None when it does not."""
-        return self._held_up_s
+        return self.wait.is_on or self.errand is not Errand.OWN
 
     def shut_out(self, now_s: float) -> ShutOut | None:
         """The silent vehicle for which it has waited `SHUT_OUT_S`, with no way round; None when there is none."""
-        since_s, at = self._held_up_s, self._blocked_at
-        if since_s is None or self._blocked is not Blocked.SILENT or not self.is_placed:
+        waited_s, at = self.wait.for_silent_s(now_s), self.wait.at
+        if self.errand is not Errand.OWN or not self.is_placed or waited_s < SHUT_OUT_S:
             return None
-        waited_s = now_s - max(since_s, self._silent_since_s)
-        if self.errand is not Errand.OWN or waited_s < SHUT_OUT_S:
+        if not any(at in group for group in self._groups()):
             return None
-        ahead = pairwise((self.way.base_end, *self.way.beyond))
-        first = [lane for lane in ahead if at in self._places.needs(*lane)][:1]
-        if not first or not any(at in group for group in self._groups()):
-            return None
-        lanes = dict.fromkeys((*first, *self._places.entries(at)))
-        return ShutOut(self._blocked_by, tuple(lanes), waited_s)
+        return self.shut_out_by(self.wait.by, (at,), waited_s)
 
-    def shut_out_by(self, by: str, holds: Collection[str]) -> ShutOut | None:
-        """How a stuck vehicle that holds these places shuts this one out; None when its way does not need them."""
-        for lane in pairwise((self.way.base_end, *self.way.beyond)):
-            for place in self._places.needs(*lane):
-                if place in holds:
-                    return ShutOut(by, tuple(dict.fromkeys((lane, *self._places.entries(place)))), 0.0)
+    def shut_out_by(self, by: str, holds: Collection[str], waited_s: float = 0.0) -> ShutOut | None:
+        """How a vehicle that holds these places, and does not move, shuts this one out; None when its way does not need them."""
+        for place, lane in self.way.lanes_to().items():
+            if place in holds:
+                return ShutOut(by, tuple(dict.fromkeys((lane, *self._places.entries(place)))), waited_s)
         return None
 
     @property
@@ -332,7 +282,7 @@ class RightOfWay:
         self.goal = goal
         self.docked = self._rests = False
         self._rank = (rank_class, now_s, self.atv)
-        self._held_up_s, self.waited_at_goal_s = None, 0.0
+        self.wait.begin_leg()
         self._went_round = frozenset()
         self._yielding.begin_leg()
         if self.errand is Errand.OWN:
@@ -405,7 +355,9 @@ class RightOfWay:
         self._outlook.note(granted, now_s)
         if self._asked and granted.removal == self.removal and self.requests.is_answered(granted):
             self._asked -= {reservation.place for reservation in granted.grants}
-        self._note_hindrance(granted, now_s)
+        groups = self._groups()
+        if groups and self._places.district_of[groups[0][0]] == granted.district:
+            self.wait.note(granted, now_s)
         unwanted = False
         if not self._obeys:
             self.way.keep(fresh)
@@ -426,27 +378,25 @@ class RightOfWay:
         """Handle a witness's confirmation."""
         if not self.requests.on_confirmed(sender, confirmed):
             self._life.ignore("a confirmation by an agent that is not the witness")
-        self._take_missed(confirmed.district, now_s)
+        self._take_believed(confirmed.district, now_s)
 
     def repeat_request(self, district: str, now_s: float) -> None:
         """Repeat the request to a district, whose alarm has come."""
         groups = self._groups_in(district, self._groups())
         self.requests.repeat(district, self._holds_in(district), groups, self._state(now_s), now_s)
-        self._take_missed(district, now_s)
+        self._take_believed(district, now_s)
 
-    def _take_missed(self, district: str, now_s: float) -> bool:
-        missed = self.requests.take_missed(district)
-        if missed is not None:
-            self.on_granted(*missed, now_s)
-        return missed is not None
+    def _take_believed(self, district: str, now_s: float) -> bool:
+        answer = self.requests.take_believed(district)
+        if answer is not None:
+            self.on_granted(*answer, now_s)
+        return answer is not None
 
     def on_silence_told(self, now_s: float) -> None:
         """A replica has reported silent vehicles: look for another way, once on each leg for each place of theirs."""
         if self.errand is not Errand.OWN or self.docked or self.way.base_end == self.way.goal:
             return
-        ahead = (self.way.base_end, *self.way.beyond)
-        needed = {place for lane in pairwise(ahead) for place in self._places.needs(*lane)}
-        met = needed & self._surroundings.silent_at(now_s)
+        met = self.way.lanes_to().keys() & self._surroundings.silent_at(now_s)
         if met <= self._went_round:
             return
         self._went_round |= met
@@ -486,7 +436,7 @@ class RightOfWay:
 
     def on_yield_refused(self, sender: str, refused: YieldRefused, now_s: float) -> None:
         """The vehicle in the way has no refuge: make room itself, or pass the refusal on."""
-        if not self._can_yield or self._held_up_s is None or self.errand is Errand.REST:
+        if not self._can_yield or not self.wait.is_on or self.errand is Errand.REST:
             return
         inherited = self._yielding.of(now_s)
         chain = inherited.chain if inherited is not None else ()
@@ -504,7 +454,7 @@ class RightOfWay:
             # It is not known yet where the body goes; the poll will ask again.
             return
         is_to_tell = self.requests.on_holds_asked(sender, asked, settles=self._obeys)
-        if self._take_missed(asked.district, now_s):
+        if self._take_believed(asked.district, now_s):
             return
         if not is_to_tell:
             return
@@ -517,10 +467,9 @@ class RightOfWay:
 
     def reroute(self, now_s: float) -> None:
         """After a while held up, raise the rank and look for a better way."""
-        if self._held_up_s is None or self.docked:
+        if not self.wait.is_on or self.docked:
             return
-        if now_s - max(self._held_up_s, self._aged_s) >= AGES_EVERY_S and self._blocked is Blocked.WAIT:
-            self._aged_s = now_s
+        if self.wait.ages(now_s):
             self._rank = (self._rank[0], self._rank[1] - AGES_BY_S, self.atv)
         if self.errand is Errand.OWN:
             way = self._ways.way(self.way.node, self.goal, self._outlook.prices(now_s))
@@ -611,26 +560,16 @@ class RightOfWay:
 
     def _drive_on(self, now_s: float) -> None:
         """Let the body drive the base, which has grown."""
-        self._note_wait(now_s)
+        waited_s = self._end_wait(now_s, at_goal=self.way.base_end == self.goal)
+        if waited_s > 1.0 and self.way.base:
+            self._outlook.waited(self._places.place_of(self.way.base[0]), waited_s, now_s)
         self._life.instruct(self._wheels.drive(self.way, self._speed_mps))
 
-    def _note_hindrance(self, granted: PlaceGranted, now_s: float) -> None:
-        """Note why a table does not grant the next group."""
-        groups = self._groups()
-        if groups and self._places.district_of[groups[0][0]] == granted.district:
-            if self._blocked is not Blocked.SILENT or self._blocked_by != granted.by:
-                self._silent_since_s = now_s
-            self._blocked, self._blocked_by, self._blocked_at = granted.blocked, granted.by, granted.at
-
-    def _note_wait(self, now_s: float) -> None:
-        if self._held_up_s is not None:
-            waited_s = now_s - self._held_up_s
-            if self.way.base_end == self.goal:
-                self.waited_at_goal_s += waited_s
-            if waited_s > 1.0 and self.way.base:
-                self._outlook.waited(self._places.place_of(self.way.base[0]), waited_s, now_s)
-            self._held_up_s = None
+    def _end_wait(self, now_s: float, *, at_goal: bool = False) -> float:
+        """End the wait, if it waits; the time (s) that it has waited."""
+        if self.wait.is_on:
             self._life.cancel(HELD_UP)
+        return self.wait.end_wait(now_s, at_goal=at_goal)
 
     # --- requests ----------------------------------------------------------------------------------
 
@@ -651,12 +590,11 @@ class RightOfWay:
         groups = self._groups()
         wanted_in = self._places.district_of[groups[0][0]] if groups else ""
         if self.way.stands and groups:
-            if self._held_up_s is None:
-                self._held_up_s = now_s
+            if not self.wait.is_on:
+                self.wait.begin_wait(now_s)
                 self._life.alarm(HELD_UP, now_s + self._patience_s)
-        elif self._held_up_s is not None:
-            self._held_up_s = None
-            self._life.cancel(HELD_UP)
+        else:
+            self._end_wait(now_s)
         state = self._state(now_s)
         districts = dict.fromkeys(self._places.district_of[place] for place in self.way.held)
         told = dict.fromkeys((*districts, wanted_in, *self.requests.districts, anew_in, asked_in))

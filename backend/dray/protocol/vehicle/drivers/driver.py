@@ -19,7 +19,7 @@ from dray.messages import AtvHeartbeat, Pose
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import Plant, Routes
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving.right_of_way import ShutOut
+from dray.protocol.traffic.driving.wait import ShutOut
 
 ORDERS_PER_LIFE = 1_000_000
 """Order numbers per incarnation, so that late reports to an earlier life are recognised."""

@@ -16,7 +16,8 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.driving.place_requests import Sign
-from dray.protocol.traffic.driving.right_of_way import IDLE, WITH_TASK, Errand, RightOfWay, ShutOut
+from dray.protocol.traffic.driving.right_of_way import IDLE, WITH_TASK, Errand, RightOfWay
+from dray.protocol.traffic.driving.wait import ShutOut
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limited_s
@@ -258,8 +259,8 @@ class ReservedDriver(Driver):
             stands=hint.stands,
             docked=hint.docked,
             waits=self.right_of_way.is_hindered,
-            waits_for=self.right_of_way.waits_for,
-            waits_at=self.right_of_way.waits_at,
+            waits_for=self.right_of_way.wait.by,
+            waits_at=self.right_of_way.wait.at,
             rank=hint.rank,
             asks_where_it_stands=not self.is_placed,
             removal=self.right_of_way.removal,
@@ -302,7 +303,7 @@ class ReservedDriver(Driver):
         if self._leg is not None:
             begun_s, alone_s = self._leg
             # Waiting behind vehicles at the dock is counted separately (`dock_queues`).
-            took_s = now_s - begun_s - self.right_of_way.waited_at_goal_s
+            took_s = now_s - begun_s - self.right_of_way.wait.at_goal_s
             frac = min(max(alone_s / max(took_s, alone_s), SLOWEST_PACE_FRAC), 1.0)
             self._pace_frac += PACE_GAIN * (frac - self._pace_frac)
             self._leg = None

@@ -39,7 +39,7 @@ from dray.messages.fact import PhaseEntered
 from dray.plant import Plant
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
-from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S
+from dray.protocol.traffic.driving.wait import SHUT_OUT_S
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import JobMessages
 from dray.protocol.vehicle.job.job_moves import JobMoves
