@@ -73,6 +73,7 @@ class DockWorld:
         self.life, self.seq = 1, 0
         self.is_here, self.knows, self.has_load, self.is_moving = True, True, not takes, False
         self.has_moved = self.is_forgotten = self.is_void = self.is_deaf = self.has_told = False
+        self.has_left_empty = False
         self.lost_notes = 0
         self.loads, self.moved = 1, dict[str, int]()
         self.elsewhere = ""
@@ -181,11 +182,12 @@ class DockWorld:
         doing = beat.task
         if doing is not None:
             doing = replace(doing, phase=phase, item=self.item, quantity=self.pieces)
-        node = self.rig.agent._plant.node_of(self.machine) if self.is_here else "far"
-        load = (self.item, self.pieces) if self.has_load else ("", 0)
-        return replace(
-            beat, task=doing, incarnation=self.life, node=node, load=load[0], load_quantity=load[1]
+        dock = self.rig.agent._plant.node_of(self.machine)
+        beat = replace(
+            beat, node=dock if self.is_here else "far", left_empty=dock if self.has_left_empty else ""
         )
+        load = (self.item, self.pieces) if self.has_load else ("", 0)
+        return replace(beat, task=doing, incarnation=self.life, load=load[0], load_quantity=load[1])
 
     def is_silent(self) -> None:
         """It is not heard for a while, and hears nothing."""
@@ -219,6 +221,7 @@ class DockWorld:
         if self.knows and not (self.has_moved or self.is_void):
             return
         self.is_here = False
+        self.has_left_empty = self.is_forgotten and not self.has_load
 
     def comes_back(self) -> None:
         """It comes for a second load."""
@@ -226,7 +229,7 @@ class DockWorld:
             self.tells()
             self.task, self.elsewhere, self.loads = "PRESS1-2", "", 2
             self.is_here = self.knows = True
-            self.has_moved = self.is_void = False
+            self.has_moved = self.is_void = self.has_left_empty = False
             self.rig.on_message("PRESS1", StockAsked(self.task, 1, self.item, self.pieces))
             self.asks()
 
