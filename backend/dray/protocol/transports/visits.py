@@ -203,10 +203,12 @@ class Visits:
         """The dock was opened for a vehicle."""
         visit = self._visits.get(load.vehicle)
         if visit is None or not visit.is_of(load):
-            visit = self._put(load, Stage.INSIDE)
-        visit.stage = Stage.INSIDE
-        if visit.is_followed:
+            self._put(load, Stage.INSIDE)
+        elif visit.is_followed:
+            visit.stage = Stage.INSIDE
             self._life.commit()
+        else:
+            visit.load = load
 
     def expect(self, load: DepartureMemory, now_s: float) -> None:
         """A vehicle stands here to take a load for another place. Repeating this is harmless."""
@@ -285,7 +287,11 @@ class Visits:
         is_same = not docked.item or load.item in ("", docked.item)
         if not load.task and load.change <= 0 and is_same and not unloads:
             # It may still load for what it was let in for.
-            visit.load = replace(load, task=docked.task, epoch=docked.epoch)
+            load = replace(asked, item=docked.item or load.item, change=load.change or asked.change)
+            named = self._put(load, Stage.INSIDE)
+            named.heard_s = now_s
+            if load.change and not self.counts:
+                self._follow(named)
         elif load.change < 0:
             has_it = unloads and docked.item == load.item
             self._end(visit, moved=has_it or not (was_heard or load.ended), docks=True)
