@@ -256,8 +256,6 @@ class DepartureMemory(Part, frozen=True):
     """Of a load that it may take for another place; empty where none is known."""
     ended: bool = False
     """Whether it named the task no more before the dock was opened for it."""
-    counted: int = 0
-    """Pieces that it puts back, and that the body counts by itself: they need room, and are not booked."""
 
 
 class ReservationMemory(Part, frozen=True):

@@ -1,11 +1,11 @@
-"""One machine whose body does not count, one vehicle, and one load at its dock: what lies there, and what is in the books."""
+"""One machine, one vehicle, and one load at its dock: what lies there, and what is in the books."""
 
 from __future__ import annotations
 
 from effects import committed, instructed, sent
 from m7 import NO_HOUSINGS
 from msgspec.structs import replace
-from rigs import BlindRig
+from rigs import MachineRig
 from spoken import production, rhb
 
 from dray.body import Book, CloseDock, DockReady, OpenDock, StockChanged
@@ -35,8 +35,8 @@ CART = "ATV2"
 LEVELS = shipped_plant("levels")
 
 
-class DockRig(BlindRig):
-    """A machine whose body books each report of a vehicle once, and answers at once."""
+class DockRig(MachineRig):
+    """A machine whose body books each report of a vehicle once, and answers at once, or counts."""
 
     world: DockWorld
 
@@ -53,6 +53,7 @@ class DockWorld:
     Args:
         takes: whether it takes its load; otherwise it brings it.
         answers: whether the dock takes time to open.
+        counts: whether the body counts what is moved; otherwise it books what it is told.
 
     Attributes:
         loads: how many loads the vehicle has come for.
@@ -61,8 +62,8 @@ class DockWorld:
         lost_notes: how often the machine's agent has lost its notes since then.
     """
 
-    def __init__(self, *, takes: bool, answers: bool) -> None:
-        self.takes, self.answers = takes, answers
+    def __init__(self, *, takes: bool, answers: bool, counts: bool = False) -> None:
+        self.takes, self.answers, self.counts = takes, answers, counts
         self.machine = "LATHE1" if takes else "M7"
         self.plant: Plant | None = LEVELS if takes else None
         self.task, self.item, self.pieces = ("PRESS1-1", "shaft", 6) if takes else ("M7-1", "housing", 24)
@@ -88,7 +89,7 @@ class DockWorld:
     def _start(self, incarnation: int, memory: Memory) -> DockRig:
         options = {} if self.plant is None else {"plant": self.plant}
         rig = DockRig(self.machine, self.stock, incarnation=incarnation, **options)
-        rig.world, rig.memory, rig.answers = self, memory, self.answers
+        rig.world, rig.memory, rig.answers, rig.counts = self, memory, self.answers, self.counts
         before = getattr(self, "rig", None)
         if before is not None:
             rig.now_s, rig.seq, rig.stock = before.now_s, before.seq, before.stock
@@ -122,13 +123,17 @@ class DockWorld:
         return []
 
     def _book(self, book: Book) -> list[Effect]:
+        assert not self.counts
+        return self.rig.report(self._counted(book))
+
+    def _counted(self, book: Book) -> StockChanged:
         self.opened.pop(book.vehicle, None)
         key = (book.vehicle, book.task, book.epoch, book.change > 0)
         if key not in self.answered:
             self.rig.stock[book.item] += book.change
             self.rig.seq += 1
             self.answered[key] = StockChanged(book.item, book.change, self.rig.seq, book.vehicle)
-        return self.rig.report(self.answered[key])
+        return self.answered[key]
 
     # --- what may happen ---
 
@@ -147,7 +152,9 @@ class DockWorld:
         """Its body moves the load."""
         if self.is_moving:
             self.has_load, self.is_moving, self.has_moved = self.takes, False, True
-            self.moved[self.task] = -self.pieces if self.takes else self.pieces
+            self.moved[self.task] = change = -self.pieces if self.takes else self.pieces
+            if self.counts:
+                self.rig.report(self._counted(Book(CART, self.item, change, task=self.task, epoch=1)))
 
     def tells(self) -> None:
         """Its heartbeat is heard, and its coordinator answers what it is asked."""

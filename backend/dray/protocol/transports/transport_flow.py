@@ -12,8 +12,6 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from msgspec.structs import replace
-
 from dray.body import DockReady, StockChanged, StorageState, WorkcellState
 from dray.memory import DepartureMemory, Memory, TaskMemory
 from dray.messages import (
@@ -184,8 +182,7 @@ class TransportFlow:
         if not is_kept and not counts:
             self._life.ignore(NOT_KEPT)
         quantity = docked.quantity if is_kept else 0
-        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item)
-        load = replace(load, counted=quantity) if counts else replace(load, change=quantity)
+        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
         if counts and not self.visits.answers:
             self.visits.take_back(load, now_s)
             self.door.agree(vehicle, docked)
@@ -418,7 +415,7 @@ class TransportFlow:
         """Pieces that are brought back here, or whose transport has ended: a vehicle may put them down, or the body may book them."""
         loads = (*self.visits.loads(), *self.bookings.memories())
         return sum(
-            max(0, load.change) + load.counted
+            max(0, load.change)
             for load in loads
             if load.item == item and (load.returns or self.tasks.get(load.task) is None)
         )

@@ -212,7 +212,7 @@ class Visits:
 
     def expect(self, load: DepartureMemory, now_s: float) -> None:
         """A vehicle stands here to take a load for another place. Repeating this is harmless."""
-        if self.counts:
+        if self.counts and not self.answers:
             return
         visit = self._visits.get(load.vehicle)
         if visit is None or not visit.is_of(load):
@@ -290,7 +290,7 @@ class Visits:
             load = replace(asked, item=docked.item or load.item, change=load.change or asked.change)
             named = self._put(load, Stage.INSIDE)
             named.heard_s = now_s
-            if load.change and not self.counts:
+            if load.change:
                 self._follow(named)
         elif load.change < 0:
             has_it = unloads and docked.item == load.item
@@ -331,8 +331,8 @@ class Visits:
     def note_brought(self, vehicle: str) -> None:
         """What a vehicle has brought is in the books: it needs no more room, and there is nothing else to report."""
         visit = self._visits.get(vehicle)
-        if visit is not None and visit.load.counted:
-            visit.load = replace(visit.load, counted=0)
+        if visit is not None and visit.load.change > 0 and self.counts:
+            visit.load = replace(visit.load, change=0)
             self._life.commit()
         self.forget_owed(vehicle)
 
@@ -371,7 +371,7 @@ class Visits:
             visit.heard_s = now_s
         elif (moved := self._has_moved(visit, heartbeat, was_heard=was_heard)) is not None:
             self._end(visit, moved=moved)
-        elif visit.load.coordinator:
+        elif visit.load.coordinator and not self.counts:
             self._ask(visit, now_s, is_here=heartbeat.node == self._node)
         else:
             self._end(visit, moved=visit.load.change < 0)
@@ -494,9 +494,9 @@ class Visits:
         """A vehicle has left, with its load moved or not; it stands here again if it `docks`."""
         load, stage, vehicle = visit.load, visit.stage, visit.load.vehicle
         moved = moved and stage is not Stage.WAITS
-        if moved and load.change:
+        if moved and load.change and not self.counts:
             self._bookings.say(load)
-        elif load.change > 0 and not load.returns:
+        elif load.change > 0 and not (load.returns or self.counts):
             self._owed[vehicle, load.task, load.epoch] = load
         self._forget(vehicle)
         if vehicle in self.asked and self.asked[vehicle].load.task == load.task:
