@@ -102,6 +102,11 @@ class Visit:
         self.heard_s = self.asked_s = -NEVER_S
         self.named_in = 0
 
+    @property
+    def takes(self) -> bool:
+        """Whether it may take a load; otherwise it may bring one, or nothing is to be booked."""
+        return self.load.change < 0
+
     def is_of(self, load: DepartureMemory) -> bool:
         """Whether it is a visit for this load, in this direction."""
         is_it = (self.load.task, self.load.epoch) == (load.task, load.epoch)
@@ -114,11 +119,10 @@ class Visit:
 
     def memory(self) -> DepartureMemory:
         """The record for the next life, in which the dock may have been opened for a load to take."""
-        takes = self.load.change < 0
         return replace(
             self.load,
-            let_in=takes or self.stage is not Stage.WAITS,
-            permitted=self.stage is Stage.INSIDE or (takes and self.stage is Stage.WAITS),
+            let_in=self.takes or self.stage is not Stage.WAITS,
+            permitted=self.stage is Stage.INSIDE or (self.takes and self.stage is Stage.WAITS),
             gone=self.stage is Stage.GONE,
         )
 
@@ -181,7 +185,7 @@ class Visits:
     def waits_for(self, vehicle: str) -> bool:
         """Whether the dock is shut once a vehicle has left, whose permission has ended or is for a returned load."""
         visit = self._visits.get(vehicle)
-        may_take = visit is not None and visit.load.change < 0 and visit.stage in (Stage.WAITS, Stage.INSIDE)
+        may_take = visit is not None and visit.takes and visit.stage in (Stage.WAITS, Stage.INSIDE)
         return visit is not None and visit.is_followed and not may_take
 
     def loads(self) -> tuple[DepartureMemory, ...]:
@@ -245,7 +249,7 @@ class Visits:
             # No moving dock can hurt the vehicle: close at once, and wait only for its load.
             self._close(visit.load.vehicle)
             if self.counts:
-                del self._visits[visit.load.vehicle]
+                self._forget(visit.load.vehicle)
                 return
         is_unnoted = not visit.load.task
         if not visit.is_followed:
@@ -261,7 +265,7 @@ class Visits:
         if visit is None or visit.stage is not Stage.INSIDE or visit.load.task not in ("", task):
             return
         if visit.is_followed:
-            visit.stage = Stage.LEAVING
+            visit.stage, visit.load = Stage.LEAVING, replace(visit.load, change=0)
             self._life.commit()
         else:
             self._forget(vehicle)
@@ -292,7 +296,7 @@ class Visits:
             named.heard_s = now_s
             if load.change:
                 self._follow(named)
-        elif load.change < 0:
+        elif visit.takes:
             has_it = unloads and docked.item == load.item
             self._end(visit, moved=has_it or not (was_heard or load.ended), docks=True)
         else:
@@ -364,7 +368,7 @@ class Visits:
             visit.heard_s, visit.named_in = now_s, heartbeat.incarnation
         if not visit.is_followed:
             return
-        if visit.load.change < 0 and (names or visit.stage is Stage.WAITS):
+        if visit.takes and (names or visit.stage is Stage.WAITS):
             self._mark(visit, ended=not names)
         was_heard = self._was_heard(visit, now_s)
         if self._is_here_still(visit, heartbeat, was_heard=was_heard):
@@ -374,7 +378,7 @@ class Visits:
         elif visit.load.coordinator and not self.counts:
             self._ask(visit, now_s, is_here=heartbeat.node == self._node)
         else:
-            self._end(visit, moved=visit.load.change < 0)
+            self._end(visit, moved=visit.takes)
 
     def on_word(self, load: DepartureMemory, node: str) -> None:
         """A vehicle says at a node what it moves: taken for the load for which an earlier life without notes let it in here.
@@ -382,7 +386,7 @@ class Visits:
         What the body remembers as a load to take keeps the name under which it is booked.
         """
         visit = self._visits.get(load.vehicle)
-        if visit is None or not visit.is_followed or visit.load.task or visit.load.change < 0:
+        if visit is None or not visit.is_followed or visit.load.task or visit.takes:
             return
         if node == self._node and not self.counts:
             visit.load, visit.stage = load, Stage.LEAVING
@@ -428,7 +432,7 @@ class Visits:
     def _is_here_still(self, visit: Visit, heartbeat: AtvHeartbeat, *, was_heard: bool) -> bool:
         """Whether a vehicle has not left yet; one that is heard elsewhere and may load still has not come yet."""
         load, stage, carries = visit.load, visit.stage, heartbeat.task
-        takes, names, has_it = load.change < 0, visit.is_named(heartbeat), _has(heartbeat, load.item)
+        takes, names, has_it = visit.takes, visit.is_named(heartbeat), _has(heartbeat, load.item)
         phase = None if carries is None else carries.phase
         if takes and names and stage is not Stage.LEAVING and phase not in GOODS_ABOARD and not has_it:
             return True
@@ -448,9 +452,9 @@ class Visits:
         stands = is_here and carries is None and not is_gone
         if heartbeat.left_empty == self._node:
             return load.change > 0
-        if load.change < 0 and names:
+        if visit.takes and names:
             return has_it or phase in GOODS_ABOARD
-        if load.change < 0:
+        if visit.takes:
             if has_it and not is_gone and (is_here or was_heard or not load.ended):
                 return True
             return False if was_heard or load.ended or stands else None
@@ -501,9 +505,9 @@ class Visits:
         self._forget(vehicle)
         if vehicle in self.asked and self.asked[vehicle].load.task == load.task:
             self.forget_request(vehicle)
-        if docks and (moved or (load.change < 0 and stage is Stage.INSIDE)):
+        if docks and (moved or (visit.takes and stage is Stage.INSIDE)):
             return  # A body shuts its dock when it books, and opens it anew.
-        if load.change < 0 and stage is Stage.INSIDE and not (moved or self.answers):
+        if visit.takes and stage is Stage.INSIDE and not (moved or self.answers):
             # No moving dock can hurt it: it may come back as long as it has a permission.
             self._put(DepartureMemory(vehicle, load.task, load.epoch), Stage.INSIDE)
         else:
