@@ -102,7 +102,7 @@ class MaterialFlow(TransportFlow):
         visits = visits_of(memory)
         self.visits.restore(visits)
         self.bookings.restore(memory.booked)
-        for load in visits:
+        for load in () if self.visits.counts else visits:
             if load.task and load.change < 0 and (load.permitted or load.coordinator):
                 item, pieces, epoch, vehicle = load.item, -load.change, load.epoch, load.vehicle
                 fetched = ReservationMemory(load.task, epoch, item, pieces, load.coordinator, vehicle, epoch)

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from msgspec.structs import replace
-
 from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.messages.base import COUNT_MAX
@@ -115,20 +113,17 @@ class Recovery:
         material comes; whatever else it carries here is from here.
         """
         brief, pieces = heartbeat.task, heartbeat.load_quantity
-        if (
-            brief is None
-            or self._tasks.get(brief.task) is not None
-            or self._tasks.closed(brief.task) is not None
-        ):
+        if brief is None or self._tasks.get(brief.task) or self._tasks.closed(brief.task):
             return None
-        load = DepartureMemory(heartbeat.atv, brief.task, brief.epoch, brief.item)
         comes = brief.coordinator == self._place and brief.item in self._items
-        if brief.phase is Phase.HANDING_OVER and comes and self.is_listening_for_all:
-            return replace(load, change=brief.quantity)
         is_there = heartbeat.load == brief.item and 0 < pieces <= self._stock.level(brief.item)
-        if brief.phase is Phase.CARRYING and is_there and not comes:
-            return replace(load, change=-pieces)
-        return None
+        if brief.phase is Phase.HANDING_OVER and comes and self.is_listening_for_all:
+            change = brief.quantity
+        elif brief.phase is Phase.CARRYING and is_there and not comes:
+            change = -pieces
+        else:
+            return None
+        return DepartureMemory(heartbeat.atv, brief.task, brief.epoch, brief.item, change)
 
     def _carries_already(self, atv: str) -> bool:
         """Whether a vehicle has a contract already: one vehicle has at most one."""
