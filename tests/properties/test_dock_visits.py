@@ -35,6 +35,7 @@ STEPS = (
     counts=st.sampled_from((False, False, True)),
 )
 @example(steps=["forgets", "machine_restarts"], takes=True, answers=True, counts=False)
+@example(steps=["forgets"], takes=True, answers=True, counts=True)
 @example(
     steps=["is_ready", "tells", "machine_restarts", "tells", "gives_back"],
     takes=False,
