@@ -112,7 +112,7 @@ class Contract(Part, frozen=True):
     """Number of times that the gate of the delivery warehouses refused the load."""
 
 
-class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
+class MachineMemory(Part, tag_field="kind", tag="machine", rename={"visits": "leaving"}, frozen=True):
     """A machine's commitments."""
 
     goals: tuple[GoalMemory, ...] = ()
@@ -132,9 +132,9 @@ class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
     put_away_count: int = 0
     """Put-away requests named so far; names continue from here."""
     let_in: tuple[ReservationMemory, ...] = ()
-    """Loads that other coordinators' vehicles may have taken, where the body does not count."""
-    leaving: tuple[DepartureMemory, ...] = ()
-    """Vehicles that may still be at its dock after their permission has ended."""
+    """Loads that other coordinators' vehicles may have taken, in notes of older versions (`visits_of`)."""
+    visits: tuple[DepartureMemory, ...] = ()
+    """Vehicles at its dock whose loads are not decided yet."""
     booked: tuple[DepartureMemory, ...] = ()
     """Transfers of vehicles that were sent to the body for booking and not answered yet."""
     problem: ProblemMemory | None = None
@@ -221,7 +221,7 @@ class TaskMemory(Part, rename={"forgotten_aboard": "left_aboard"}, frozen=True):
     """While it is held: the load that its last carrier may have put down, and that nobody else can tell of."""
 
 
-class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
+class StationMemory(Part, tag_field="kind", tag="station", rename={"visits": "leaving"}, frozen=True):
     """A storage station's commitments. Its queue is not kept, because waiting vehicles ask again."""
 
     reserved: tuple[ReservationMemory, ...] = ()
@@ -230,7 +230,7 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
     """Answered commands, which it must not obey again."""
     let_in: tuple[ReservationMemory, ...] = ()
     """As a machine's."""
-    leaving: tuple[DepartureMemory, ...] = ()
+    visits: tuple[DepartureMemory, ...] = ()
     """As a machine's."""
     booked: tuple[DepartureMemory, ...] = ()
     """As a machine's."""
@@ -249,9 +249,13 @@ class DepartureMemory(Part, frozen=True):
     returns: bool = False
     """Whether it waits there to put its load back."""
     gone: bool = False
-    """Whether it has left, and only its own report can tell that the load lies there."""
-    counted: int = 0
-    """Pieces that it puts back, and that the body counts by itself: they need room, and are not booked."""
+    """Whether it has left, and only its own report can tell that the load lies there, or its coordinator that it was fetched."""
+    permitted: bool = False
+    """Whether the permission for which the dock was opened stands."""
+    coordinator: str = ""
+    """Of a load that it may take for another place; empty where none is known."""
+    ended: bool = False
+    """Whether it named the task no more before the dock was opened for it."""
 
 
 class ReservationMemory(Part, frozen=True):
@@ -267,9 +271,30 @@ class ReservationMemory(Part, frozen=True):
     opened: int = 0
     """The epoch of the task in which it was opened; 0 before."""
     ended: bool = False
-    """Whether the vehicle named the task no more before the dock was opened for it."""
+    """See `DepartureMemory`; in notes of older versions."""
     gone: bool = False
-    """Whether the vehicle was heard elsewhere afterwards, without the load."""
+    """See `DepartureMemory`; in notes of older versions."""
+
+
+def visits_of(note: MachineMemory | StationMemory) -> tuple[DepartureMemory, ...]:
+    """The visits at a dock in a note. An older version noted loads to take apart, beside the vehicles whose permission had ended."""
+    ended = {each.vehicle for each in note.visits if not each.gone}
+    taken = tuple(
+        DepartureMemory(
+            each.vehicle,
+            each.task,
+            each.opened,
+            each.item,
+            -each.quantity,
+            gone=each.gone,
+            permitted=each.vehicle not in ended,
+            coordinator=each.coordinator,
+            ended=each.ended,
+        )
+        for each in note.let_in
+    )
+    known = {each.vehicle for each in taken}
+    return (*taken, *(each for each in note.visits if each.gone or each.vehicle not in known))
 
 
 class TransportMemory(Part, tag_field="kind", tag="transport_called", frozen=True):

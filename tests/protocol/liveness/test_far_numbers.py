@@ -23,7 +23,6 @@ from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OrderBook
 from dray.protocol.strategist.peers import PEER_SILENCE_S, Peers
 from dray.protocol.transports.bookings import Bookings
-from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.visits import Visits
 
 Hears = Callable[[int, int, float], object]
@@ -65,18 +64,13 @@ def of_a_strategist() -> Hears:
 
 def of_a_vehicle_that_leaves() -> Hears:
     life_of = Life("M7")
-    departures = Departures(
-        PLANT.node_of("M7"),
-        Visits(),
-        HeartbeatSubscriptions(KEYS.atv_heartbeat, life_of),
-        Bookings(life_of),
-        life_of,
-    )
+    heard = HeartbeatSubscriptions(KEYS.atv_heartbeat, life_of)
+    visits = Visits(PLANT.node_of("M7"), heard, Bookings(life_of), life_of)
 
     def hears(life: int, seq: int, now_s: float) -> bool:
-        departures.watch(DepartureMemory("ATV1"))
+        visits.restore([DepartureMemory("ATV1")])
         life_of.effects.clear()
-        departures.on_vehicle(replace(rhb("ATV1", seq, now_s), incarnation=life), now_s)
+        visits.on_vehicle(replace(rhb("ATV1", seq, now_s), incarnation=life), now_s)
         return bool(instructed(life_of.effects, CloseDock))
 
     return hears

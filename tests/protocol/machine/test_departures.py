@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import msgspec
 import pytest
 from defaults import PLANT
 from dock_parts import dock_parts
@@ -16,7 +17,7 @@ from spoken import production, rhb
 
 from dray.adapters.security.signing import is_signed
 from dray.body import Book, CloseDock, DockReady, OpenDock, StockChanged
-from dray.memory import DepartureMemory
+from dray.memory import DepartureMemory, MachineMemory, visits_of
 from dray.messages import (
     Docked,
     DockHeld,
@@ -43,9 +44,9 @@ from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import LISTEN_S
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.bookings import Bookings
-from dray.protocol.transports.departures import UNHEARD_S, Departures
 from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.transports import RECOVERY_WAIT_S
+from dray.protocol.transports.visits import UNHEARD_S, Visits
 
 DOCK = "m7"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
@@ -80,9 +81,11 @@ def beats(
     return rig.on_message("ATV2", replace(beat, task=doing, node=node, load=load[0], load_quantity=load[1]))
 
 
-def alone(life: Life) -> tuple[Door, Departures]:
+def alone(life: Life) -> tuple[Door, Visits]:
     """Of a dock, without an agent."""
-    return dock_parts(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, life), life)
+    door, visits = dock_parts(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, life), life)
+    visits.counts = False
+    return door, visits
 
 
 def test_a_vehicle_that_goes_away_with_its_load_has_the_dock_until_it_has_left() -> None:
@@ -134,7 +137,7 @@ def test_what_the_body_of_a_vehicle_without_memory_puts_down_before_it_drives_of
 def test_a_vehicle_that_lost_its_memory_and_brings_the_found_load_back_has_taken_it() -> None:
     life = Life()
     _, departures = alone(life)
-    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "shaft", -24))
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
     beat = rhb("ATV2", 1, 0.0, task="M7-1", coordinator="M7")
     assert beat.task is not None
     beat = replace(beat, node=DOCK, task=replace(beat.task, phase=Phase.LOADING))
@@ -206,14 +209,14 @@ def test_what_a_vehicle_may_have_taken_while_it_was_not_heard_is_booked_out() ->
 TAKEN = [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
 
 
-def loads(departures: Departures, *, life: int, at_s: float, names: bool = False) -> None:
+def loads(departures: Visits, *, life: int, at_s: float, names: bool = False) -> None:
     """ATV2 loads 24 shafts at the dock; only a life that remembers it names the task."""
     beat = rhb("ATV2", int(at_s) + 1, at_s, task="M7-1" if names else "", coordinator="M7")
     doing = None if beat.task is None else replace(beat.task, phase=Phase.LOADING)
     departures.on_vehicle(replace(beat, node=DOCK, incarnation=life, task=doing), at_s)
 
 
-def leaves(departures: Departures, *, life: int, at_s: float, aboard: bool) -> None:
+def leaves(departures: Visits, *, life: int, at_s: float, aboard: bool) -> None:
     """ATV2 drives off without the task."""
     beat = rhb("ATV2", int(at_s) + 1, at_s, task="ATV2-found-7" if aboard else "")
     doing = None if beat.task is None else replace(beat.task, phase=Phase.RETURNING)
@@ -245,7 +248,7 @@ def test_the_body_of_a_vehicle_that_lost_its_memory_may_go_on_loading(
 def test_a_vehicle_that_has_ended_its_task_at_the_dock_does_not_load_there_any_more() -> None:
     life = Life()
     _, departures = alone(life)
-    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "shaft", -24))
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
     loads(departures, life=1, at_s=0.0, names=True)
     loads(departures, life=1, at_s=1.0)
     assert (instructed(life.effects, CloseDock), instructed(life.effects, Book)) == (SHUT, [])
@@ -307,7 +310,7 @@ def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
 def test_a_vehicle_that_was_carried_away_has_left() -> None:
     life = Life()
     _, departures = alone(life)
-    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "housing", 24)])
     departures.on_carried_away("ATV7")
     assert instructed(life.effects, CloseDock) == []
     departures.on_carried_away("ATV2")
@@ -518,7 +521,7 @@ def test_where_the_dock_opens_at_once_the_next_life_books_what_is_taken_in_doubt
     life = Life()
     door, departures = alone(life)
     door.visits.answers, door.visits.counts = False, False
-    door.restore(("ATV2",))
+    departures.restore_opened(("ATV2",))
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", change))
     assert instructed(life.effects, CloseDock) == SHUT
     # It names the task no more, and has such a load on board.
@@ -556,10 +559,10 @@ def test_a_vehicle_that_is_back_with_the_load_for_which_it_was_waited_is_not_let
     life = Life()
     _, departures = alone(life)
     load = DepartureMemory("ATV2", "M7-1", 1, "housing", 24)
-    departures.watch(load)
+    departures.restore([load])
     departures.take_back(load, 0.0)
     assert [each.let_in for each in departures.memories()] == [False]
-    departures.note_let_in("ATV2", "M7-1", 1)
+    departures.let_in(load)
     departures.take_back(load, 1.0)
     assert [each.let_in for each in departures.memories()] == [True]
 
@@ -614,7 +617,7 @@ def test_a_load_is_booked_when_its_vehicle_says_that_it_is_down_though_it_was_no
 def test_no_more_is_booked_than_its_vehicle_was_given() -> None:
     life = Life()
     _, departures = alone(life)
-    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "housing", 24)])
     departures.on_put_down("ATV2", "M7-1", 2, 24)
     departures.on_put_down("ATV2", "M8-1", 1, 24)
     assert instructed(life.effects, Book) == []
@@ -739,3 +742,30 @@ def test_a_load_for_which_an_earlier_life_may_have_opened_the_dock_is_booked_in_
     # Its report counts also once it has gone, and once.
     assert instructed(told_by_handover(rig), Book) == ([] if booked else BROUGHT)
     assert instructed(told_by_handover(rig), Book) == []
+
+
+def test_what_an_older_version_has_noted_of_loads_to_take_and_of_vehicles_that_leave_is_read() -> None:
+    taken = {"task": "P-1", "epoch": 1, "item": "shaft", "quantity": 6, "coordinator": "P", "vehicle": "ATV1"}
+    written = {
+        "kind": "machine",
+        "let_in": [
+            taken | {"opened": 2},
+            taken | {"vehicle": "ATV2", "opened": 3, "ended": True, "gone": True},
+        ],
+        "leaving": [
+            {"vehicle": "ATV1"},
+            {"vehicle": "ATV3", "task": "M7-1", "epoch": 1, "item": "housing", "change": 24},
+            {"vehicle": "ATV2", "task": "M7-2", "epoch": 1, "item": "housing", "change": 24, "gone": True},
+        ],
+    }
+    note = msgspec.convert(written, MachineMemory)
+    assert visits_of(note) == (
+        DepartureMemory("ATV1", "P-1", 2, "shaft", -6, coordinator="P"),
+        DepartureMemory(
+            "ATV2", "P-1", 3, "shaft", -6, gone=True, permitted=True, coordinator="P", ended=True
+        ),
+        DepartureMemory("ATV3", "M7-1", 1, "housing", 24),
+        DepartureMemory("ATV2", "M7-2", 1, "housing", 24, gone=True),
+    )
+    again = msgspec.convert(msgspec.to_builtins(MachineMemory(visits=visits_of(note))), MachineMemory)
+    assert visits_of(again) == visits_of(note)

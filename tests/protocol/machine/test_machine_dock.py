@@ -34,11 +34,11 @@ from dray.messages.keys import Keys
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.life import Life
-from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.dock_door import NOT_READY, SAFE_WITHIN_S, Door
+from dray.protocol.transports.visits import Visits
 
 
-def alone() -> tuple[Door, Departures, list[Effect]]:
+def alone() -> tuple[Door, Visits, list[Effect]]:
     """The door of a dock that makes itself safe, without an agent; who is waited for at it, and its effects."""
     life = Life()
     subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life)
@@ -184,7 +184,7 @@ def test_whoever_stands_behind_another_one_waits_from_its_turn_on() -> None:
     door, _, _ = alone()
     for now_s in (0.0, 25.0, 50.0, 75.0, 100.0):
         for vehicle in ("ATV1", "ATV2"):
-            if vehicle not in door.visits.inside:
+            if not door.visits.is_inside(vehicle):
                 door.open(vehicle, docked(), "housing", 24, now_s, comes=True)
         if now_s == 50.0:
             door.on_ready("ATV1", now_s)

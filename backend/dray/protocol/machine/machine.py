@@ -246,7 +246,7 @@ class Machine(AgentBase):
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)
-        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.door.visits.answers)
+        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.visits.answers)
         self._life.beat_soon(now_s)
         self.pursue(now_s)
 
@@ -275,8 +275,7 @@ class Machine(AgentBase):
             products=self._goals.products.memories(self._supply.level),
             put_away=self._flow.put_away.memories(),
             put_away_count=self._flow.put_away.count,
-            let_in=self._flow.booking_out.memories(),
-            leaving=self._flow.departures.memories(),
+            visits=self._flow.visits.memories(),
             booked=self._flow.bookings.memories(),
             problem=self._breakdown.memory,
         )

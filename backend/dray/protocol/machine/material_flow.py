@@ -13,7 +13,7 @@ from typing import cast
 from msgspec.structs import replace
 
 from dray.body import OpenDock, StockChanged, WorkcellState
-from dray.memory import DepartureMemory, MachineMemory, Memory, ReservationMemory
+from dray.memory import DepartureMemory, MachineMemory, Memory, ReservationMemory, visits_of
 from dray.messages import THING, Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -81,8 +81,6 @@ class MaterialFlow(TransportFlow):
             self._book,
             life,
             self.door,
-            self.departures,
-            self.booking_out,
             shutdown,
         )
         self.message_handlers |= self._issuing.message_handlers
@@ -101,12 +99,14 @@ class MaterialFlow(TransportFlow):
         self.task_count = memory.task_count
         self.put_away.restore(memory.put_away, memory.put_away_count, now_s)
         self.restore_tasks(memory.tasks, notes, now_s)
-        self.booking_out.restore(memory.let_in)
-        self.departures.restore(memory.leaving)
+        visits = visits_of(memory)
+        self.visits.restore(visits)
         self.bookings.restore(memory.booked)
-        for load in memory.let_in:
-            if load.task:
-                self._book.restore(load, (load.vehicle,), now_s)
+        for load in () if self.visits.counts else visits:
+            if load.task and load.change < 0 and (load.permitted or load.coordinator):
+                item, pieces, epoch, vehicle = load.item, -load.change, load.epoch, load.vehicle
+                fetched = ReservationMemory(load.task, epoch, item, pieces, load.coordinator, vehicle, epoch)
+                self._book.restore(fetched, (vehicle,), now_s)
 
     def shut_unknown(self, opened: Iterable[str]) -> None:
         """Shut the dock for vehicles of an earlier life that are unknown now."""
@@ -120,13 +120,12 @@ class MaterialFlow(TransportFlow):
             let_in: what the body remembers.
             life: this life's number, under which the body books the load.
         """
-        if self._goals.products.is_goods(let_in.item):
-            unnoted = ReservationMemory(
-                "", life, let_in.item, let_in.quantity, "", let_in.vehicle, opened=life
-            )
-            self.booking_out.restore((unnoted,))
-        elif let_in.item in self._supply.materials:
-            self.departures.expect_unnoted(let_in.vehicle, let_in.item, let_in.quantity)
+        vehicle, item, quantity = let_in.vehicle, let_in.item, let_in.quantity
+        if self._goals.products.is_goods(item):
+            taken = DepartureMemory(vehicle, "", life, item, -quantity, permitted=True)
+            self.visits.restore((taken,))
+        elif item in self._supply.materials:
+            self.visits.restore((DepartureMemory(vehicle, item=item, change=quantity, let_in=False),))
 
     # --- requests and reports of the machine ---
 
@@ -246,7 +245,6 @@ class MaterialFlow(TransportFlow):
             # Another place's transport fetches its load here.
             self._book.assume(self._to_give)
             self._issuing.on_docked(sender, message, now_s)
-            self.note_let_in(self._issuing.opened_for(message.task), now_s)
         else:
             super()._on_docked(sender, message, now_s)
 

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from dray.body import BodyState, DockReady, StockChanged, StorageState, WordTaken
 from dray.errors import ProtocolViolation
-from dray.memory import WHOLE, Memory, Note, ReservationMemory, StationMemory
+from dray.memory import WHOLE, Memory, Note, ReservationMemory, StationMemory, visits_of
 from dray.messages import Docked, MachineCommand, StationHeartbeat, StockLevel, TransportOrdered, WorkSought
 from dray.messages.keys import Keys
 from dray.plant import Plant
@@ -94,8 +94,6 @@ class Station(AgentBase):
             self._book,
             self._life,
             self._flow.door,
-            self._flow.departures,
-            self._flow.booking_out,
             self._shutdown,
         )
         authority = CommandAuthorisation(storage, plant, trusts)
@@ -157,8 +155,7 @@ class Station(AgentBase):
             for reserved in note.reserved:
                 self._book.restore(reserved, state.opened, now_s)
             self._flow.restore_tasks(note.tasks, memory, now_s)
-            self._flow.booking_out.restore(note.let_in)
-            self._flow.departures.restore(note.leaving)
+            self._flow.visits.restore(visits_of(note))
             self._flow.bookings.restore(note.booked)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now, which no later life may reuse.
@@ -174,7 +171,7 @@ class Station(AgentBase):
         if self.incarnation > 1:
             self._flow.recover(not memory, now_s)
         self._go_on(now_s)
-        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.door.visits.answers)
+        self._reservation_handling.start(memory, now_s, dock_answers=self._flow.visits.answers)
         self._life.beat_soon(now_s)
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -195,8 +192,7 @@ class Station(AgentBase):
             reserved=self._written,
             tasks=tuple(task.memory() for task in self._flow.tasks),
             answered=self._held_loads.answered,
-            let_in=self._flow.booking_out.memories(),
-            leaving=self._flow.departures.memories(),
+            visits=self._flow.visits.memories(),
             booked=self._flow.bookings.memories(),
         )
 
@@ -249,7 +245,6 @@ class Station(AgentBase):
             self._life.ignore("a request for the dock of another storage")
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
             self._issuing.on_docked(sender, docked, now_s)
-            self._flow.note_let_in(self._issuing.opened_for(docked.task), now_s)
         else:
             self._flow.message_handlers[Docked](sender, docked, now_s)
 

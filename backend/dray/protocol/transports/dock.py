@@ -13,7 +13,6 @@ from dray.messages import Docked, Handover, HandoverAccepted, Transport
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
-from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.transports import Stock, Transports
 
@@ -26,17 +25,14 @@ class Dock:
         tasks: its open transports.
         stock: its stock.
         door: its door.
-        departures: vehicles that may still be at it after their transport ended there.
     """
 
-    def __init__(
-        self, place: str, tasks: Transports, stock: Stock, door: Door, departures: Departures, life: Life
-    ) -> None:
+    def __init__(self, place: str, tasks: Transports, stock: Stock, door: Door, life: Life) -> None:
         self._place = place
         self._tasks = tasks
         self._stock = stock
         self._life = life
-        self._door, self._departures = door, departures
+        self._door = door
 
     def on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         """A vehicle asks to load or to unload."""
@@ -47,7 +43,7 @@ class Dock:
         work = cast(Transport, task.work)
         here = message.station == self._place
         if here:
-            self._departures.note_done(sender, now_s, aboard=work.destination == self._place)
+            self._door.visits.on_docked(sender, message, now_s, unloads=work.destination == self._place)
         held = self._why_held(work) if here else ""
         was_held_s = task.contract.held_s
         task.contract.held_s = min(was_held_s, now_s) if held else NEVER_S
@@ -83,9 +79,8 @@ class Dock:
         if task is not None and message.epoch == task.epoch and sender == task.primary:
             return task
         closed = self._tasks.closed(message.task)
-        if task is None and closed is None:
-            self._departures.name_unnoted(sender, message.task, message.epoch)
-        if self._departures.on_put_down(sender, message.task, message.epoch, message.quantity):
+        known, visits = task is not None or closed is not None, self._door.visits
+        if visits.on_put_down(sender, message.task, message.epoch, message.quantity, known=known):
             self._life.ignore("a handover of a vehicle that is here for another load")
             return None
         if closed is not None and closed.carrier == sender and closed.outcome == "delivered":

@@ -26,7 +26,6 @@ from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.transports.bookings import Bookings
-from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.transports import Transports
 from dray.protocol.transports.visits import Visits
 
@@ -41,15 +40,12 @@ class HeldTransports:
         plant: the plant, for destinations' positions.
         tasks: its transports.
         visits: the vehicles at its dock.
-        departures: vehicles that may still be at the dock, and loads of those that have left.
         bookings: reports to its body.
     """
 
-    def __init__(
-        self, plant: Plant, tasks: Transports, visits: Visits, departures: Departures, bookings: Bookings
-    ) -> None:
+    def __init__(self, plant: Plant, tasks: Transports, visits: Visits, bookings: Bookings) -> None:
         self._plant, self._tasks = plant, tasks
-        self._visits, self._departures, self._bookings = visits, departures, bookings
+        self._visits, self._bookings = visits, bookings
 
     def obey(self, command: MachineCommand, now_s: float) -> CommandRefusal | None:
         """A person has looked. Returns the refusal; None when the transport ends or goes on."""
@@ -86,9 +82,9 @@ class HeldTransports:
 
     def _book(self, load: DepartureMemory) -> CommandRefusal | None:
         """Book a load in; the body's answer ends its transport. A body that books shuts the dock for the load's vehicle."""
-        if self._visits.is_here(load.vehicle) or self._departures.waits_for(load.vehicle):
+        if self._visits.is_here(load.vehicle):
             return CommandRefusal.DOCK_OPEN
-        self._departures.forget(load)
+        self._visits.forget_owed(load.vehicle, load.task, load.epoch)
         self._bookings.say(load)
         return None
 

@@ -10,12 +10,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from dray.memory import ReservationMemory
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
 from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
-from dray.protocol.transports.booking_out import BookingOut
-from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.dock_door import Door
 from dray.protocol.transports.reservations import Ask, Reservations
 
@@ -41,8 +38,6 @@ class Issuing:
         book: its stock and reservations.
         life: the agent's life; alarms are named `LAPSE`.
         door: the door of its dock.
-        departures: vehicles that may still be at the dock after their transport ended there.
-        booking_out: vehicles that were let in to load, if the body does not count.
         shutdown: of its agent, which sets nothing aside while it drains.
 
     Attributes:
@@ -55,15 +50,13 @@ class Issuing:
         book: Reservations,
         life: Life,
         door: Door,
-        departures: Departures,
-        booking_out: BookingOut,
         shutdown: GracefulShutdown,
     ) -> None:
         self._place = place
         self._book = book
         self._life = life
         self._shutdown = shutdown
-        self._door, self._departures, self._booking_out = door, departures, booking_out
+        self._door = door
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
             StockAsked: self._on_asked,
             StockFreed: self._on_freed,
@@ -98,7 +91,7 @@ class Issuing:
         return TOO_MANY if self._book.has_too_many(sender) else ""
 
     def _on_freed(self, sender: str, freed: StockFreed, now_s: float) -> None:
-        if self._booking_out.on_freed(sender, freed):
+        if self._door.visits.on_freed(sender, freed):
             return  # The body reports that it is gone.
         ask = self._book.get(freed.task)
         if ask is None or ask.coordinator != sender:
@@ -121,9 +114,7 @@ class Issuing:
 
     def on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to load."""
-        if self._departures.note_done(sender, now_s, aboard=False):
-            self._door.restore((sender,))
-        self._booking_out.on_docked(sender, docked, now_s)
+        self._door.visits.on_docked(sender, docked, now_s, unloads=False)
         ask = self._book.get(docked.task)
         if ask is None or not ask.reserved:
             ask = self._stand(sender, docked, now_s)
@@ -135,11 +126,6 @@ class Issuing:
             self._door.hold(sender, docked, "another vehicle fetches it")
         else:
             self._open(sender, docked, ask, now_s)
-
-    def opened_for(self, task: str) -> ReservationMemory | None:
-        """The load that a vehicle may take now, or once the body is ready; None if the dock is shut for this task."""
-        ask = self._book.get(task)
-        return ask.memory() if ask is not None and ask.opened else None
 
     def shut_unknown(self, opened: Iterable[str]) -> None:
         """Shut the dock for vehicles of an earlier life that are unknown now."""
@@ -167,6 +153,7 @@ class Issuing:
         ask.open(vehicle, docked.epoch, now_s)
         self._book.renew(ask, now_s)
         self._door.open(vehicle, docked, ask.item, ask.quantity, now_s, comes=False)
+        self._door.visits.expect(ask.load(), now_s)
         self._changed(now_s)
 
     # --- consequences ---

@@ -106,36 +106,24 @@ class Recovery:
             return work
         return None
 
-    def put_down(self, heartbeat: AtvHeartbeat) -> DepartureMemory | None:
-        """The load that a vehicle hands over here for a task without notes; None for none."""
-        brief = heartbeat.task
-        if (
-            brief is None
-            or brief.phase is not Phase.HANDING_OVER
-            or brief.coordinator != self._place
-            or brief.item not in self._items
-            or not self.waits_for_word_on(brief.task)
-        ):
-            return None
-        return DepartureMemory(heartbeat.atv, brief.task, brief.epoch, brief.item, brief.quantity)
+    def moved(self, heartbeat: AtvHeartbeat) -> DepartureMemory | None:
+        """The load that a vehicle has moved here for a task without notes, by its own word; None for none.
 
-    def taken(self, heartbeat: AtvHeartbeat) -> DepartureMemory | None:
-        """The load that a vehicle, let in here, has just taken for a task without notes; None for none.
-
-        A vehicle that carries its own coordinator's material comes; whatever else it carries here is from here.
+        It hands it over still, or has not driven away with it yet. A vehicle that carries its own coordinator's
+        material comes; whatever else it carries here is from here.
         """
         brief, pieces = heartbeat.task, heartbeat.load_quantity
-        if (
-            brief is None
-            or brief.phase is not Phase.CARRYING
-            or heartbeat.load != brief.item
-            or not 0 < pieces <= self._stock.level(brief.item)
-            or self._tasks.get(brief.task) is not None
-            or self._tasks.closed(brief.task) is not None
-            or (brief.coordinator == self._place and brief.item in self._items)
-        ):
+        if brief is None or self._tasks.get(brief.task) or self._tasks.closed(brief.task):
             return None
-        return DepartureMemory(heartbeat.atv, brief.task, brief.epoch, brief.item, -pieces)
+        comes = brief.coordinator == self._place and brief.item in self._items
+        is_there = heartbeat.load == brief.item and 0 < pieces <= self._stock.level(brief.item)
+        if brief.phase is Phase.HANDING_OVER and comes and self.is_listening_for_all:
+            change = brief.quantity
+        elif brief.phase is Phase.CARRYING and is_there and not comes:
+            change = -pieces
+        else:
+            return None
+        return DepartureMemory(heartbeat.atv, brief.task, brief.epoch, brief.item, change)
 
     def _carries_already(self, atv: str) -> bool:
         """Whether a vehicle has a contract already: one vehicle has at most one."""

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from dray.memory import ReservationMemory
+from dray.memory import DepartureMemory, ReservationMemory
 from dray.messages import THING, StockAsked, StockLevel
 from dray.messages.base import COUNT_MAX
 from dray.protocol.runtime.bounded_map import BoundedMap
@@ -100,6 +100,13 @@ class Ask:
         if (vehicle, epoch) != (self.vehicle, self.opened):
             self.opened_s, self.refuted = now_s, False
         self.vehicle, self.opened = vehicle, epoch
+
+    def load(self) -> DepartureMemory:
+        """What the vehicle may take for which the dock was opened."""
+        pieces, coordinator = -self.quantity, self.coordinator
+        return DepartureMemory(
+            self.vehicle, self.task, self.opened, self.item, pieces, coordinator=coordinator
+        )
 
     def memory(self) -> ReservationMemory:
         """The record for the next life."""

@@ -12,10 +12,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from msgspec.structs import replace
-
 from dray.body import DockReady, StockChanged, StorageState, WorkcellState
-from dray.memory import DepartureMemory, Memory, ReservationMemory, TaskMemory
+from dray.memory import DepartureMemory, Memory, TaskMemory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -42,10 +40,8 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.life import Change, Life
-from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.called import CalledTransports
-from dray.protocol.transports.departures import Departures
 from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.dock_door import Door, ready_within_s
 from dray.protocol.transports.goods_recovery import GoodsRecovery
@@ -90,8 +86,7 @@ class TransportFlow:
         called: transports ordered by people and programs.
         door: the door of its dock, for all who load or unload.
         bookings: reports that its body has not answered.
-        booking_out: loads that others fetch, if the body does not count.
-        departures: vehicles that may still be at its dock after their transport ended there.
+        visits: the vehicles at its dock.
         message_handlers: by message type, handlers called with (sender, message, now_s).
         alarms: handlers of these alarms.
         reactions: by kind of change, reactions to what changes in its parts and needs nothing else of its agent.
@@ -112,10 +107,8 @@ class TransportFlow:
         self._life = life
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, life)
         self.bookings = Bookings(life)
-        visits, heard, node = Visits(), self.subscriptions, plant.node_of(place)
-        self.departures = Departures(node, visits, heard, self.bookings, life)
-        self.booking_out = BookingOut(node, heard, self.bookings, self.departures, life)
-        self.door = Door(visits, self.departures, self.booking_out, ready_within_s(plant, place), life)
+        self.visits = Visits(plant.node_of(place), self.subscriptions, self.bookings, life)
+        self.door = Door(self.visits, ready_within_s(plant, place), life)
         self.tasks = Transports(
             place,
             plant,
@@ -128,9 +121,9 @@ class TransportFlow:
             Assessor(plant, life),
         )
         self.sourcing = self.tasks.sourcing
-        self.held = HeldTransports(plant, self.tasks, visits, self.departures, self.bookings)
+        self.held = HeldTransports(plant, self.tasks, self.visits, self.bookings)
         self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held)
-        self._dock = Dock(place, self.tasks, stock, self.door, self.departures, life)
+        self._dock = Dock(place, self.tasks, stock, self.door, life)
         self._handovers = Handovers(
             place,
             self.tasks,
@@ -170,14 +163,9 @@ class TransportFlow:
 
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
         """Take over what the body can count and report by itself."""
-        self._handovers.counts = self.door.visits.counts = body.counts
-        self.door.visits.answers = body.answers
-        self.door.restore(body.opened)
-
-    def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
-        """Another coordinator's vehicle may load now; None for no vehicle."""
-        if load is not None and not self._handovers.counts:
-            self.booking_out.let_in(load, now_s, is_shut=not self.door.was_opened(load.vehicle))
+        self._handovers.counts = self.visits.counts = body.counts
+        self.visits.answers = body.answers
+        self.visits.restore_opened(body.opened)
 
     def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:
         """Take a load back that is not awaited any more; a body that counts and opens at once needs no check.
@@ -194,17 +182,15 @@ class TransportFlow:
         if not is_kept and not counts:
             self._life.ignore(NOT_KEPT)
         quantity = docked.quantity if is_kept else 0
-        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item)
-        load = replace(load, counted=quantity) if counts else replace(load, change=quantity)
-        if counts and not self.door.visits.answers:
-            self.departures.take_back(load, now_s)
+        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
+        if counts and not self.visits.answers:
+            self.visits.take_back(load, now_s)
             self.door.agree(vehicle, docked)
             return
         # It may have taken the load here. Its next heartbeat would say so with its forks inside and the dock
         # shut.
-        self.booking_out.note_aboard(vehicle, docked.item)
-        self.booking_out.on_docked(vehicle, docked, now_s)
-        self.departures.take_back(load, now_s)
+        self.visits.on_docked(vehicle, docked, now_s, unloads=True)
+        self.visits.take_back(load, now_s)
         self.door.open(vehicle, docked, docked.item, docked.quantity, now_s, comes=True)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
@@ -285,14 +271,14 @@ class TransportFlow:
 
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away: it is outside, and its requests are dropped."""
-        self.departures.on_carried_away(vehicle)
+        self.visits.on_carried_away(vehicle)
         self._life.note(MaterialChanged())
 
     def dismiss(self, gone: Iterable[str]) -> None:
         """Tell the body which of these vehicles will not report any more."""
         for vehicle in gone:
-            if not self.booking_out.waits_for(vehicle):
-                self.departures.note_left(vehicle)
+            if self.visits.get(vehicle) is None:
+                self.visits.dismiss(vehicle)
 
     def note_booked(self, report: StockChanged) -> DepartureMemory | None:
         """The body has counted or booked a vehicle's load. Returns the agent's report that it answers; None for none."""
@@ -301,7 +287,7 @@ class TransportFlow:
         word = self.bookings.on_stock_changed(report)
         self.door.note_moved(report, word)
         if report.change > 0:
-            self.departures.note_brought(report.vehicle)
+            self.visits.note_brought(report.vehicle)
         return word
 
     def on_material(self, report: StockChanged, word: DepartureMemory | None, now_s: float) -> None:
@@ -339,28 +325,15 @@ class TransportFlow:
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
-        if self.booking_out.waits_for(heartbeat.atv):
-            self.booking_out.on_carrier_heard(heartbeat, now_s)
-        else:
-            self._book_unnoted(heartbeat)
-        was_here = self.departures.waits_for(heartbeat.atv)
-        self.departures.on_vehicle(heartbeat, now_s)
-        if was_here and not self.departures.waits_for(heartbeat.atv):
+        if (word := self._recovery.moved(heartbeat)) is not None:
+            self.visits.on_word(word, heartbeat.node)
+        was_here = self.visits.waits_for(heartbeat.atv)
+        self.visits.on_vehicle(heartbeat, now_s)
+        if was_here and not self.visits.waits_for(heartbeat.atv):
             self._life.note(MaterialChanged())
         if (recovered := self._recovery.on_heartbeat(heartbeat, now_s)) is not None:
             self._note_ordered(recovered)
         self.called.review(now_s)
-
-    def _book_unnoted(self, heartbeat: AtvHeartbeat) -> None:
-        """Book a load that came or went through the open dock while the notes were lost.
-
-        Its carrier hands it over still, or has not driven away with it yet.
-        """
-        if self._handovers.counts or not self.departures.is_unnoted(heartbeat.atv, heartbeat.node):
-            return
-        load = self._recovery.put_down(heartbeat) or self._recovery.taken(heartbeat)
-        if load is not None:
-            self.bookings.say(load)
 
     def _on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
         if self._is_remembered(answer.task):
@@ -376,8 +349,6 @@ class TransportFlow:
         if (task := self.tasks.get(message.task)) is not None and self.tasks.is_missing(task):
             # A lost load never comes, and the books do not show it.
             self._on_lacking(now_s)
-        if message.station == self._place:
-            self.booking_out.on_docked(sender, message, now_s)
         self._dock.on_docked(sender, message, now_s)
         task = self.tasks.get(message.task)
         if task is None or self._dock.is_opening(sender):
@@ -442,9 +413,9 @@ class TransportFlow:
 
     def _put_back(self, item: str) -> int:
         """Pieces that are brought back here, or whose transport has ended: a vehicle may put them down, or the body may book them."""
-        loads = (*self.departures.loads(), *self.bookings.memories())
+        loads = (*self.visits.loads(), *self.bookings.memories())
         return sum(
-            max(0, load.change) + load.counted
+            max(0, load.change)
             for load in loads
             if load.item == item and (load.returns or self.tasks.get(load.task) is None)
         )

@@ -500,9 +500,7 @@ class Transports(Coordinator):
             self._door.close(vehicle, task.id)
             return
         change = work.quantity if work.destination == self._place else -work.quantity
-        load = DepartureMemory(
-            vehicle, task.id, task.epoch, work.item, 0 if self._door.visits.counts else change
-        )
+        load = DepartureMemory(vehicle, task.id, task.epoch, work.item, change)
         self._door.shut(vehicle, task.id, load)
 
     def _perhaps_down(self, task: OpenTask) -> DepartureMemory | None:

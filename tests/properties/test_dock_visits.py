@@ -1,0 +1,65 @@
+"""Each load at a dock is booked once, whoever is silent, forgets or is started again, and the dock opens again.
+
+In the end all are heard, and whoever is asked answers (`dock_world`).
+"""
+
+from __future__ import annotations
+
+from dock_world import CART, DockWorld
+from examples import examples
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+STEPS = (
+    "asks",
+    "is_ready",
+    "moves",
+    "tells",
+    "is_silent",
+    "restarts",
+    "forgets",
+    "gives_back",
+    "leaves",
+    "works_elsewhere",
+    "loads_elsewhere",
+    "comes_back",
+    "machine_restarts",
+    "machine_forgets",
+)
+
+
+@given(
+    steps=st.lists(st.sampled_from(STEPS), max_size=14),
+    takes=st.booleans(),
+    answers=st.booleans(),
+    counts=st.sampled_from((False, False, True)),
+)
+@example(steps=["forgets", "machine_restarts"], takes=True, answers=True, counts=False)
+@example(steps=["forgets"], takes=True, answers=True, counts=True)
+@example(
+    steps=["is_ready", "tells", "machine_restarts", "tells", "gives_back"],
+    takes=False,
+    answers=True,
+    counts=False,
+)
+@example(steps=["is_ready", "moves", "machine_forgets", "tells"], takes=False, answers=True, counts=False)
+@example(
+    steps=["is_ready", "moves", "machine_forgets", "leaves", "tells"], takes=True, answers=True, counts=False
+)
+@settings(max_examples=examples(300))
+def test_a_load_is_booked_once_and_the_dock_opens_again(
+    steps: list[str], *, takes: bool, answers: bool, counts: bool
+) -> None:
+    world = DockWorld(takes=takes, answers=answers, counts=counts)
+    for step in steps:
+        getattr(world, step)()
+    world.settle()
+    moved = sum(world.moved.values())
+    assert CART not in world.opened or world.is_here
+    assert abs(world.booked) <= world.pieces * world.loads, "a load is booked twice"
+    if not world.lost_notes and (takes or not world.is_forgotten):
+        assert world.booked == moved
+    elif not takes:
+        assert world.booked in (0, moved), "what does not lie there is booked in"
+    elif answers:
+        assert world.booked <= moved, "what was taken is promised"
