@@ -257,6 +257,11 @@ class DepartureMemory(Part, frozen=True):
     ended: bool = False
     """Whether it named the task no more before the dock was opened for it."""
 
+    @property
+    def only_waits(self) -> bool:
+        """Whether it waits for the dock to open, and may have moved nothing."""
+        return not (self.let_in or self.change or self.returns)
+
 
 class ReservationMemory(Part, frozen=True):
     """Pieces that are set aside, as the station remembers them."""

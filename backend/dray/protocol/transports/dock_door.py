@@ -61,7 +61,7 @@ class Door:
             self._forget_silent(now_s)
             before = self.visits.asked.get(vehicle)
             since_s = now_s if before is None else before.since_s
-            self.visits.asked[vehicle] = Request(asked, load, since_s, now_s)
+            self.visits.ask(Request(asked, load, since_s, now_s))
             self.hold(vehicle, asked, NOT_READY)
         else:
             self.visits.let_in(load)

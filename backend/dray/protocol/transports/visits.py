@@ -31,6 +31,7 @@ What it has moved when it has left:
                                                                the task
     an earlier life let it in, and no notes say for what       what it says here that it carries or hands over, else what the body
                                                                remembers, as unknown
+    the notes say that it waits                                nothing: no earlier life has let it in
 
 The question is `StockReserved`. A coordinator that needs the pieces no more answers with `StockFreed`.
 """
@@ -107,6 +108,11 @@ class Visit:
         """Whether it may take a load; otherwise it may bring one, or nothing is to be booked."""
         return self.load.change < 0
 
+    @property
+    def is_noted(self) -> bool:
+        """Whether the next life must know of it. A body may remember for whom it opens the dock, and not who was let in."""
+        return self.is_followed or self.stage is Stage.WAITS
+
     def is_of(self, load: DepartureMemory) -> bool:
         """Whether it is a visit for this load, in this direction."""
         is_it = (self.load.task, self.load.epoch) == (load.task, load.epoch)
@@ -119,6 +125,8 @@ class Visit:
 
     def memory(self) -> DepartureMemory:
         """The record for the next life, in which the dock may have been opened for a load to take."""
+        if not self.is_followed:
+            return DepartureMemory(self.load.vehicle, self.load.task, self.load.epoch, let_in=False)
         return replace(
             self.load,
             let_in=self.takes or self.stage is not Stage.WAITS,
@@ -203,16 +211,24 @@ class Visits:
         """Forget a request. Returns it; None if the vehicle has not asked."""
         return self.asked.pop(vehicle, None)
 
+    def ask(self, request: Request) -> None:
+        """A vehicle waits for the dock to open. Repeating this is harmless."""
+        vehicle = request.load.vehicle
+        self.asked[vehicle] = request
+        if vehicle not in self._visits:
+            self._put(request.load, Stage.WAITS)
+            self._life.commit()
+
     def let_in(self, load: DepartureMemory) -> None:
         """The dock was opened for a vehicle."""
         visit = self._visits.get(load.vehicle)
         if visit is None or not visit.is_of(load):
-            self._put(load, Stage.INSIDE)
-        elif visit.is_followed:
-            visit.stage = Stage.INSIDE
-            self._life.commit()
-        else:
+            visit = self._put(load, Stage.INSIDE)
+        elif not visit.is_followed:
             visit.load = load
+        visit.stage = Stage.INSIDE
+        if visit.is_followed or self.answers:
+            self._life.commit()
 
     def expect(self, load: DepartureMemory, now_s: float) -> None:
         """A vehicle stands here to take a load for another place. Repeating this is harmless."""
@@ -407,13 +423,17 @@ class Visits:
     # --- over a restart ---
 
     def memories(self) -> tuple[DepartureMemory, ...]:
-        """The followed visits and the owed loads, for the next life."""
-        followed = tuple(visit.memory() for visit in self._visits.values() if visit.is_followed)
-        return (*followed, *(replace(load, gone=True) for load in self._owed.values()))
+        """The followed visits, the vehicles that wait, and the owed loads, for the next life."""
+        noted = tuple(visit.memory() for visit in self._visits.values() if visit.is_noted)
+        return (*noted, *(replace(load, gone=True) for load in self._owed.values()))
 
     def restore(self, memories: Iterable[DepartureMemory]) -> None:
-        """Go on with the visits of an earlier life."""
+        """Go on with the visits of an earlier life, after `restore_opened`."""
         for memory in memories:
+            if memory.only_waits:
+                if (visit := self._visits.get(memory.vehicle)) is not None:
+                    visit.load, visit.stage = memory, Stage.WAITS
+                continue
             load = replace(memory, gone=False, permitted=False, let_in=True)
             if memory.gone and memory.change > 0:
                 self._owed[memory.vehicle, memory.task, memory.epoch] = load
@@ -529,6 +549,7 @@ class Visits:
         visit = self._visits.pop(vehicle, None)
         if visit is not None and visit.is_followed:
             self._subscriptions.unfollow(vehicle)
+        if visit is not None and visit.is_noted:
             self._life.commit()
 
     def _close(self, vehicle: str) -> None:
