@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from effects import committed, instructed, sent
-from m7 import NO_HOUSINGS
+from effects import committed, instructed, published, sent
+from m7 import FULL, NO_HOUSINGS
 from msgspec.structs import replace
 from rigs import MachineRig
 from spoken import production, rhb
@@ -24,6 +24,7 @@ from dray.messages import (
     StockFreed,
     StockReserved,
     Superseded,
+    TaskAnnounced,
     Withdrawn,
 )
 from dray.plant import Plant
@@ -48,39 +49,52 @@ class DockRig(MachineRig):
 
 
 class DockWorld:
-    """A vehicle that takes goods from LATHE1 for PRESS1, or brings housings to M7.
+    """A vehicle that takes goods from LATHE1 for PRESS1 or pumps from M7 for M7 itself, or brings housings to M7.
 
     Args:
         takes: whether it takes its load; otherwise it brings it.
         answers: whether the dock takes time to open.
         counts: whether the body counts what is moved; otherwise it books what it is told.
+        is_own: whether what it takes is carried for the machine itself.
 
     Attributes:
         loads: how many loads the vehicle has come for.
         moved: by task, the pieces that the vehicle's body has moved; negative for taken ones.
         is_forgotten: whether the vehicle has lost its memory since it came.
         lost_notes: how often the machine's agent has lost its notes since then.
+        was_let_in: whether it was ever told to load or unload.
     """
 
-    def __init__(self, *, takes: bool, answers: bool, counts: bool = False) -> None:
-        self.takes, self.answers, self.counts = takes, answers, counts
-        self.machine = "LATHE1" if takes else "M7"
-        self.plant: Plant | None = LEVELS if takes else None
+    def __init__(self, *, takes: bool, answers: bool, counts: bool = False, is_own: bool = False) -> None:
+        self.takes, self.answers, self.counts, self.is_own = takes, answers, counts, is_own
+        is_fetched = takes and not is_own
+        self.machine = "LATHE1" if is_fetched else "M7"
+        self.plant: Plant | None = LEVELS if is_fetched else None
         self.task, self.item, self.pieces = ("PRESS1-1", "shaft", 6) if takes else ("M7-1", "housing", 24)
-        self.coordinator = "PRESS1" if takes else "M7"
-        self.stock = {"bar": 60, "shaft": 12} if takes else dict(NO_HOUSINGS)
+        self.coordinator = "PRESS1" if is_fetched else "M7"
+        self.stock = {"bar": 60, "shaft": 12} if is_fetched else dict(FULL if takes else NO_HOUSINGS)
         self.answered: dict[tuple[str, str, int, bool], StockChanged] = {}
         self.opened: dict[str, OpenDock] = {}
         self.life, self.seq = 1, 0
         self.is_here, self.knows, self.has_load, self.is_moving = True, True, not takes, False
         self.has_moved = self.is_forgotten = self.is_void = self.is_deaf = self.has_told = False
-        self.has_left_empty = False
+        self.has_left_empty = self.was_let_in = False
         self.lost_notes = 0
         self.loads, self.moved = 1, dict[str, int]()
         self.elsewhere = ""
         self.rig = self._start(1, {})
-        if takes:
+        if is_fetched:
             self.rig.on_message("PRESS1", StockAsked(self.task, 1, self.item, self.pieces))
+        elif takes:
+            self.item, self.pieces = "pump-p3", 24
+            self.rig.take_goal("G1", production(quantity=24))
+            self.rig.cycles(24)
+            self.task = next(
+                each.task
+                for each in published(self.rig.all, TaskAnnounced)
+                if each.work.destination == "DELIVERY"
+            )
+            self.rig.hire(self.task, CART)
         else:
             self.rig.take_goal("G1", production(quantity=24))
             self.rig.hire(self.task, CART)
@@ -109,6 +123,7 @@ class DockWorld:
             self.opened = {opens.vehicle: opens}
         for closes in instructed([effect], CloseDock):
             self.opened.pop(closes.vehicle, None)
+        self.was_let_in |= bool(sent([effect], DockOpened, to=CART))
         if not self.knows or self.is_deaf:
             return []
         for told in sent([effect], DockOpened, to=CART):
@@ -215,7 +230,10 @@ class DockWorld:
     def gives_back(self) -> None:
         """It gives its transport back, or its coordinator needs the load no more."""
         if self.takes and not self.has_moved:
-            self.rig.on_message("PRESS1", StockFreed(self.task))
+            gives_up = StockFreed(self.task)
+            if self.is_own:
+                gives_up = Resigned(self.task, 1, Role.PRIMARY, Reason.PROBLEM)
+            self.rig.on_message(CART if self.is_own else "PRESS1", gives_up)
             self.is_void = True
             self.knows = self.knows and self.is_moving
         elif not self.takes and self.knows and not self.has_moved:
@@ -232,7 +250,11 @@ class DockWorld:
 
     def comes_back(self) -> None:
         """It comes for a second load."""
-        if self.takes and not (self.is_here or self.knows or self.has_load or self.task == "PRESS1-2"):
+        if (
+            self.takes
+            and not self.is_own
+            and not (self.is_here or self.knows or self.has_load or self.task == "PRESS1-2")
+        ):
             self.tells()
             self.task, self.elsewhere, self.loads = "PRESS1-2", "", 2
             self.is_here = self.knows = True
