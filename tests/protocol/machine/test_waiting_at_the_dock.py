@@ -13,10 +13,21 @@ from spoken import production, rhb
 
 from dray.body import Book, CloseDock, DockReady, OpenDock
 from dray.memory import WHOLE, MachineMemory, Memory
-from dray.messages import DockHeld, DockOpened, HelpCall, TaskAnnounced, Transport
+from dray.messages import (
+    Docked,
+    DockHeld,
+    DockOpened,
+    HelpCall,
+    StockAsked,
+    StockFreed,
+    TaskAnnounced,
+    Transport,
+)
+from dray.plant.file.file import shipped_plant
 from dray.protocol.liveness.failure_detector import UNNAMED_S
 
 CART = "ATV2"
+LEVELS = shipped_plant("levels")
 SHUT = [CloseDock(vehicle=CART)]
 
 
@@ -43,6 +54,16 @@ def waiting(rig: MachineRig, task: str) -> MachineRig:
     return rig
 
 
+def fetching_for_another() -> MachineRig:
+    """ATV2 stands at LATHE1 for six shafts for PRESS1, and waits for the dock to open. The body does not count."""
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=LEVELS)
+    rig.answers = True
+    rig.start()
+    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
+    rig.on_message(CART, Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
+    return rig
+
+
 def lot(rig: MachineRig) -> str:
     """The transport of the pumps."""
     works = [each for each in published(rig.all, TaskAnnounced) if isinstance(each.work, Transport)]
@@ -52,8 +73,10 @@ def lot(rig: MachineRig) -> str:
 def next_life(
     before: MachineRig, *, opened: tuple[str, ...] = (CART,), memory: Memory | None = None
 ) -> MachineRig:
-    """M7's agent is started again; the body opens the dock for these still."""
-    rig = BlindRig("M7", before.stock, incarnation=before.agent.incarnation + 1)
+    """The machine's agent is started again; the body opens the dock for these still."""
+    machine = before.agent.id
+    plant = {} if machine == "M7" else {"plant": LEVELS}
+    rig = BlindRig(machine, before.stock, incarnation=before.agent.incarnation + 1, **plant)
     rig.answers, rig.opened, rig.now_s = True, opened, before.now_s
     rig.memory = (committed(before.all) or before.memory) if memory is None else memory
     rig.start()
@@ -110,6 +133,21 @@ def test_goods_are_booked_out_in_doubt_if_their_vehicle_was_let_in_or_older_note
     rig = next_life(first, memory=notes(committed(first.all)))
     works_elsewhere(rig)
     assert instructed(rig.all, Book) == [Book(CART, "pump-p3", -24, task=lot(first), epoch=1)]
+
+
+@pytest.mark.parametrize("was_let_in", [False, True])
+def test_a_coordinator_without_notes_is_believed_only_about_a_vehicle_that_was_let_in(
+    *, was_let_in: bool
+) -> None:
+    first = fetching_for_another()
+    if was_let_in:
+        assert sent(first.report(DockReady(vehicle=CART)), DockOpened, to=CART)
+    rig = next_life(first)
+    works_elsewhere(rig)
+    rig.on_message("PRESS1", StockFreed("PRESS1-1", fetched=True))
+    taken = [Book(CART, "shaft", -6, task="PRESS1-1", epoch=1)]
+    assert SHUT[0] in instructed(rig.all, CloseDock)
+    assert instructed(rig.all, Book) == (taken if was_let_in else [])
 
 
 def test_it_is_noted_that_a_vehicle_is_let_in_before_it_hears_that() -> None:

@@ -124,13 +124,13 @@ class Visit:
         return task is not None and (task.task, task.epoch) == (self.load.task, self.load.epoch)
 
     def memory(self) -> DepartureMemory:
-        """The record for the next life, in which the dock may have been opened for a load to take."""
+        """The record for the next life."""
         if not self.is_followed:
             return DepartureMemory(self.load.vehicle, self.load.task, self.load.epoch, let_in=False)
         return replace(
             self.load,
-            let_in=self.takes or self.stage is not Stage.WAITS,
-            permitted=self.stage is Stage.INSIDE or (self.takes and self.stage is Stage.WAITS),
+            let_in=self.stage is not Stage.WAITS,
+            permitted=self.stage is Stage.INSIDE,
             gone=self.stage is Stage.GONE,
         )
 
