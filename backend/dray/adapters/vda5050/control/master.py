@@ -191,9 +191,6 @@ class MasterControl:
             is_short = way is not None and not self._work.wants_order
             return ("no more of its way is released", "its agent releases more") if is_short else None
         match order.now:
-            case OrderState.OFFERED if order.is_earlier:
-                what = f"order {order.id} of an earlier life may still come to it"
-                return what, f"it shows that, or has not for {self._profile.silent_s:g} s"
             case OrderState.OFFERED:
                 return f"it does not show order {order.id}", f"it does, for {self._profile.silent_s:g} s"
             case OrderState.REFUSED:
