@@ -179,4 +179,4 @@ class VehicleState(Part, frozen=True):
     wait: BodyWait | None = None
     """What it waits for at present; None for nothing, and where it does not tell."""
     base_end: str = ""
-    """The last released node of its latest way; empty when the vehicle has reached it, or has no way."""
+    """The last node that it may drive to, by its latest way or by one of an earlier life; empty when it is there."""

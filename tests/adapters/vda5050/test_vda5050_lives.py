@@ -18,6 +18,7 @@ from dray.body import (
     Drive,
     NodePassed,
     ProblemCleared,
+    ReleaseWay,
     UnplacedVehicle,
     VehicleState,
     WayDone,
@@ -112,7 +113,152 @@ def test_19_a_new_life_goes_on_with_its_running_way(after_s: float) -> None:
     assert rig.problems() == []
 
 
-@pytest.mark.parametrize("profile", [PROFILE, FLOWING], ids=["steps", "updates"])
+BOTH = pytest.mark.parametrize("profile", [PROFILE, FLOWING], ids=["steps", "updates"])
+
+
+def late_orders(rig: Rig, late_s: float) -> None:
+    """Orders come to the vehicle so late, as over a slow link: it has its states told meanwhile."""
+    hear = rig.vehicle.on_message
+
+    def arrive(topic: str, data: bytes) -> None:
+        rig.clock.call_at(
+            rig.clock.now_s() + (late_s if topic == "order" else 0.0), lambda: hear(topic, data)
+        )
+
+    rig.vehicle.on_message = arrive  # type: ignore[method-assign]
+
+
+@BOTH
+@pytest.mark.parametrize("late_s", [0.5, 4.0, 8.0])
+def test_19_an_order_to_drive_that_comes_after_its_life_is_known_to_the_next(
+    profile: Profile, late_s: float
+) -> None:
+    rig = Rig(profile)
+    rig.run(1.0)
+    late_orders(rig, late_s)
+    rig.do(drive(*TO_CORNER))
+    end = rig.orders()[-1]["nodes"][-1]["nodeId"]
+    rig.begin_life()
+    rig.run(0.2)
+    state = rig.body.sense()
+    assert isinstance(state, VehicleState)
+    assert (state.node, state.next_node, state.base_end) == ("west", "middle", end)
+    assert state.speed_mps == 0.0
+    rig.heard.clear()
+    rig.do(drive("middle", order=1001), for_s=late_s)
+    rig.do(for_s=6.0)
+    assert rig.heard == []
+    assert rig.body.sense().base_end == end
+    assert len(rig.orders()) == 1
+    rig.run(60.0)
+    assert rig.sim.sense().node == end
+    assert rig.body.sense().base_end == ""
+    assert [type(report) for report in rig.heard] == (
+        [NodePassed, WayDone] if end == "middle" else [ActionFailed]
+    )
+
+
+@pytest.mark.parametrize("what", ["lost", "restarted", "no instant actions are shown"])
+def test_19_an_order_to_drive_that_never_comes_is_not_waited_for_for_ever(what: str) -> None:
+    rig = Rig(quirks=Misbehaviour(ignores_instant_actions=1000 * (what == "no instant actions are shown")))
+    rig.run(31.0)
+    rig.vehicle._ignored["order"] = 1
+    rig.do(drive(*TO_CORNER), for_s=0.1)
+    rig.begin_life()
+    rig.run(31.0 if what == "no instant actions are shown" else 0.5)
+    assert rig.body.sense().base_end == "middle"
+    rig.heard.clear()
+    if what == "restarted":
+        rig.vehicle.restart()
+    rig.do(drive("middle", order=1001), for_s=45.0)
+    assert rig.failures() == ["an order of an earlier life has not come to the vehicle"]
+    state = rig.body.sense()
+    assert (state.node, state.next_node, state.base_end) == ("west", "west", "")
+    assert rig.memory.order is None
+    rig.do(drive(*TO_CORNER, order=1002), for_s=150.0)
+    assert rig.heard[-1] == WayDone(order=1002, node="corner")
+    assert rig.problems() == []
+
+
+def test_19_an_order_to_drive_is_waited_for_while_the_vehicle_is_silent_and_over_more_lives() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    late_orders(rig, 100.0)
+    rig.do(drive(*TO_CORNER), for_s=0.1)
+    rig.begin_life()
+    rig.run(0.5)
+    hear = rig.give
+    rig.give = lambda topic, data: None  # type: ignore[method-assign]
+    rig.run(60.0)
+    assert rig.body.sense().base_end == "middle"
+    rig.give = hear  # type: ignore[method-assign]
+    rig.begin_life()
+    rig.run(5.0)
+    assert rig.body.sense().base_end == "middle"
+
+
+def test_19_an_order_to_drive_is_not_waited_for_where_the_vehicle_would_not_take_it() -> None:
+    rig = Rig(quirks=Misbehaviour(forgets_finished_order=True))
+    rig.do(drive(*TO_CORNER), for_s=0.0)
+    rig.body.end()  # The last life hears no more, and the vehicle drives.
+    rig.run(30.0)
+    assert rig.sim.sense().node == "middle"
+    assert rig.memory.order is not None
+    assert not rig.memory.order.is_shown
+    rig.begin_life()
+    rig.run(0.2)
+    state = rig.body.sense()
+    assert (state.node, state.next_node, state.base_end) == ("middle", "middle", "")
+    rig.do(drive(*TO_CORNER[1:], order=1001), for_s=120.0)
+    assert rig.heard[-1] == WayDone(order=1001, node="corner")
+
+
+def test_19_an_update_that_comes_after_its_life_is_known_to_the_next() -> None:
+    rig = Rig(FLOWING)
+    rig.do(Drive(order=1, nodes=TO_CORNER, released=2), for_s=10.6)
+    late_orders(rig, 8.0)
+    rig.do(ReleaseWay(order=1, released=4), for_s=0.1)
+    assert [order["orderUpdateId"] for order in rig.orders()] == [0, 1]
+    rig.begin_life()
+    rig.run(0.5)
+    assert rig.body.sense().base_end == "north"
+    rig.heard.clear()
+    rig.do(drive("middle", order=1001), for_s=7.0)
+    assert rig.sim.sense().node == "middle"
+    assert rig.sim.sense().speed_mps == 0.0
+    assert rig.body.sense().base_end == "north"
+    assert rig.heard == []
+    rig.run(60.0)
+    assert rig.sim.sense().node == "north"
+    assert [type(report) for report in rig.heard] == [ActionFailed]
+
+
+@BOTH
+def test_19_no_node_of_a_way_is_passed_while_an_earlier_life_has_the_vehicle_drive_beyond(
+    profile: Profile,
+) -> None:
+    rig = Rig(profile)
+    rig.do(drive(*TO_CORNER), for_s=3.0)
+    end = rig.orders()[-1]["nodes"][-1]["nodeId"]
+    rig.begin_life()
+    rig.run(1.0)
+    assert rig.body.sense().base_end == end
+    rig.heard.clear()
+    rig.do(drive("middle", order=1001))
+    for _ in range(300):
+        if rig.body.sense().base_end != end:
+            break
+        assert rig.heard == []
+        rig.run(0.1)
+    assert rig.body.sense().base_end == ""
+    assert rig.sim.sense().node == end
+    rig.run(5.0)
+    assert [type(report) for report in rig.heard] == (
+        [NodePassed, WayDone] if end == "middle" else [ActionFailed]
+    )
+
+
+@BOTH
 def test_20_a_vehicle_that_is_restarted_fails_its_way(profile: Profile) -> None:
     rig = Rig(profile)
     rig.do(drive(*TO_CORNER), for_s=15.0)

@@ -304,6 +304,7 @@ export const de: Catalogue<typeof en> = {
   "why.the vehicle does not take the order, and does not say why": "das Fahrzeug nimmt den Fahrauftrag nicht an, und sagt nicht warum",
   "why.the vehicle has forgotten the order: it was restarted, or has another master": "das Fahrzeug hat den Fahrauftrag vergessen: es wurde neu gestartet, oder hat einen anderen Leitrechner",
   "why.the vehicle has ended the order before its end": "das Fahrzeug hat den Fahrauftrag vorzeitig beendet",
+  "why.an order of an earlier life has not come to the vehicle": "ein Fahrauftrag aus der Zeit vor dem Neustart kam nicht beim Fahrzeug an",
   "why.the action is not shown any more, and nobody saw its end": "die Aktion wird nicht mehr angezeigt, und niemand sah ihr Ende",
   "why.the vehicle says no more than FAILED": "das Fahrzeug sagt nur FAILED",
   "why.the action only waits": "die Aktion wartet nur",

@@ -301,6 +301,7 @@ export const en = {
   "why.the vehicle does not take the order, and does not say why": "the vehicle does not take the order, and does not say why",
   "why.the vehicle has forgotten the order: it was restarted, or has another master": "the vehicle has forgotten the order: it was restarted, or has another master",
   "why.the vehicle has ended the order before its end": "the vehicle has ended the order before its end",
+  "why.an order of an earlier life has not come to the vehicle": "an order of an earlier life has not come to the vehicle",
   "why.the action is not shown any more, and nobody saw its end": "the action is not shown any more, and nobody saw its end",
   "why.the vehicle says no more than FAILED": "the vehicle says no more than FAILED",
   "why.the action only waits": "the action only waits",

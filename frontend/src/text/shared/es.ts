@@ -304,6 +304,7 @@ export const es: Catalogue<typeof en> = {
   "why.the vehicle does not take the order, and does not say why": "el vehículo no acepta la orden y no dice por qué",
   "why.the vehicle has forgotten the order: it was restarted, or has another master": "el vehículo ha olvidado la orden: se reinició o tiene otro control",
   "why.the vehicle has ended the order before its end": "el vehículo terminó la orden antes de tiempo",
+  "why.an order of an earlier life has not come to the vehicle": "una orden anterior al reinicio no llegó al vehículo",
   "why.the action is not shown any more, and nobody saw its end": "la acción ya no se muestra y nadie vio su final",
   "why.the vehicle says no more than FAILED": "el vehículo solo dice FAILED",
   "why.the action only waits": "la acción solo espera",

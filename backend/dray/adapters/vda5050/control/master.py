@@ -287,7 +287,7 @@ class MasterControl:
             ProtocolViolation: its position is unknown; our own bug.
         """
         node, ahead = self._work.between()
-        spot, view, way = self._plant.nodes[node], self.view, self._work.way
+        spot, view = self._plant.nodes[node], self.view
         gap_m = self._work.gap_m(ahead) if ahead != node else 0.0
         return VehicleState(
             pose=view.pose or Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
@@ -304,7 +304,7 @@ class MasterControl:
             about_problem=self._problem.problem if self._problem else NOTHING_KNOWN,
             battery_reckoned=bool(view.battery.unknown),
             wait=self.wait,
-            base_end=way.base_end if way is not None else "",
+            base_end=self._work.base_end,
         )
 
     # --- what its agent wants --------------------------------------------------------------------
@@ -355,7 +355,10 @@ class MasterControl:
             self.view.doubts.note("a load that comes and goes", words)
 
     def _recognise(self, now_s: float) -> None:
-        """Continue the last life's order: it is never given again under another id."""
+        """Continue the last life's order: it is never given again under another id.
+
+        An order to drive that was not shown may still come. It is waited for, and not sent again: nobody may want it any more.
+        """
         memory, self._earlier = self._earlier, None
         if memory is None or not all(node in self._plant.nodes for node in memory.nodes):
             return
@@ -368,6 +371,9 @@ class MasterControl:
                 self._work.lose_track(order)  # The vehicle has forgotten it meanwhile.
             else:
                 self._orders.recognise(order, now_s)  # Perhaps it never arrived: send it again, unchanged.
+        elif order.task is None and not memory.is_shown and self._work.is_at_begin_of(order):
+            self._work.stand = Stand(memory.nodes[0])
+            self._orders.recognise(order, now_s)
 
     def _ask_when_in_doubt(self, now_s: float) -> None:
         """Request a state after a doubtful one: a lower header id means an old state, or a restarted vehicle."""

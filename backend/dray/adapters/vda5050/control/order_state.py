@@ -39,7 +39,7 @@ TRANSITIONS: Transitions[OrderState] = {
         _S.RUNNING: "the state shows it",
         _S.REFUSED: "an error names it, or it is not shown in time",
         _S.CANCELLING: "not wanted any more",
-        _S.ENDED: "not wanted any more, and never shown",
+        _S.ENDED: "not wanted any more, or an earlier life's way, and never shown",
     },
     _S.REFUSED: {
         _S.OFFERED: "the vehicle is idle: under another id",

@@ -64,6 +64,7 @@ FORGOTTEN = "the vehicle has forgotten the order: it was restarted, or has anoth
 STOPPED_SHORT = "the vehicle has ended the order before its end"
 CANCELLED = "cancelled"
 VANISHED = "the action is not shown any more, and nobody saw its end"
+NEVER_CAME = "an order of an earlier life has not come to the vehicle"
 
 
 class Owner(Protocol):
@@ -187,8 +188,12 @@ class Orders:
         self._offer(order, now_s)
 
     def recognise(self, order: VehicleOrder, now_s: float) -> None:
-        """Continue an earlier life's order: it runs, or it is sent again."""
+        """Continue an earlier life's order: it runs, or it is sent again; one to drive is only waited for."""
         self.present, order.begun_s, order.offered_s = order, now_s, now_s
+        if order.is_earlier:
+            order.old_errors = frozenset(
+                e.key for e in self._view.state.errors or () if not e.names(order.id)
+            )
 
     def extend(
         self,
@@ -335,7 +340,10 @@ class Orders:
 
     def _insist(self, order: VehicleOrder, now_s: float) -> None:
         """Repeat an order until it is shown; one not shown in time counts as silently refused."""
-        if not self._is_unseen(order, now_s):
+        if order.is_earlier:
+            if not self.may_come(order, now_s):
+                self._end(order, OrderState.ENDED, NEVER_CAME, now_s)
+        elif not self._is_unseen(order, now_s):
             if now_s - order.said_s >= self._profile.resend_s:
                 self._say(order, now_s)
         elif order.now is OrderState.OFFERED:
@@ -343,6 +351,17 @@ class Orders:
             self._refuse(order, order.refused_with or (kept.text if kept else REFUSED_SILENTLY), now_s)
         else:
             self._take_back_update(order)
+
+    def may_come(self, order: VehicleOrder, now_s: float) -> bool:
+        """Whether an earlier life's order or update may still come to the vehicle.
+
+        The vehicle has sent states for a while without it, and shows an action that was sent later, or shows none at all: then it has got
+        all that was sent before, or never will.
+        """
+        if not order.is_earlier or order.is_shown_whole(self._view.state):
+            return False
+        is_answered = self._instant.status(ASK_STATE) != "" or self._instant.is_given_up(ASK_STATE)
+        return not (is_answered and self._is_unseen(order, now_s))
 
     def _is_unseen(self, order: VehicleOrder, now_s: float) -> bool:
         """Whether the vehicle has sent states long enough after the order, and does not show it."""
@@ -352,6 +371,9 @@ class Orders:
     def _refuse(self, order: VehicleOrder, reason: str, now_s: float) -> None:
         order.reason = reason
         order.states.enter(OrderState.REFUSED)
+        if order.is_earlier:
+            self._end(order, OrderState.ENDED, reason, now_s)
+            return
         is_over = len(order.ids) >= self._profile.tries or now_s - order.begun_s >= TRYING_S
         if order.is_unwanted or is_over:
             if not order.is_unwanted:
@@ -432,7 +454,7 @@ class Orders:
                 )  # It waits for its horizon, which is not wanted any more, and takes no update.
             elif not order.beyond:
                 self._end(order, OrderState.DONE, "", now_s)
-        elif self._is_quiet(order, now_s):
+        elif self._is_quiet(order, now_s) and not self.may_come(order, now_s):
             # Shown, never begun, and complained of: a late refusal.
             order.ended_by = critical(state, self._profile)
             error = (refusal(order, state) if not order.passed else None) or order.ended_by

@@ -140,18 +140,21 @@ class Steps:
         return order
 
     def place(self, way: Way, order: VehicleOrder | None) -> None:
-        """Count the rest of the present order's base as nodes of a new way, as far as they agree."""
+        """Count the rest of the present order's base as nodes of a new way, if the way begins with all of them.
+
+        Else none counts: a passed node would tell its agent that the vehicle follows the new way, and it drives to the end of its base.
+        """
         if order is None or order.kind is not Kind.STEP:
             return
         if order.passed == order.end:
             order.places[order.end] = (way.number, 0)  # It waits there for more.
-        agrees = True
-        for index in range(order.passed + 1, order.end + 1):
-            on_way = index - order.passed - 1
-            agrees = agrees and on_way < len(way.nodes) and way.nodes[on_way] == order.nodes[index]
-            order.places[index] = (way.number, on_way) if agrees else None
-            if agrees and on_way >= way.released:
-                way.released = on_way + 1  # The base cannot be withdrawn.
+            return
+        first = order.passed + 1
+        rest = order.nodes[first:]
+        agrees = way.nodes[: len(rest)] == rest
+        order.places[first:] = [(way.number, index) if agrees else None for index in range(len(rest))]
+        if agrees:
+            way.released = max(way.released, len(rest))  # The base cannot be withdrawn.
 
     def _start(self, stand: Stand) -> Stop:
         """The first node of an order: the vehicle's present position."""

@@ -60,6 +60,8 @@ class VehicleOrder:
         places: for each node of the base its place in the agent's way.
         reason: why it has ended without success.
         is_unwanted: whether to cancel it as soon as the vehicle has it.
+        is_earlier: whether an earlier life has sent it, to drive: it, or its last update, may still be on its way to the vehicle. It is never
+            sent again.
     """
 
     def __init__(
@@ -97,7 +99,7 @@ class VehicleOrder:
         """The text of its newest refusal with one."""
         self.ended_by: VehicleError | None = None
         """The error that ended it; None for none."""
-        self.is_unwanted = False
+        self.is_unwanted = self.is_earlier = False
         self.takes_updates = True
         self.is_twice = False
         """Whether its node is listed twice."""
@@ -195,6 +197,10 @@ class VehicleOrder:
             goal=task.goal if isinstance(task, Drop) else "",
         )
 
+    def is_shown_whole(self, state: State) -> bool:
+        """Whether the vehicle shows it with its newest update."""
+        return self.is_shown(state) and (state.order_update_id or 0) >= self.update
+
     def is_shown(self, state: State) -> bool:
         """Whether the vehicle shows it under any of its ids, or at least its action."""
         if state.order_id and state.order_id in self.ids:
@@ -247,6 +253,7 @@ def restored(memory: OrderMemory, build: Builder) -> VehicleOrder:
     else:
         stops = [(node, build.spot(node)) for node in memory.nodes]
         order = VehicleOrder(Kind.STEP, memory.number, stops, [], [None] * len(stops), corners=build.corners)
+        order.is_earlier = True
     order.id, order.update, order.ids = memory.id, memory.update, [memory.id]
     order.takes_updates = False
     return order

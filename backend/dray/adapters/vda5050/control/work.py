@@ -17,6 +17,7 @@ from dray.adapters.vda5050.control.order_state import OrderState
 from dray.adapters.vda5050.control.orders import (
     CANCELLED,
     FORGOTTEN,
+    NEVER_CAME,
     STOPPED_SHORT,
     VANISHED,
     Orders,
@@ -122,6 +123,26 @@ class Work:
             return stand.node, stand.ahead or stand.node
         nodes = order.nodes
         return nodes[order.passed], nodes[min(order.passed + 1, order.end)]
+
+    @property
+    def base_end(self) -> str:
+        """The last node that the vehicle may drive to: of its order, which may be of another way, or of its way; empty when it is there."""
+        order, way = self.orders.present, self.way
+        if order is not None and order.kind is Kind.STEP and order.passed < order.end:
+            place = order.places[order.end]
+            if way is None or place is None or place[0] != way.number:
+                return order.nodes[order.end]
+        return way.base_end if way is not None else ""
+
+    def is_at_begin_of(self, order: VehicleOrder) -> bool:
+        """Whether the vehicle is where an order to drive begins: anywhere else it would not take it."""
+        start, ahead = order.nodes[0], order.nodes[min(1, order.end)]
+        said = self._view.state.last_node_id or ""
+        found = self._whereabouts.find(self._view.pose, said, order.nodes)
+        if found is None:
+            return False
+        is_there = found.node == start and found.ahead in ("", ahead)
+        return is_there or (said == start and self.gap_m(start) <= self._profile.first_deviation_m)
 
     def gap_m(self, node: str) -> float:
         """The vehicle's distance to a node; 0 while unknown."""
@@ -237,7 +258,7 @@ class Work:
 
     def _end_step(self, order: VehicleOrder, done: bool, now_s: float) -> None:
         node = order.nodes[order.passed]
-        if not (done or order.passed or order.reason in (CANCELLED, STOPPED_SHORT)):
+        if not (done or order.passed or order.reason in (CANCELLED, STOPPED_SHORT, NEVER_CAME)):
             self._left = node
         found = self._find(node, order.nodes[order.passed :])
         if found is not None and not done:
