@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+from complaints import Complaints
 from manager_kit import choose, held
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
 
 
 def test_a_reference_of_the_next_order_is_written_while_the_first_is_sent(
@@ -98,3 +101,34 @@ def test_a_sheet_stays_with_what_is_written_while_a_lane_is_closed(forms: Any, o
     expect(sheet).to_have_count(0)
     closed.get_by_role("button").click()
     expect(closed).to_have_count(0)
+
+
+def test_what_is_refused_after_the_form_was_opened_for_another_thing_is_told_by_its_name_and_restored(
+    forms: Any, open_page: OpenPage, complaints: Complaints, screenshot: Screenshot
+) -> None:
+    page = open_page(f"{forms.url}/#recurring")
+    add, name = page.get_by_role("button", name="Add…"), page.get_by_label("Name", exact=True)
+    add.click()
+    name.fill("Early")
+    page.get_by_label("Pieces each time").fill("0")
+    with held(page, "**/api/schedules") as let_go:
+        page.get_by_role("button", name="Keep", exact=True).click()
+        page.get_by_role("button", name="Close").click()
+        add.click()
+        name.fill("Late")
+        let_go()
+    wrong = page.locator("#recurring-quantity-wrong")
+    refused = page.get_by_role("alert").filter(has_text="Not done for Early")
+    expect(refused).to_have_count(1)
+    expect(wrong).to_be_empty()
+    expect(name).to_have_value("Late")
+    page.get_by_role("button", name="Close").click()
+    screenshot(page, "recurring-refused-since")
+    refused.get_by_role("button", name="Open it again").click()
+    expect(name).to_have_value("Early")
+    expect(page.get_by_label("Pieces each time")).to_have_value("0")
+    expect(wrong).not_to_be_empty()
+    expect(refused).to_have_count(0)
+    # What is refused, the browser tells of by itself.
+    assert all("status of 422" in each for each in complaints)
+    complaints.clear()

@@ -3,10 +3,11 @@ import { Card } from "../../../parts/Card";
 import { columnsOf } from "../../../parts/stacked";
 import { nowS } from "../../../stream/stream";
 import { format, t, word } from "../../../text/views/people";
+import { RefusedSince } from "../../parts/RefusedSince";
 import { Sure } from "../../parts/Sure";
 import { useRefreshed } from "../../refreshed";
 import { KEY, KeySheet } from "./KeySheet";
-import { asked, beginKey, busy, calls, takeBack } from "./state";
+import { asked, beginKey, busy, calls, keyOpenings, stays, takeBack } from "./state";
 
 const EVERY_MS = 10_000;
 
@@ -50,6 +51,12 @@ export function KeysCard() {
           </table>
         </div>
       )}
+      {stays.value !== "" && (
+        <p class="complaint" role="alert">
+          {stays.value}
+        </p>
+      )}
+      <RefusedSince of={keyOpenings} form={KEY} />
       <KeySheet onChanged={again} />
     </Card>
   );

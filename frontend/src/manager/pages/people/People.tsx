@@ -4,12 +4,13 @@ import { Tag } from "../../../parts/Tag";
 import { speakAlso } from "../../../text/speech";
 import { format, t, tables, word } from "../../../text/views/people";
 import { tables as records } from "../../../text/views/records";
+import { RefusedSince } from "../../parts/RefusedSince";
 import { useRefreshed } from "../../refreshed";
 import { KeysCard } from "./KeysCard";
 import "./people.css";
 import { PERSON, PersonSheet } from "./PersonSheet";
 import { areaName } from "../../state";
-import { begin } from "./state";
+import { begin, openings } from "./state";
 
 const EVERY_MS = 10_000;
 
@@ -41,6 +42,7 @@ export function People() {
       }
       below={
         <>
+          <RefusedSince of={openings} form={PERSON} />
           <PersonSheet onChanged={again} />
           <KeysCard />
         </>

@@ -5,6 +5,7 @@ import { Tag } from "../../../parts/Tag";
 import { language, speakAlso } from "../../../text/speech";
 import { format, t, tables } from "../../../text/views/recurring";
 import { CsvLink } from "../../parts/filters/CsvLink";
+import { RefusedSince } from "../../parts/RefusedSince";
 import { Sure } from "../../parts/Sure";
 import { problemText } from "../../problem-text";
 import { useRefreshed } from "../../refreshed";
@@ -12,7 +13,7 @@ import { names, orderName } from "../../state";
 import { addressOf, addressOfTransport } from "../../views";
 import { calendarText } from "./calendar-text";
 import { coming, daysOff, shown } from "./draft";
-import { begin } from "./form";
+import { begin, openings } from "./form";
 import "./recurring.css";
 import { FORM, RecurringForm } from "./RecurringForm";
 import { regionName } from "./regions";
@@ -70,6 +71,7 @@ export function Recurring() {
               {failed.value}
             </p>
           )}
+          <RefusedSince of={openings} form={FORM} />
           <RecurringForm onKept={again} />
         </>
       }

@@ -1,8 +1,9 @@
 import { beforeEach, expect, test, vi } from "vitest";
 import { addSchedule, previewRuns, type Schedule } from "../../../api/schedules";
+import { Problem } from "../../../api/problem";
 import type { PlantFile } from "../../../api/types";
 import { plant } from "../../state";
-import { before, begin, edit, lines, preview, send, written } from "./form";
+import { before, begin, complaints, edit, lines, openings, outcome, preview, send, written } from "./form";
 
 vi.mock("../../../api/schedules", () => ({ addSchedule: vi.fn(), changeSchedule: vi.fn(), previewRuns: vi.fn() }));
 
@@ -54,4 +55,20 @@ test("an answer about what the form was closed with changes nothing in what was 
   });
   await send();
   expect([written.value.name, written.value.kind, before.value]).toEqual(["Other", "transport", null]);
+});
+
+test("what is refused after another one was opened is told by its name, and restored as it was typed", async () => {
+  edit({ name: "Weekly", customer: "" });
+  vi.mocked(addSchedule).mockImplementation(async () => {
+    edit({ customer: "Hall 3" });
+    begin(null);
+    edit({ name: "Other" });
+    return await Promise.reject(new Problem(422, "too short", [{ field: "order.customer", reason: "too short" }]));
+  });
+  await send();
+  expect([written.value.name, complaints.value, outcome.value]).toEqual(["Other", {}, null]);
+  expect(openings.refused.value.map(({ text }) => text)).toEqual(["Not done for Weekly: too short"]);
+  openings.refused.value[0]?.restore();
+  expect(written.value).toMatchObject({ name: "Weekly", kind: "order", customer: "Hall 3" });
+  expect([complaints.value, openings.refused.value]).toEqual([{ customer: "too short" }, []]);
 });

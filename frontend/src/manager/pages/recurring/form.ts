@@ -2,10 +2,11 @@
 import { computed, signal } from "@preact/signals";
 import { Problem } from "../../../api/problem";
 import { addSchedule, changeSchedule, previewRuns, type Schedule } from "../../../api/schedules";
+import { Openings } from "../../../parts/openings";
 import { fieldsAfterSent } from "../../../parts/sent";
 import { t } from "../../../text/views/recurring";
 import { chosenOf } from "../../cards/publish/draft";
-import { problemText } from "../../problem-text";
+import { problemText, refusedText } from "../../problem-text";
 import { plant } from "../../state";
 import { calendarOf, daysOf, draftOf, empty, type Line, partOf, type Written, writtenOf } from "./draft";
 
@@ -29,11 +30,18 @@ export function edit(change: Partial<Written>): void {
   forget();
 }
 
-/** Counts how often the form was opened: an answer about what stood in it before changes nothing. */
-let opened = 0;
+export const openings = new Openings({
+  read: () => ({ before: before.value, written: written.value }),
+  write(fields) {
+    [before.value, written.value] = [fields.before, fields.written];
+    forget();
+  },
+  complain,
+  tell: (fields, error) => refusedText(fields.written.name.trim() || (fields.before?.name ?? t("recurring.addTitle")), error),
+});
 
 export function begin(schedule: Schedule | null): void {
-  opened += 1;
+  openings.begin();
   before.value = schedule;
   written.value = schedule ? writtenOf(schedule) : empty(Intl.DateTimeFormat().resolvedOptions().timeZone);
   forget();
@@ -47,20 +55,20 @@ function forget(): void {
 
 export async function preview(): Promise<boolean> {
   const zone = written.value.zone.trim();
-  return await ask(async () => {
+  return await ask(async (isOpen) => {
     const { holidays, holidaysOf } = written.value;
     const days = { holidays: daysOf(holidays), holidays_of: holidaysOf.trim() };
     const moments = await previewRuns({ calendar: calendarOf(written.value), time_zone: zone, ...days, count: 10 });
-    runs.value = { zone, moments };
+    if (isOpen()) runs.value = { zone, moments };
   });
 }
 
 export async function send(): Promise<boolean> {
-  const [sent, opening] = [written.value, opened];
+  const [old, sent] = [before.value, written.value];
   const draft = draftOf({ ...sent, lines: lines.value });
-  return await ask(async () => {
-    const kept = before.value === null ? await addSchedule({ ...draft, paused: false }) : await changeSchedule(before.value, draft);
-    if (opening !== opened) return;
+  return await ask(async (isOpen) => {
+    const kept = old === null ? await addSchedule({ ...draft, paused: false }) : await changeSchedule(old, draft);
+    if (!isOpen()) return;
     before.value = kept;
     written.value = fieldsAfterSent(sent, written.value, writtenOf(kept));
     forget();
@@ -68,19 +76,13 @@ export async function send(): Promise<boolean> {
   });
 }
 
-async function ask(what: () => Promise<void>): Promise<boolean> {
+async function ask(what: (isOpen: () => boolean) => Promise<void>): Promise<boolean> {
   if (busy.value) return false;
   busy.value = true;
   forget();
-  try {
-    await what();
-    return true;
-  } catch (error) {
-    complain(error);
-    return false;
-  } finally {
-    busy.value = false;
-  }
+  const done = await openings.send(what);
+  busy.value = false;
+  return done;
 }
 
 function complain(error: unknown): void {

@@ -59,6 +59,9 @@ export const panel: Catalogue<typeof english> = {
   "factory.ofStatus": "{count} {status}",
 
   "sheet.close": "Schließen",
+  "refused.since": "Nicht getan für {name}: {reason}",
+  "refused.open": "Wieder öffnen",
+  "refused.drop": "Verwerfen",
 
   "fleet.title": "Flotte",
   "fleet.vehicle": "Fahrzeug",

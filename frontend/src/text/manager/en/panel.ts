@@ -56,6 +56,9 @@ export const panel = {
   "factory.ofStatus": "{count} {status}",
 
   "sheet.close": "Close",
+  "refused.since": "Not done for {name}: {reason}",
+  "refused.open": "Open it again",
+  "refused.drop": "Discard",
 
   "fleet.title": "Fleet",
   "fleet.vehicle": "Vehicle",

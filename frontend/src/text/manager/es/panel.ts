@@ -59,6 +59,9 @@ export const panel: Catalogue<typeof english> = {
   "factory.ofStatus": "{count} {status}",
 
   "sheet.close": "Cerrar",
+  "refused.since": "No se ha hecho para {name}: {reason}",
+  "refused.open": "Abrir de nuevo",
+  "refused.drop": "Descartar",
 
   "fleet.title": "Flota",
   "fleet.vehicle": "Vehículo",

@@ -8,13 +8,14 @@ import { format, n, t, tables } from "../../../../text/views/products";
 import { inFactoryTime } from "../../../../text/plant-time";
 import { speakAlso } from "../../../../text/speech";
 import { Choice } from "../../../parts/filters/Choice";
+import { RefusedSince } from "../../../parts/RefusedSince";
 import { names, plant } from "../../../state";
 import { useRefreshed } from "../../../refreshed";
 import "./products.css";
 import { DefineForm, FORM } from "./DefineForm";
 import { FileButton, FileSheet } from "./FileSheet";
 import type { ProductAnswer } from "./draft";
-import { begin } from "./form";
+import { begin, openings } from "./form";
 import { NeedLinks } from "./NeedLinks";
 import { authorsOf, type Definition, forget, tick, ticked } from "./remove";
 import { RemoveBar } from "./RemoveBar";
@@ -83,6 +84,7 @@ export function Products() {
             <RemoveBar definitions={[...definitions.values()]} onRemoved={again} />
             <NeedLinks />
           </div>
+          <RefusedSince of={openings} form={FORM} />
           <DefineForm onDefined={again} />
           <FileSheet onTaken={again} />
         </>

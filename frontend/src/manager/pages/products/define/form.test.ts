@@ -1,7 +1,8 @@
 import { expect, test, vi } from "vitest";
 import { defineProduct } from "../../../../api/products";
+import { Problem } from "../../../../api/problem";
 import type { ProductAnswer } from "./draft";
-import { begin, edit, send, written } from "./form";
+import { begin, complaints, edit, openings, outcome, send, written } from "./form";
 
 vi.mock("../../../../api/products", () => ({ defineProduct: vi.fn() }));
 vi.mock("../../../plant-asked", () => ({ plantAsked: { now: vi.fn() } }));
@@ -29,4 +30,19 @@ test("an answer about one product changes nothing of another one that was opened
   });
   await send();
   expect([written.value.id, written.value.etag]).toEqual(["p10", ""]);
+});
+
+test("what is refused after another product was opened is told by its name, and restored as it was typed", async () => {
+  begin(null);
+  edit({ id: "p9", name: "Pump", lot: "0" });
+  vi.mocked(defineProduct).mockImplementation(async () => {
+    begin(null);
+    edit({ id: "p10" });
+    return await Promise.reject(new Problem(422, "too few", [{ field: "lot", reason: "too few" }]));
+  });
+  await send();
+  expect([written.value.id, complaints.value, outcome.value]).toEqual(["p10", {}, null]);
+  expect(openings.refused.value.map(({ text }) => text)).toEqual(["Not done for Pump: too few"]);
+  openings.refused.value[0]?.restore();
+  expect([written.value.id, written.value.lot, complaints.value]).toEqual(["p9", "0", { lot: "too few" }]);
 });

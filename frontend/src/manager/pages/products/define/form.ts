@@ -2,10 +2,11 @@
 import { signal } from "@preact/signals";
 import { defineProduct } from "../../../../api/products";
 import { Problem } from "../../../../api/problem";
+import { Openings } from "../../../../parts/openings";
 import { fieldsAfterSent } from "../../../../parts/sent";
 import { t } from "../../../../text/views/products";
 import { plantAsked } from "../../../plant-asked";
-import { problemText } from "../../../problem-text";
+import { problemText, refusedText } from "../../../problem-text";
 import { plant } from "../../../state";
 import { draftOf, empty, partOf, type ProductAnswer, twice, type Written, writtenOf } from "./draft";
 
@@ -20,11 +21,19 @@ export function edit(change: Partial<Written>): void {
   outcome.value = null;
 }
 
-/** Counts how often the form was opened: an answer about what stood in it before changes nothing. */
-let opened = 0;
+export const openings = new Openings<Written>({
+  read: () => written.value,
+  write(fields) {
+    written.value = fields;
+    complaints.value = {};
+    outcome.value = null;
+  },
+  complain: (error) => { complain(error, written.value); },
+  tell: ({ id, name }, error) => refusedText(name.trim() || id.trim(), error),
+});
 
 export function begin(product: ProductAnswer | null): void {
-  opened += 1;
+  openings.begin();
   written.value = product ? writtenOf(product) : empty(plant.value?.vehicle_types[0]?.abilities[0] ?? "");
   complaints.value = {};
   outcome.value = null;
@@ -42,22 +51,17 @@ export async function send(): Promise<boolean> {
   outcome.value = null;
   if (sending.value || Object.keys(wrong).length > 0) return false;
   sending.value = true;
-  const opening = opened;
-  try {
+  const done = await openings.send(async (isOpen) => {
     const defined = await defineProduct(wanted.id.trim(), draftOf(wanted), wanted.etag);
-    if (opening === opened) {
+    if (isOpen()) {
       written.value = fieldsAfterSent(wanted, written.value, writtenOf(defined));
       outcome.value = { good: true, text: t("products.defined", { name: defined.name, revision: defined.revision }) };
     }
     // Whatever names products by the plant knows it at once.
     void plantAsked.now();
-    return true;
-  } catch (error) {
-    complain(error, wanted);
-    return false;
-  } finally {
-    sending.value = false;
-  }
+  });
+  sending.value = false;
+  return done;
 }
 
 function complain(error: unknown, wanted: Written): void {
