@@ -44,8 +44,12 @@ def test_it_tells_a_transport_from_its_call_to_its_hand_over(
     expect(page).to_have_url(re.compile(rf"#transports/{name}$"))
     moments = page.locator(".order-moments li")
     expect(moments.last).to_contain_text("has called for 3 Shaft to M8")
+    figures = page.locator(".order-figures")
+    expect(figures).not_to_contain_text("Picked up")
     quiet.advance_until(lambda: state(quiet, name) == "on_board")
     expect(page.locator(".lane-transport .lane-carry")).to_have_count(1)
+    for step in ("Vehicle set off", "Picked up"):
+        expect(figures.locator("div").filter(has_text=step)).to_contain_text(re.compile(r"\d\d:\d\d"))
     expect(page.locator(".lane-signs")).to_contain_text("now ")
     expect(page.get_by_role("button", name="Call off")).to_have_count(0)
     # The task on the plant leads back here.

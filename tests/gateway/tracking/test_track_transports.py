@@ -17,8 +17,16 @@ from dray.gateway.http.provided import provided
 from dray.gateway.live.projection import Projection
 from dray.gateway.tracking.facts import KEPT_S
 from dray.gateway.tracking.texts import TEXTS
-from dray.messages import TransportState
-from dray.messages.fact import TransportProgressed
+from dray.messages import Phase, Reason, Transport, TransportState
+from dray.messages import Role as Part
+from dray.messages.fact import (
+    AwardAnswered,
+    CarrierChanged,
+    PhaseEntered,
+    TaskClosed,
+    TaskOpened,
+    TransportProgressed,
+)
 from dray.store.orders.tracking_links import WORKING_MAX
 
 pytestmark = pytest.mark.anyio
@@ -85,6 +93,59 @@ async def test_its_page_tells_what_from_where_to_where_how_far_and_when(house: H
     text, answer = await page(house, token), await told(house, token)
     assert "data-ended" in text
     assert (answer["status"], answer["expected_at"], answer["late"]) == ("delivered", None, False)
+
+
+async def test_each_step_that_has_happened_has_its_time(house: House) -> None:
+    name = await called(house)
+    token, task, work = await linked(house, name), f"{name}-1", Transport("shaft", 40, ("S3",), "M8", "tote")
+
+    def progressed(state: TransportState) -> TransportProgressed:
+        return TransportProgressed(name, state, "shaft", 40, "S3", "M8", task=task)
+
+    number = 0
+
+    async def steps(*told_by: tuple[str, Any]) -> list[float | None]:
+        nonlocal number
+        for agent, fact in told_by:
+            number += 1
+            await house.say(events(agent, fact, first=number, at_s=9.0 * number))
+        answer = await told(house, token)
+        text = await page(house, token)
+        assert text.count("<time") == 1 + sum(
+            answer[at] is not None for at in ("assigned_at", "on_board_at", "ended_at")
+        )
+        return [
+            None if at is None else round(datetime.fromisoformat(at).timestamp() - NOW_S)
+            for at in (answer["assigned_at"], answer["on_board_at"])
+        ]
+
+    assert await steps() == [None, None]
+    opened = TaskOpened(task, 1, Part.PRIMARY, 1, work, 20.0, 300.0, 5.0)
+    begun = await steps(
+        ("M8", opened),
+        ("M8", AwardAnswered(task, 1, Part.PRIMARY, "ATV6", "accepted")),
+        ("ATV6", PhaseEntered(task, 1, Phase.APPROACHING, "S3")),
+        ("M8", progressed(TransportState.ASSIGNED)),
+    )
+    [set_off_s, _] = begun
+    assert set_off_s is not None
+    assert begun == [set_off_s, None]
+    # Another vehicle goes on: it has been fetched since the first set off.
+    carried = await steps(
+        ("M8", CarrierChanged(task, 2, "ATV6", "ATV1", Reason.SILENT, 5.5)),
+        ("ATV1", PhaseEntered(task, 2, Phase.APPROACHING, "S3")),
+        ("ATV1", PhaseEntered(task, 2, Phase.CARRYING, "S3")),
+        ("M8", progressed(TransportState.ON_BOARD)),
+    )
+    # Ten seconds apart: an event is told a second later with each number.
+    assert carried == [set_off_s, set_off_s + 40]
+    assert (
+        await steps(
+            ("M8", TaskClosed(task, 2, "delivered", "ATV1", 45.0)),
+            ("M8", progressed(TransportState.DELIVERED)),
+        )
+        == carried
+    )
 
 
 async def test_one_that_is_not_to_begin_yet_says_when_it_does(house: House) -> None:

@@ -43,9 +43,22 @@ class TransportTrackAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"s
     late: bool
     """Whether it is, was or will be there after `due_at`."""
     created_at: str
+    assigned_at: str | None = None
+    """When a vehicle set off to fetch it; None before, or if unknown."""
+    on_board_at: str | None = None
+    """When a vehicle had it; None before, or if unknown."""
     not_before: str | None = None
     due_at: str
     ended_at: str | None = None
+
+
+class TransportSteps(msgspec.Struct, frozen=True):
+    """When a transport reached its stages; wall clock seconds, None if not reached or unknown."""
+
+    assigned_at_s: float | None = None
+    """When the first vehicle set off to fetch it."""
+    on_board_at_s: float | None = None
+    """When a vehicle first had it."""
 
 
 class FoundTransport(msgspec.Struct, frozen=True):
@@ -67,17 +80,22 @@ async def transport_of(store: Store, token: str, now_s: float) -> FoundTransport
     async with store.read() as work:
         link = await work.transport_links.find(token)
         row = None if link is None else await work.transports.get(link.subject)
-    if link is None or row is None:
-        return FoundTransport(None, NoPage.UNKNOWN)
-    why = ended(link, row.ended_at_s, now_s)
-    return FoundTransport(None, why) if why is not None else FoundTransport(row)
+        if link is None or row is None:
+            return FoundTransport(None, NoPage.UNKNOWN)
+        why = ended(link, row.ended_at_s, now_s)
+        if why is not None:
+            return FoundTransport(None, why)
+        return FoundTransport(row)
 
 
-def transport_track(row: TransportRow, name: str, now_s: float) -> TransportTrackAnswer:
+def transport_track(
+    row: TransportRow, steps: TransportSteps, name: str, now_s: float
+) -> TransportTrackAnswer:
     """The customer's view of a transport.
 
     Args:
         row: the transport.
+        steps: when it reached its stages.
         name: name of the item or thing.
         now_s: wall clock.
     """
@@ -90,20 +108,25 @@ def transport_track(row: TransportRow, name: str, now_s: float) -> TransportTrac
         source=row.source,
         to=row.destination,
         wait=row.wait or None,  # type: ignore[arg-type]
-        expected_at=None if expected_s is None else Clock.iso(expected_s),
+        expected_at=_iso(expected_s),
         late=_is_late(row, now_s),
         created_at=Clock.iso(row.created_at_s),
-        not_before=None if row.not_before_s is None else Clock.iso(row.not_before_s),
+        assigned_at=_iso(steps.assigned_at_s),
+        on_board_at=_iso(steps.on_board_at_s),
+        not_before=_iso(row.not_before_s),
         due_at=Clock.iso(row.due_at_s),
-        ended_at=None if row.ended_at_s is None else Clock.iso(row.ended_at_s),
+        ended_at=_iso(row.ended_at_s),
     )
 
 
-def transport_page(row: TransportRow, name: str, texts: Catalogue, clock: Clock, now_s: float) -> Page:
+def transport_page(
+    row: TransportRow, steps: TransportSteps, name: str, texts: Catalogue, clock: Clock, now_s: float
+) -> Page:
     """The page of a transport.
 
     Args:
         row: the transport.
+        steps: when it reached its stages.
         name: name of the item or thing.
         texts: the language.
         clock: writes times in that language.
@@ -126,11 +149,15 @@ def transport_page(row: TransportRow, name: str, texts: Catalogue, clock: Clock,
         wanted=texts.wanted_by.format(time=clock.inside(row.due_at_s)),
         reasons=(reason,) if reason else (),
         items=(),
-        stages=tuple(_way(row, texts, clock)),
+        stages=tuple(_way(row, steps, texts, clock)),
         ended=row.has_ended,
         poll_s=POLL_S,
         announcement=". ".join(filter(None, (answer if row.has_ended else stage, tag, reason))),
     )
+
+
+def _iso(at_s: float | None) -> str | None:
+    return None if at_s is None else Clock.iso(at_s)
 
 
 def _expected_s(row: TransportRow) -> float | None:
@@ -156,8 +183,13 @@ def _answer(row: TransportRow, texts: Catalogue, clock: Clock) -> tuple[str, str
     return texts.expected, clock.moment(row.expected_at_s), ""
 
 
-def _way(row: TransportRow, texts: Catalogue, clock: Clock) -> list[StageLine]:
-    at_s = {TransportState.WAITING: row.created_at_s, TransportState.DELIVERED: row.ended_at_s}
+def _way(row: TransportRow, steps: TransportSteps, texts: Catalogue, clock: Clock) -> list[StageLine]:
+    at_s = {
+        TransportState.WAITING: row.created_at_s,
+        TransportState.ASSIGNED: steps.assigned_at_s,
+        TransportState.ON_BOARD: steps.on_board_at_s,
+        TransportState.DELIVERED: row.ended_at_s,
+    }
     if row.status is TransportState.CANCELLED:
         # A cancelled transport has no further stages.
         called = _line(texts, clock, texts.transport_stages["waiting"], "done", row.created_at_s)

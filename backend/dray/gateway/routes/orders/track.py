@@ -11,6 +11,7 @@ from dray.gateway.http.problems import Problem, not_found
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
+from dray.gateway.orders.transport_steps import transport_steps
 from dray.gateway.tracking.answer import TrackAnswer, answer
 from dray.gateway.tracking.facts import NoPage, facts_of
 from dray.gateway.tracking.track import track
@@ -39,6 +40,7 @@ TRANSPORT = TransportTrackAnswer(
     expected_at="2030-01-01T10:44:00Z",
     late=False,
     created_at="2030-01-01T10:37:00Z",
+    assigned_at="2030-01-01T10:37:05Z",
     not_before=None,
     due_at="2030-01-01T10:52:00Z",
     ended_at=None,
@@ -85,7 +87,8 @@ async def track_transport(
     if found.row is None:
         raise _no_page(found.why or NoPage.UNKNOWN, token)
     name = found.row.thing or material_name(projection, found.row.item)
-    return Json(transport_track(found.row, name, now_s), headers=PRIVATE)
+    steps = await transport_steps(store, found.row)
+    return Json(transport_track(found.row, steps, name, now_s), headers=PRIVATE)
 
 
 def material_name(projection: Projection, item: str) -> str:

@@ -39,6 +39,7 @@ from dray.gateway.orders.order_ids import new_token
 from dray.gateway.orders.shortage import Shortage, shortage_of
 from dray.gateway.orders.timeline import LegView, MomentView, WayOutView
 from dray.gateway.orders.transport_draft import TransportDraft
+from dray.gateway.orders.transport_steps import ATTEMPTS_MOST, EVENTS_MOST
 from dray.gateway.orders.transport_timeline import KINDS, TransportTimeline, transport_timeline
 from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.orders.wanted_vehicle import why_not
@@ -131,12 +132,6 @@ HEADER = tuple(each.encode_name for each in fields(TransportAnswer) if each.name
 
 ROWS_AT_ONCE = 500
 """Transports per read for a table."""
-
-ATTEMPTS_MOST = 100
-"""Maximum attempts shown per transport: usually one, and one more per restart of its destination."""
-
-EVENTS_MOST = 2_000
-"""Maximum events read per transport: ten takeovers of each attempt have fewer."""
 
 
 class TransportStory(TransportTimeline, kw_only=True):

@@ -16,6 +16,7 @@ from dray.gateway.http.assets import NotBuilt, Panels
 from dray.gateway.http.language import language_of, remember_language, switches
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.live.projection import Projection
+from dray.gateway.orders.transport_steps import transport_steps
 from dray.gateway.routes.orders.track import PRIVATE, material_name
 from dray.gateway.tracking.facts import NoPage, facts_of
 from dray.gateway.tracking.page import entity_tag, gone, page
@@ -52,9 +53,9 @@ async def customer(
     if found.facts is not None:
         told = page(track(found.facts), texts, clock, now_s)
     elif sent.row is not None:
-        told = transport_page(
-            sent.row, sent.row.thing or material_name(projection, sent.row.item), texts, clock, now_s
-        )
+        name = sent.row.thing or material_name(projection, sent.row.item)
+        steps = await transport_steps(store, sent.row)
+        told = transport_page(sent.row, steps, name, texts, clock, now_s)
     else:
         why = sent.why or found.why or NoPage.UNKNOWN
         status = HTTPStatus.NOT_FOUND if why is NoPage.UNKNOWN else HTTPStatus.GONE

@@ -59,6 +59,8 @@ export const transports: Catalogue<typeof en> = {
   "called.page.lanes": "Transport und Übergaben",
   "called.page.none": "Er ist noch keinem Fahrzeug angeboten worden.",
   "called.page.nobody": "noch niemand",
+  "called.page.setOff": "Fahrzeug losgefahren",
+  "called.page.aboard": "Aufgenommen",
   "called.page.carrier": "Gefahren von",
   "called.page.before": "vorher: {carriers}",
   "called.page.forgotten": "Nicht alle seine Schritte sind zu sehen: sie sind älter als das Ereignisprotokoll, oder es sind zu viele. Wer ihn zuletzt fuhr und wann, ist noch bekannt.",

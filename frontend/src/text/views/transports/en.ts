@@ -57,6 +57,8 @@ export const transports = {
   "called.page.lanes": "Transport and hand-overs",
   "called.page.none": "It has not been offered to any vehicle yet.",
   "called.page.nobody": "nobody yet",
+  "called.page.setOff": "Vehicle set off",
+  "called.page.aboard": "Picked up",
   "called.page.carrier": "Carried by",
   "called.page.before": "before: {carriers}",
   "called.page.forgotten": "Not all of its steps are shown: they are older than the log of events, or there are too many. Who carried it last, and when, is kept.",

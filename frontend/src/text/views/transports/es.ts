@@ -59,6 +59,8 @@ export const transports: Catalogue<typeof en> = {
   "called.page.lanes": "Transporte y entregas",
   "called.page.none": "Todavía no se ha ofrecido a ningún vehículo.",
   "called.page.nobody": "nadie todavía",
+  "called.page.setOff": "Salió a recogerlo",
+  "called.page.aboard": "Recogido",
   "called.page.carrier": "Lo lleva",
   "called.page.before": "antes: {carriers}",
   "called.page.forgotten": "No se ven todos sus pasos: son más antiguos que el registro de sucesos, o hay demasiados. Se sabe quién lo llevó al final, y cuándo.",

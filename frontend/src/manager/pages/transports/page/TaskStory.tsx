@@ -25,7 +25,8 @@ import { useRefreshed } from "../../../refreshed";
 import { placesOf } from "../../../state";
 import { addressOf, go, shownTransport } from "../../../views";
 import { Result } from "../../tasks/Result";
-import { attemptsOf, carriersOf, sourceOf, stateOf } from "./story";
+import { Steps } from "./Steps";
+import { attemptsOf, carriersOf, sourceOf, stateOf, stepsOf } from "./story";
 
 /** As of a plain transport. */
 const AGAIN_MS = 3000;
@@ -103,6 +104,7 @@ function Head({ story }: { story: Story }) {
       </div>
       <dl class="order-figures">
         <Figure head={ofTasks("tasks.opened")} more={coordinator}>{format.due(openedS, nowS.value)}</Figure>
+        <Steps {...stepsOf(story)} />
         {order !== "" && (
           <Figure head={ofTasks("tasks.order")}>
             <a class="link" href={addressOf(order)}>{reference ?? order}</a>

@@ -28,7 +28,8 @@ import { printPage } from "../../../parts/paper/printing";
 import { useRefreshed } from "../../../refreshed";
 import { go, shownTransport } from "../../../views";
 import { canCallOff } from "../filter";
-import { attemptsOf, carriersOf, expectedS, hasEnded, lateS, secondsOf, shownDueS, spanOf } from "./story";
+import { Steps } from "./Steps";
+import { attemptsOf, carriersOf, expectedS, hasEnded, lateS, secondsOf, shownDueS, spanOf, stepsOf } from "./story";
 
 /** A transport is looked at while it is brought, which takes minutes. */
 const AGAIN_MS = 3000;
@@ -121,6 +122,7 @@ function Head({ onChanged, story, transport }: Props & { onChanged: () => void }
       </div>
       <dl class="order-figures">
         <Figure head={t("called.at")} more={called_by}>{when(secondsOf(transport.created_at))}</Figure>
+        <Steps {...stepsOf(story)} />
         <Figure head={t("called.due")} more={hasEnded(transport) ? "" : dueText(secondsOf(due_at) ?? 0)}>
           {when(secondsOf(due_at))}
           {lateS(transport, nowS.value) > 0 && <Tag tone="warn">{t("orders.late")}</Tag>}

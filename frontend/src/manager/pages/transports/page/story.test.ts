@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { TaskStory, TransportAnswer, TransportStory } from "../../../../api/transports";
 import { isTransport, namedIn, addressOfTransport, transportOf } from "../../../views";
-import { attemptsOf, carriersOf, expectedS, lateS, spanOf, stateOf } from "./story";
+import { attemptsOf, carriersOf, expectedS, lateS, spanOf, stateOf, stepsOf } from "./story";
 
 const at = (atS: number): string => new Date(atS * 1000).toISOString();
 
@@ -76,4 +76,13 @@ describe("a task that is carried", () => {
     expect(of("delivered")).toBe("delivered");
     expect(of("withdrawn", leg)).toBe("cancelled");
   });
+});
+
+test("each step that has happened has its time, whoever has gone on since", () => {
+  const leg = { until_at_s: null, replaced: "" };
+  const story = (...legs: { carrier: string; since_at_s: number; aboard_at_s: number | null }[]) => ({ attempts: [{ legs: legs.map((each) => ({ ...leg, ...each })) }] }) as unknown as TransportStory;
+  expect(stepsOf(story())).toEqual({ setOffS: null, aboardS: null });
+  const first = { carrier: "ATV6", since_at_s: 10, aboard_at_s: null };
+  expect(stepsOf(story(first))).toEqual({ setOffS: 10, aboardS: null });
+  expect(stepsOf(story(first, { carrier: "ATV1", since_at_s: 20, aboard_at_s: 30 }, { carrier: "ATV2", since_at_s: 40, aboard_at_s: 45 }))).toEqual({ setOffS: 10, aboardS: 30 });
 });

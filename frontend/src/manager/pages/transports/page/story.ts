@@ -47,6 +47,12 @@ export function carriersOf(story: Pick<TransportStory, "attempts">): { last: str
   return { last, before: [...new Set(all)].filter((carrier) => carrier !== last) };
 }
 
+/** When the first vehicle set off to fetch it, and when one first had it: of the last time that it was given out; null if not yet, or forgotten. */
+export function stepsOf(story: Pick<TransportStory, "attempts">): { setOffS: number | null; aboardS: number | null } {
+  const legs = story.attempts.at(-1)?.legs ?? [];
+  return { setOffS: legs[0]?.since_at_s ?? null, aboardS: legs.find((leg) => leg.aboard_at_s !== null)?.aboard_at_s ?? null };
+}
+
 /** By how many seconds it is too late: of what was brought, or is expected, or by now. */
 export function lateS(transport: TransportAnswer, nowS: number): number {
   if (transport.status === "cancelled") return 0;
