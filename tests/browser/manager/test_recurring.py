@@ -35,6 +35,14 @@ def plan(page: Page, name: str, quantity: str) -> None:
     page.get_by_label("To", exact=True).select_option("M8")
 
 
+def keep(page: Page, name: str, *, close: bool = True) -> None:
+    """Send the form, which is taken, and close it."""
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.get_by_text(f"{name} is kept.")).to_be_visible()
+    if close:
+        page.get_by_role("button", name="Close").click()
+
+
 def remove(page: Page, name: str) -> None:
     page.get_by_role("button", name=f"Remove {name}").click()
     page.get_by_role("group", name=f"Remove {name}?").get_by_role("button", name="Remove").click()
@@ -56,9 +64,7 @@ def test_work_is_planned_seen_in_advance_paused_and_removed(
     page.get_by_role("button", name="Keep", exact=True).click()
     expect(page.locator("#recurring-quantity-wrong")).not_to_be_empty()
     page.get_by_label("Pieces each time").fill("4")
-    page.get_by_role("button", name="Keep", exact=True).click()
-    expect(page.get_by_text("Early is kept.")).to_be_visible()
-    page.get_by_role("button", name="Close").click()
+    keep(page, "Early")
     row = page.get_by_role("row", name="Early")
     expect(row).to_contain_text("Mon to Fri, Sun at 02:30")
     expect(row).not_to_contain_text("not on")
@@ -69,8 +75,7 @@ def test_work_is_planned_seen_in_advance_paused_and_removed(
     expect(page.get_by_role("checkbox", name="Sat")).not_to_be_checked()
     page.get_by_label("Not on these days").fill("2098-12-26, 2098-12-25")
     page.get_by_label("What was missed in an absence").select_option("catch_up")
-    page.get_by_role("button", name="Keep", exact=True).click()
-    expect(page.get_by_text("Early is kept.")).to_be_visible()
+    keep(page, "Early", close=False)
     expect(row).to_contain_text("not on 25 Dec 2098, 26 Dec 2098")
     expect(row).to_contain_text("after an absence the last one missed is made up for")
     # What is wrong is gone to, be it asked for what comes, or kept.
@@ -125,9 +130,7 @@ def test_an_order_is_planned_line_by_line_and_becomes_a_transport(
     page.get_by_label("Pieces in line 2").fill("2")
     page.get_by_label("Due after so many hours").fill("1.5")
     screenshot(page, "recurring-order-form")
-    page.get_by_role("button", name="Keep", exact=True).click()
-    expect(page.get_by_text("Weekly is kept.")).to_be_visible()
-    page.get_by_role("button", name="Close").click()
+    keep(page, "Weekly")
     row = page.get_by_role("row", name="Weekly")
     expect(row).to_contain_text("order for Hall 3")
     expect(row).to_contain_text("20 Pump P3, 2 Gear unit G1")
@@ -140,9 +143,7 @@ def test_an_order_is_planned_line_by_line_and_becomes_a_transport(
     page.get_by_label("Material").select_option("shaft")
     page.get_by_label("Pieces each time").fill("4")
     page.get_by_label("To", exact=True).select_option("M8")
-    page.get_by_role("button", name="Keep", exact=True).click()
-    expect(page.get_by_text("Weekly is kept.")).to_be_visible()
-    page.get_by_role("button", name="Close").click()
+    keep(page, "Weekly")
     expect(row).to_contain_text("nearest storage to M8")
     # What is refused, the browser tells of by itself.
     assert all("status of 422" in each for each in complaints)
@@ -166,9 +167,7 @@ def test_the_public_holidays_of_a_region_are_left_out_before_and_after_it_is_kep
         expect(runs.filter(has_text="7 Jan")).to_have_count(10 - feasts)
     screenshot(page, "recurring-public-holidays")
 
-    page.get_by_role("button", name="Keep", exact=True).click()
-    expect(page.get_by_text("After Epiphany is kept.")).to_be_visible()
-    page.get_by_role("button", name="Close").click()
+    keep(page, "After Epiphany")
     row = page.get_by_role("row", name="After Epiphany")
     expect(row).to_contain_text("not on public holidays: Germany (BW)")
     expect(row).to_contain_text("7 Jan")
@@ -193,14 +192,11 @@ def test_named_days_of_a_calendar_are_ticked_and_can_be_changed_by_their_boxes(
     expect(page.get_by_label("at", exact=True)).to_have_value("06:30")
     screenshot(page, "recurring-named-days")
     page.get_by_label("Pieces each time").fill("5")
-    page.get_by_role("button", name="Keep", exact=True).click()
-    expect(page.get_by_text("Workdays is kept.")).to_be_visible()
+    keep(page, "Workdays", close=False)
     assert forms.ask("/api/schedules")["items"][0]["calendar"] == asked["calendar"]
 
     page.get_by_role("checkbox", name="Sat").uncheck()
-    page.get_by_role("button", name="Keep", exact=True).click()
-    expect(page.get_by_text("Workdays is kept.")).to_be_visible()
-    page.get_by_role("button", name="Close").click()
+    keep(page, "Workdays")
     expect(row).to_contain_text("Mon to Fri at 06:30")
     remove(page, "Workdays")
 
