@@ -10,8 +10,17 @@ from typing import Any
 import pytest
 from complaints import Complaints
 from looks import LOCALES, WIDTHS_PX, in_every_look
-from manager_kit import held
+from manager_kit import as_manager, held
+from open_house import open_house
 from playwright.sync_api import Page, expect
+
+from dray.gateway.http.provided import provided
+from dray.gateway.schedules.scheduler import Scheduler
+
+# Their folder is on the path since `open_house` is.
+from gateway_kit import House  # isort: skip
+from recurring_kit import BRING, DRAFT, PATH, SIX_S  # isort: skip
+from wall_clock import Wall  # isort: skip
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -216,6 +225,40 @@ def test_what_is_written_while_it_is_sent_stays(page: Page) -> None:
     page.get_by_role("button", name="Close").click()
     expect(page.get_by_role("row", name="Early")).to_contain_text("7 Shaft")
     remove(page, "Early")
+
+
+def test_after_ten_minutes_away_the_list_says_what_was_left_out_and_what_was_made_up_for_and_why(
+    sqlite_url: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    async def plan_both(house: House) -> None:
+        for name, missed in (("First tour", "skip"), ("Second tour", "catch_up")):
+            response = await house.client.post(PATH, json=DRAFT | {"name": name, "missed": missed})
+            assert response.status_code == 201, response.text
+
+    async def placed(house: House) -> list[dict[str, Any]]:
+        await provided(house.app, Scheduler).look()
+        items: list[dict[str, Any]] = (await house.get("/api/transports"))["items"]
+        return items
+
+    with open_house(sqlite_url, wall=Wall(SIX_S - 60.0)) as before:
+        before.do(plan_both)
+        assert before.do(placed) == []
+    with open_house(sqlite_url, wall=Wall(SIX_S + 540.0), incarnation=2) as after:
+        [one] = after.do(placed)
+        assert (one["item"], one["called_by"]) == (BRING["item"], "Second tour")
+        page = as_manager(after, open_page)
+        page.goto(f"{after.url}/#recurring")
+        skipped, caught_up = (page.get_by_role("row", name=name) for name in ("First tour", "Second tour"))
+        expect(skipped).to_contain_text(
+            "Left out: Mon 18 Mar, 06:00. The gateway or its database was away then"
+        )
+        expect(skipped).not_to_contain_text("T-")
+        expect(caught_up).to_contain_text(
+            "Made up for Mon 18 Mar, 06:09: the gateway or its database was away at its time"
+        )
+        expect(caught_up.get_by_role("link", name=one["id"])).to_be_visible()
+        expect(caught_up).not_to_contain_text("Left out")
+        screenshot(page, "recurring-after-an-absence")
 
 
 @in_every_look

@@ -73,6 +73,7 @@ async def test_each_moment_is_one_order(house: House) -> None:
         "transport": None,
         "order": one["id"],
         "refused": None,
+        "made_up_at": None,
     }
     [line] = await house.audit(action="order.place")
     assert (line.who, line.who_kind, line.target) == (schedule["id"], "schedule", one["id"])

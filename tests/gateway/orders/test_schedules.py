@@ -17,6 +17,7 @@ from wall_clock import NOW_S, Wall
 
 from dray.errors import UnavailableError
 from dray.gateway.http.provided import provided
+from dray.gateway.http.responses import iso
 from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.schedules.scheduler import PUNCTUAL_S, Scheduler
 from dray.messages import TransportOrdered
@@ -44,6 +45,7 @@ async def test_each_moment_is_one_transport(house: House) -> None:
         "transport": one["id"],
         "order": None,
         "refused": None,
+        "made_up_at": None,
     }
     assert now["next_runs"][0] == "2030-03-19T06:00:00+01:00"
     await look(house, SIX_S + DAY_S)
@@ -173,6 +175,13 @@ async def test_after_an_absence_at_most_the_last_moment_is_made_up_for(
     assert len(await brought(house)) == made
     now = await house.get(f"{PATH}/{schedule['id']}")
     assert now["missed_at"] == left_out
+    in_time = made == 0 or late_s % DAY_S <= PUNCTUAL_S
+    made_up_at = None if now["last"] is None else now["last"]["made_up_at"]
+    assert made_up_at == (None if in_time else iso(SIX_S + late_s))
+    # The next one is in time.
+    await look(house, SIX_S + 3 * DAY_S)
+    now = await house.get(f"{PATH}/{schedule['id']}")
+    assert (now["last"]["planned_at"], now["last"]["made_up_at"]) == (iso(SIX_S + 3 * DAY_S), None)
     assert datetime.fromisoformat(now["next_runs"][0]).timestamp() > house.wall.now_s
 
 

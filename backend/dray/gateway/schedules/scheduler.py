@@ -270,7 +270,12 @@ class Scheduler:
 
     async def _place(self, row: ScheduleRow, after: ScheduleRow, moment_s: float, now_s: float) -> None:
         after = msgspec.structs.replace(
-            after, last_at_s=moment_s, last_transport="", last_order="", last_refused=""
+            after,
+            last_at_s=moment_s,
+            last_transport="",
+            last_order="",
+            last_refused="",
+            made_up_at_s=now_s if now_s - moment_s > PUNCTUAL_S else None,
         )
         key = own_key(principal(row), f"{moment_s:.0f}")
         try:

@@ -58,6 +58,7 @@ schedules = Table(
     Column("owner", String(200), nullable=False, server_default=""),
     Column("skipped", Text, nullable=False, server_default="[]"),
     Column("holidays_of", String(64), nullable=False, server_default=""),
+    Column("made_up_at_s", Double),
     UniqueConstraint("name"),
     Index(None, "next_at_s"),
     comment="Recurring work. next_at_s: the first moment of its calendar that is not used yet.",
@@ -106,6 +107,8 @@ class ScheduleRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     """JSON: the skipped moments of its calendar."""
     holidays_of: str = ""
     """A country or region whose public holidays are left out, as `DE-BW`; empty for none."""
+    made_up_at_s: float | None = None
+    """When the last used moment was made up for after an absence; None if it was in time."""
 
 
 _COLUMNS = [schedules.c[name] for name in ScheduleRow.__struct_fields__]

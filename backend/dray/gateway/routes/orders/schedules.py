@@ -92,6 +92,9 @@ class LastRun(msgspec.Struct, frozen=True, kw_only=True):
     """See GET /api/orders; null if there was none."""
     refused: str | None = None
     """Reason if it was refused."""
+    made_up_at: str | None = None
+    """When it was made up for, because the gateway or its database was away at its moment; null if it was
+    in time."""
 
 
 class ScheduleAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -367,6 +370,7 @@ def _answer(row: ScheduleRow, gone: frozenset[str] = frozenset()) -> ScheduleAns
             transport=row.last_transport or None,
             order=row.last_order or None,
             refused=row.last_refused or None,
+            made_up_at=None if row.made_up_at_s is None else iso(row.made_up_at_s),
         )
     return ScheduleAnswer(
         id=row.id,

@@ -181,6 +181,7 @@ function Last({ schedule: { last, missed_at, time_zone } }: { schedule: Schedule
   return (
     <>
       {last === null ? "–" : at(last.planned_at)}
+      {last?.made_up_at != null && <small class="line muted">{t("recurring.madeUpAt", { at: at(last.made_up_at) })}</small>}
       {last?.transport != null && (
         <small class="line">
           <a class="link" href={addressOfTransport(last.transport)}>{last.transport}</a>

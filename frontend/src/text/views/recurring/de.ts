@@ -89,5 +89,6 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.sure": "{name} löschen?",
   "recurring.keep": "Behalten",
   "recurring.refused": "Daraus wurde nichts: {reason}",
-  "recurring.leftOut": "Entfallen: {at}",
+  "recurring.leftOut": "Entfallen: {at}. Gateway oder Datenbank waren da nicht erreichbar",
+  "recurring.madeUpAt": "Nachgeholt {at}: Gateway oder Datenbank waren zu seiner Zeit nicht da",
 };

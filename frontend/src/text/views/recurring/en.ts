@@ -86,5 +86,6 @@ export const recurring = {
   "recurring.sure": "Remove {name}?",
   "recurring.keep": "Keep it",
   "recurring.refused": "Nothing came of it: {reason}",
-  "recurring.leftOut": "Left out: {at}",
+  "recurring.leftOut": "Left out: {at}. The gateway or its database was away then",
+  "recurring.madeUpAt": "Made up for {at}: the gateway or its database was away at its time",
 } as const;

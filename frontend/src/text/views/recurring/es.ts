@@ -89,5 +89,6 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.sure": "¿Eliminar {name}?",
   "recurring.keep": "Conservar",
   "recurring.refused": "No se hizo: {reason}",
-  "recurring.leftOut": "Omitido: {at}",
+  "recurring.leftOut": "Omitido: {at}. Entonces faltaba el gateway o su base de datos",
+  "recurring.madeUpAt": "Recuperado el {at}: a su hora faltaba el gateway o su base de datos",
 };
