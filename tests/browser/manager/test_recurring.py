@@ -254,7 +254,7 @@ def test_after_ten_minutes_away_the_list_says_what_was_left_out_and_what_was_mad
         )
         expect(skipped).not_to_contain_text("T-")
         expect(caught_up).to_contain_text(
-            "Made up for Mon 18 Mar, 06:09: the gateway or its database was away at its time"
+            "Made up for later, Mon 18 Mar, 06:09. The gateway or its database was away at its time"
         )
         expect(caught_up.get_by_role("link", name=one["id"])).to_be_visible()
         expect(caught_up).not_to_contain_text("Left out")

@@ -10,10 +10,10 @@ interface Props {
 /** Beside a form: what was refused after the form was opened for something else. */
 export function RefusedSince({ form, of }: Props) {
   return (
-    <div role="alert">
+    <div role="alert" class="refusals-since">
       {of.refused.value.map((refused) => (
-        <p key={refused.text} class="complaint">
-          {refused.text}{" "}
+        <p key={refused.text} class="problem refused-since">
+          <span>{refused.text}</span>
           <button
             type="button"
             class="button small"
@@ -23,7 +23,7 @@ export function RefusedSince({ form, of }: Props) {
             }}
           >
             {t("refused.open")}
-          </button>{" "}
+          </button>
           <button type="button" class="button small" onClick={() => { of.drop(refused); }}>
             {t("refused.drop")}
           </button>

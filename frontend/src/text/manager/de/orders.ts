@@ -88,7 +88,7 @@ export const orders: Catalogue<typeof english> = {
   "publish.needCustomer": "Für wen ist es?",
   "publish.needFuture": "Diese Zeit ist vorbei",
   "publish.failed": "Nicht gesendet: {reason}",
-  "publish.unreachable": "Die Zentrale hat nicht geantwortet. Nichts wurde doppelt bestellt: Noch einmal senden ist sicher.",
+  "publish.unreachable": "das Gateway hat nicht geantwortet. Nichts wurde doppelt bestellt: Noch einmal senden ist sicher.",
   "publish.changed": "Jemand hat es inzwischen geändert: neu ansehen und dann noch einmal ändern.",
   "publish.login": "Ihre Sitzung ist zu Ende. Melden Sie sich in einem anderen Tab neu an, und wiederholen Sie es.",
 

@@ -20,7 +20,7 @@ export const panel: Catalogue<typeof english> = {
   "skip.toContent": "Zum Inhalt springen",
 
   "news.title": "Zuletzt",
-  "news.none": "Keine Übernahme, kein Hilferuf und kein Verstummen, seit diese Zentrale läuft.",
+  "news.none": "Keine Übernahme, kein Hilferuf und kein Verstummen, seit dieses Gateway läuft.",
   "news.took": "{agent} hat {task} von {other} übernommen: {reason}",
   "news.tookSilent": "{agent} hat {task} von {other} übernommen, nach {silence} Stille",
   "news.taking": "{agent} übernimmt {task} von {other}: {reason}",

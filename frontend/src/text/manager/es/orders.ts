@@ -88,7 +88,7 @@ export const orders: Catalogue<typeof english> = {
   "publish.needCustomer": "¿Para quién es?",
   "publish.needFuture": "Esa hora ya ha pasado",
   "publish.failed": "No enviado: {reason}",
-  "publish.unreachable": "la central no respondió. No se ha pedido nada dos veces: puede enviarlo otra vez.",
+  "publish.unreachable": "el gateway no respondió. No se ha pedido nada dos veces: puede enviarlo otra vez.",
   "publish.changed": "alguien lo ha cambiado entretanto: vuelva a verlo y cámbielo de nuevo.",
   "publish.login": "su sesión ha terminado. Inicie otra en una pestaña nueva y repítalo.",
 

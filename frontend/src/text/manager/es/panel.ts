@@ -20,7 +20,7 @@ export const panel: Catalogue<typeof english> = {
   "skip.toContent": "Saltar al contenido",
 
   "news.title": "Últimamente",
-  "news.none": "Ningún relevo, petición de ayuda ni silencio desde que arrancó esta central.",
+  "news.none": "Ningún relevo, petición de ayuda ni silencio desde que arrancó este gateway.",
   "news.took": "{agent} asumió {task} de {other}: {reason}",
   "news.tookSilent": "{agent} asumió {task} de {other} tras {silence} de silencio",
   "news.taking": "{agent} asume {task} de {other}: {reason}",

@@ -90,5 +90,5 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.keep": "Behalten",
   "recurring.refused": "Daraus wurde nichts: {reason}",
   "recurring.leftOut": "Entfallen: {at}. Gateway oder Datenbank waren da nicht erreichbar",
-  "recurring.madeUpAt": "Nachgeholt {at}: Gateway oder Datenbank waren zu seiner Zeit nicht da",
+  "recurring.madeUpAt": "Später nachgeholt, {at}. Gateway oder Datenbank waren zu seiner Zeit nicht erreichbar",
 };

@@ -87,5 +87,5 @@ export const recurring = {
   "recurring.keep": "Keep it",
   "recurring.refused": "Nothing came of it: {reason}",
   "recurring.leftOut": "Left out: {at}. The gateway or its database was away then",
-  "recurring.madeUpAt": "Made up for {at}: the gateway or its database was away at its time",
+  "recurring.madeUpAt": "Made up for later, {at}. The gateway or its database was away at its time",
 } as const;

@@ -90,5 +90,5 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.keep": "Conservar",
   "recurring.refused": "No se hizo: {reason}",
   "recurring.leftOut": "Omitido: {at}. Entonces faltaba el gateway o su base de datos",
-  "recurring.madeUpAt": "Recuperado el {at}: a su hora faltaba el gateway o su base de datos",
+  "recurring.madeUpAt": "Recuperado más tarde, {at}. A su hora faltaba el gateway o su base de datos",
 };

@@ -30,7 +30,7 @@ export const shift: Catalogue<typeof en> = {
   "shift.goesOn": "Die Schicht läuft noch: Stand {at}.",
   "shift.seen": "Nur {part} dieser Zeit wurde aufgezeichnet: Zählungen sind zu niedrig.",
   "shift.seenBefore": "Von der Vergleichszeit wurde {part} aufgezeichnet.",
-  "shift.noneBefore": "Es gibt nichts zum Vergleichen: Damals lief keine Zentrale.",
+  "shift.noneBefore": "Es gibt nichts zum Vergleichen: Damals lief kein Gateway.",
   "shift.head.orders": "Gelieferte Aufträge: {n}, {part} pünktlich",
   "shift.head.noOrders": "Kein Auftrag wurde geliefert",
   "shift.head.late": "Verspätet: {late}. Am Ende offen: {open}, überfällig: {overdue}.",

@@ -30,7 +30,7 @@ export const shift: Catalogue<typeof en> = {
   "shift.goesOn": "El turno sigue: esto es hasta las {at}.",
   "shift.seen": "Solo se registró el {part} de este tiempo: los recuentos son demasiado bajos.",
   "shift.seenBefore": "Del período comparado se registró el {part}.",
-  "shift.noneBefore": "No hay con qué comparar: entonces no funcionaba ninguna central.",
+  "shift.noneBefore": "No hay con qué comparar: entonces no funcionaba ningún gateway.",
   "shift.head.orders": "Pedidos entregados: {n}, {part} a tiempo",
   "shift.head.noOrders": "No se entregó ningún pedido",
   "shift.head.late": "Con retraso: {late}. Abiertos al final: {open}, vencidos: {overdue}.",
