@@ -209,6 +209,7 @@ export const de: Catalogue<typeof en> = {
   "service.in": "In Betrieb",
 
   "steps.title": "Tempolimit von {atv}",
+  "steps.short": "Tempo",
   "steps.stepLabel": "Höchstens {percent} seiner eigenen Höchstgeschwindigkeit",
 
   "command.stop": "Stopp",

@@ -207,6 +207,7 @@ export const en = {
   "service.in": "Into service",
 
   "steps.title": "Speed limit of {atv}",
+  "steps.short": "Speed",
   "steps.stepLabel": "At most {percent} of its own top speed",
 
   "command.stop": "Stop",

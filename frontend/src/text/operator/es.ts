@@ -209,6 +209,7 @@ export const es: Catalogue<typeof en> = {
   "service.in": "En servicio",
 
   "steps.title": "Límite de velocidad de {atv}",
+  "steps.short": "Velocidad",
   "steps.stepLabel": "Como máximo el {percent} de su propia velocidad máxima",
 
   "command.stop": "Parar",

@@ -66,7 +66,7 @@ export function ChangeCard({ kept, onChanged }: { kept: OrderAnswer; onChanged: 
           if (change !== null && change !== "wrong") void save(change);
         }}
       >
-        <div class="field">
+        <div class="field order-change-due">
           <label for={`${id}-due`}>{t("publish.due")}</label>
           <input id={`${id}-due`} type="datetime-local" value={due} onInput={(event) => { edit({ due: event.currentTarget.value }); }} />
         </div>

@@ -13,7 +13,7 @@ export const auction: Catalogue<typeof english> = {
   "auction.newest": "Última",
   "auction.round": "ronda {round}",
   "auction.epoch": "época {epoch}",
-  "auction.due": "para {at}",
+  "auction.due": "plazo {at}",
   "auction.promised": "prometido {at}",
   "auction.delivered": "entregado {at}",
   "auction.onTime": "como prometió",

@@ -9,7 +9,7 @@ export const orders: Catalogue<typeof english> = {
   "orders.none": "Aún no hay pedidos. Lance abajo una producción y sígala aquí.",
   "orders.progress": "{delivered} entregados, {made} hechos, de {quantity}",
   "orders.counts": "{delivered} de {quantity}",
-  "orders.due": "para {due}",
+  "orders.due": "plazo {due}",
   "orders.late": "con retraso",
   "orders.waits": "espera: {reason}",
   "orders.waitsFor": "espera {materials}",

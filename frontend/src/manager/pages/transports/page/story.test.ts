@@ -86,3 +86,8 @@ test("each step that has happened has its time, whoever has gone on since", () =
   expect(stepsOf(story(first))).toEqual({ setOffS: 10, aboardS: null });
   expect(stepsOf(story(first, { carrier: "ATV1", since_at_s: 20, aboard_at_s: 30 }, { carrier: "ATV2", since_at_s: 40, aboard_at_s: 45 }))).toEqual({ setOffS: 10, aboardS: 30 });
 });
+
+test("while it is given out anew nobody carries it, and who did before is told", () => {
+  const attempts = [{ legs: [{ carrier: "ATV3" }] }, { legs: [] }] as unknown as TransportStory["attempts"];
+  expect(carriersOf({ attempts })).toEqual({ last: "", before: ["ATV3"] });
+});

@@ -40,10 +40,10 @@ export function expectedS(transport: TransportAnswer): number | null {
   return hasEnded(transport) ? null : secondsOf(transport.expected_at);
 }
 
-/** Who carries it or brought it, and those before, each once. */
+/** Who carries it or brought it, and those before, each once; nobody while it is given out anew. */
 export function carriersOf(story: Pick<TransportStory, "attempts">): { last: string; before: string[] } {
   const all = story.attempts.flatMap(({ legs }) => legs.map(({ carrier }) => carrier));
-  const last = all.at(-1) ?? "";
+  const last = story.attempts.at(-1)?.legs.at(-1)?.carrier ?? "";
   return { last, before: [...new Set(all)].filter((carrier) => carrier !== last) };
 }
 
