@@ -461,6 +461,18 @@ def test_what_the_body_let_a_vehicle_bring_that_has_lost_its_memory_is_booked_on
     assert instructed(left_empty(rig), Book) == []
 
 
+@pytest.mark.parametrize("heard", [True, False])
+def test_who_stood_there_empty_and_comes_for_the_next_load_has_put_down_what_the_body_let_it_bring(
+    *, heard: bool
+) -> None:
+    rig = without_notes()
+    if heard:
+        beats(rig, None)
+    rig.on_message("S1", StockAsked("S1-1", 1, "seal-kit", 1))
+    effects = rig.on_message("ATV2", Docked("S1-1", 1, "M7", "seal-kit", 1))
+    assert instructed(effects, Book) == ([Book("ATV2", "housing", 24, task="", epoch=2)] if heard else [])
+
+
 def test_who_has_lost_its_memory_elsewhere_has_not_put_down_what_the_body_let_it_bring() -> None:
     assert instructed(left_empty(without_notes(), where="c9"), Book) == []
 

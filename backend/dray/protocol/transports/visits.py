@@ -32,7 +32,8 @@ What it has moved when it has left:
                                                                the task
     an earlier life let it in, and no notes say for what       what it says here that it carries or hands over, else what the body
                                                                remembers, as unknown. While it stands here without a task and
-                                                               a load, its word is waited for
+                                                               a load, its word is waited for; if it comes for another load
+                                                               then, what it was to bring is down
     the notes say that it waits                                nothing: no earlier life has let it in
 
 The question is `StockReserved`. A coordinator that needs the pieces no more answers with `StockFreed`.
@@ -318,6 +319,8 @@ class Visits:
             has_it = unloads and docked.item == load.item
             self._end(visit, moved=has_it or not (was_heard or load.ended), docks=True)
         else:
+            if was_heard and not load.task:
+                self._believe(visit)
             self._end(visit, moved=was_heard and not unloads)
 
     def on_put_down(self, vehicle: str, task: str, epoch: int, quantity: int, *, known: bool = True) -> bool:
