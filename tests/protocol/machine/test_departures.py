@@ -412,6 +412,78 @@ def test_what_a_vehicle_hands_over_at_the_dock_of_a_life_without_notes_is_booked
     assert instructed(rig.on_message("ATV2", handover()), Book) == []
 
 
+def recovered(rig: MachineRig) -> None:
+    """ATV3 tells that it carries the same task for M7, as the carrier after ATV2."""
+    beat = rhb("ATV3", 1, rig.now_s, task="M7-1", coordinator="M7")
+    assert beat.task is not None
+    task = replace(beat.task, epoch=2, phase=Phase.APPROACHING, item="housing", quantity=24, due_s=900.0)
+    rig.on_message("ATV3", replace(beat, task=task))
+    assert rig.agent._flow.tasks.get("M7-1") is not None
+
+
+@pytest.mark.parametrize("ends", [False, True])
+def test_what_a_vehicle_reports_for_an_earlier_epoch_of_a_recovered_task_is_booked(*, ends: bool) -> None:
+    rig = without_notes()
+    recovered(rig)
+    beats(rig, Phase.HANDING_OVER, node="c1")
+    if ends:
+        task = rig.agent._flow.tasks.get("M7-1")
+        assert task is not None
+        rig.agent._flow.cancel(task)
+    assert instructed(rig.on_message("ATV2", handover()), Book) == BROUGHT
+
+
+def test_what_a_vehicle_reports_for_the_known_epoch_of_a_recovered_task_is_not_of_an_earlier_life() -> None:
+    rig = without_notes()
+    recovered(rig)
+    beats(rig, None, node="c1")
+    assert instructed(rig.on_message("ATV2", handover(epoch=2)), Book) == []
+
+
+def left_empty(rig: MachineRig, **said: str) -> list[Effect]:
+    """ATV2 is heard elsewhere, and says where it has lost its memory and what it has left with: nothing."""
+    rig.run(rig.now_s + 1.0)
+    beat = rhb("ATV2", 1000 + int(rig.now_s), rig.now_s)
+    return rig.on_message("ATV2", replace(beat, task=None, node="c1", left_empty=said.get("where", DOCK)))
+
+
+@pytest.mark.parametrize("stands", [False, True])
+def test_what_the_body_let_a_vehicle_bring_that_has_lost_its_memory_is_booked_once_it_has_left_empty(
+    *, stands: bool
+) -> None:
+    rig = without_notes()
+    if stands:
+        # It may tell of its load yet.
+        assert instructed(beats(rig, None), CloseDock) == []
+    effects = left_empty(rig)
+    brought = [Book("ATV2", "housing", 24, task="", epoch=2)]
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == (brought, SHUT)
+    assert instructed(left_empty(rig), Book) == []
+
+
+@pytest.mark.parametrize("heard", [True, False])
+def test_who_stood_there_empty_and_comes_for_the_next_load_has_put_down_what_the_body_let_it_bring(
+    *, heard: bool
+) -> None:
+    rig = without_notes()
+    if heard:
+        beats(rig, None)
+    rig.on_message("S1", StockAsked("S1-1", 1, "seal-kit", 1))
+    effects = rig.on_message("ATV2", Docked("S1-1", 1, "M7", "seal-kit", 1))
+    assert instructed(effects, Book) == ([Book("ATV2", "housing", 24, task="", epoch=2)] if heard else [])
+
+
+def test_who_has_lost_its_memory_elsewhere_has_not_put_down_what_the_body_let_it_bring() -> None:
+    assert instructed(left_empty(without_notes(), where="c9"), Book) == []
+
+
+def test_who_has_not_lost_its_memory_and_tells_nothing_has_put_nothing_down() -> None:
+    rig = without_notes()
+    beats(rig, None)
+    effects = beats(rig, None, node="c1")
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([], SHUT)
+
+
 @pytest.mark.parametrize(("item", "vehicle"), [("pump-p3", "ATV2"), ("unknown", "ATV2"), ("housing", "ATV3")])
 def test_nothing_else_is_booked_in_on_a_report_to_a_life_without_notes(item: str, vehicle: str) -> None:
     rig = without_notes(item)

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import pytest
-from atv1 import handing_over
+from atv1 import handing_over, unloading
 from effects import committed, sent
 from rigs import VehicleRig
 from spoken import award
 
-from dray.messages import Accepted, Handover, HandoverAccepted, Message, Superseded, Withdrawn
+from dray.messages import (
+    Accepted,
+    AtvHeartbeat,
+    DockOpened,
+    Handover,
+    HandoverAccepted,
+    Message,
+    Reason,
+    Release,
+    Role,
+    Superseded,
+    Withdrawn,
+)
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
 from dray.protocol.vehicle.put_down import TELLS
@@ -73,3 +85,70 @@ def test_it_does_not_tell_for_ever() -> None:
     rig = left_alone()
     assert tells(rig, TELLS * ASK_AGAIN_S)
     assert tells(rig) == []
+
+
+def test_a_release_answers_no_handover() -> None:
+    rig = handing_over()
+    [job] = [rig.agent._contracts.job]
+    assert job is not None
+    rig.on_message("M8", Release("M8-1", 1, Role.PRIMARY, Reason.TASK_ENDED, number=job.number))
+    assert rig.agent._contracts.job is None
+    assert tells(rig)
+    rig.on_message("M8", Superseded("M8-1", 2))
+    assert tells(rig) == []
+
+
+def dropping() -> VehicleRig:
+    rig = unloading()
+    rig.on_message("M8", DockOpened(task="M8-1", epoch=1, station="M8"))
+    return rig
+
+
+def test_it_tells_of_what_it_has_put_down_although_it_was_superseded_meanwhile() -> None:
+    rig = dropping()
+    rig.on_message("M8", Superseded("M8-1", 2))
+    rig.dropped()
+    assert tells(rig)
+    rig.on_message("M8", Superseded("M8-1", 2))
+    assert tells(rig) == []
+
+
+def next_life(before: VehicleRig, *, load: tuple[str, int] = ("shaft", 24), node: str = "") -> VehicleRig:
+    """ATV1 is started again, with its notes; its body may unload still for its earlier life."""
+    rig = VehicleRig(node=node or before.node, incarnation=before.agent.incarnation + 1)
+    rig.memory, rig.now_s, rig.load = committed(before.all), before.now_s, load
+    rig.start()
+    return rig
+
+
+def goes_down(rig: VehicleRig, *, node: str = "") -> None:
+    """Its body has put the load down."""
+    rig.load, rig.node = ("", 0), node or rig.node
+    rig.run(rig.now_s + 6.0)
+    assert rig.heartbeats(AtvHeartbeat)[-1].task is None
+
+
+def test_it_tells_of_what_its_body_puts_down_for_an_earlier_life_although_it_is_superseded() -> None:
+    rig = next_life(dropping())
+    rig.on_message("M8", Superseded("M8-1", 2))
+    goes_down(rig)
+    assert tells(rig)
+
+
+def test_so_does_the_life_after_that() -> None:
+    before = next_life(dropping())
+    before.on_message("M8", Superseded("M8-1", 2))
+    rig = next_life(before)
+    goes_down(rig)
+    assert tells(rig)
+    assert tells(next_life(before, load=("", 0)))
+
+
+def test_it_does_not_tell_of_a_load_that_is_gone_elsewhere() -> None:
+    rig = next_life(dropping())
+    rig.on_message("M8", Superseded("M8-1", 2))
+    goes_down(rig, node="p3")
+    assert tells(rig) == []
+    before = next_life(dropping())
+    before.on_message("M8", Superseded("M8-1", 2))
+    assert tells(next_life(before, load=("", 0), node="p3")) == []

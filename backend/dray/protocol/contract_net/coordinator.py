@@ -94,6 +94,11 @@ class Coordinator:
     def closed(self, task: str) -> ClosedTask | None:
         return self._closed.get(task)
 
+    def knows(self, task: str, epoch: int) -> bool:
+        """Whether an epoch of a task is, or was, this coordinator's. The earlier ones of a recovered task are lost with the notes."""
+        known = self._open.get(task) or self._closed.get(task)
+        return known is not None and not (known.recovered and epoch < known.epoch)
+
     # --- the life of a task ---
 
     def open(self, task: str, work: Work, deadline_s: float, now_s: float, *, epoch: int = 1) -> OpenTask:
@@ -123,7 +128,7 @@ class Coordinator:
         self._life.record(fact)
         task.states.enter(TaskState(outcome))
         del self._open[task.id]
-        self._closed[task.id] = ClosedTask(carrier, task.epoch, outcome)
+        self._closed[task.id] = ClosedTask(carrier, task.epoch, outcome, recovered=task.recovered)
 
     # --- messages ---
 

@@ -308,7 +308,7 @@ class OpenTask:
 class ClosedTask:
     """The record of an ended task."""
 
-    __slots__ = ("carrier", "epoch", "outcome")
+    __slots__ = ("carrier", "epoch", "outcome", "recovered")
 
-    def __init__(self, carrier: str, epoch: int, outcome: Outcome) -> None:
-        self.carrier, self.epoch, self.outcome = carrier, epoch, outcome
+    def __init__(self, carrier: str, epoch: int, outcome: Outcome, *, recovered: bool) -> None:
+        self.carrier, self.epoch, self.outcome, self.recovered = carrier, epoch, outcome, recovered

@@ -79,7 +79,7 @@ class Dock:
         if task is not None and message.epoch == task.epoch and sender == task.primary:
             return task
         closed = self._tasks.closed(message.task)
-        known, visits = task is not None or closed is not None, self._door.visits
+        known, visits = self._tasks.knows(message.task, message.epoch), self._door.visits
         if visits.on_put_down(sender, message.task, message.epoch, message.quantity, known=known):
             self._life.ignore("a handover of a vehicle that is here for another load")
             return None

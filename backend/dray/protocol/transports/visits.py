@@ -20,7 +20,8 @@ What it has moved when it has left:
 
     it names the task, or has no task and stands here          a load to take, if it is on board; a load to bring, if not
     it returns such a load for another task                    the same: it has taken it, or put nothing down
-    it lost its memory here, and left with nothing on board    a load to bring, whatever it was heard doing since (`left_empty`)
+    it lost its memory here, and left with nothing on board    a load to bring, whatever it was heard doing since (`left_empty`),
+                                                               also one for which an earlier life without notes let it in
     it was heard at the task until now (`UNHEARD_S`)           a load to bring: no vehicle ends a task with its load on board
     the dock was not opened for it                             nothing
     else it is unknown                                         a load to take is booked out if such a load is on board; else its
@@ -30,7 +31,9 @@ What it has moved when it has left:
     it was heard elsewhere without it, and is asked about      what it has on board later is not from here, unless it names
                                                                the task
     an earlier life let it in, and no notes say for what       what it says here that it carries or hands over, else what the body
-                                                               remembers, as unknown
+                                                               remembers, as unknown. While it stands here without a task and
+                                                               a load, its word is waited for; if it comes for another load
+                                                               then, what it was to bring is down
     the notes say that it waits                                nothing: no earlier life has let it in
 
 The question is `StockReserved`. A coordinator that needs the pieces no more answers with `StockFreed`.
@@ -316,6 +319,8 @@ class Visits:
             has_it = unloads and docked.item == load.item
             self._end(visit, moved=has_it or not (was_heard or load.ended), docks=True)
         else:
+            if was_heard and not load.task:
+                self._believe(visit)
             self._end(visit, moved=was_heard and not unloads)
 
     def on_put_down(self, vehicle: str, task: str, epoch: int, quantity: int, *, known: bool = True) -> bool:
@@ -458,6 +463,8 @@ class Visits:
             return True
         if heartbeat.node != self._node or stage is Stage.GONE:
             return False
+        if not load.task and load.change > 0 and carries is None and not heartbeat.load:
+            return True  # It may tell of its load yet, or that it has lost its memory here.
         found_it = phase is Phase.RETURNING and has_it
         if found_it or (phase in _MAY_BE_INSIDE and (names or not load.task)):
             return True
@@ -471,6 +478,7 @@ class Visits:
         phase, is_gone = None if carries is None else carries.phase, visit.stage is Stage.GONE
         stands = is_here and carries is None and not is_gone
         if heartbeat.left_empty == self._node:
+            self._believe(visit)
             return load.change > 0
         if visit.takes and names:
             return has_it or phase in GOODS_ABOARD
@@ -519,7 +527,10 @@ class Visits:
         load, stage, vehicle = visit.load, visit.stage, visit.load.vehicle
         moved = moved and stage is not Stage.WAITS
         if moved and load.change and not self.counts:
-            self._bookings.say(load)
+            # A body books each load of one name once.
+            self._bookings.say(
+                load if load.task or load.epoch else replace(load, epoch=self._life.incarnation)
+            )
         elif load.change > 0 and not (load.returns or self.counts):
             self._owed[vehicle, load.task, load.epoch] = load
         self._forget(vehicle)

@@ -300,6 +300,7 @@ class Atv(AgentBase):
         self._lost_memory.sense(body.node, body.load)
 
     def _beat(self, _about: None, now_s: float) -> None:
+        self._contracts.check_load(now_s)
         self._contracts.bring_back(now_s)
         self.problems.update_call(now_s)
         self._life.beat_again(interval_s(self._say_status(now_s)), now_s)

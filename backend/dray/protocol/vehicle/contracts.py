@@ -183,6 +183,11 @@ class Contracts:
         self.bind(contract)
         self.go_on(lambda job: job.resume(load, now_s), now_s)
 
+    def check_load(self, now_s: float) -> None:
+        """The load of a void contract may be gone: its body has unloaded to the end for an earlier life."""
+        if self.job is not None and self.job.misses_load(self._owner.load[0]):
+            self._wake_job(None, now_s)
+
     def _standing(self, task: str, now_s: float) -> Standing:
         """The vehicle's state for considering `task`."""
         driver = self._driver
@@ -402,7 +407,7 @@ class Contracts:
         )
         self._life.record(ended)
         self.job = None
-        if reason is Reason.NOT_CONFIRMED:
+        if job.is_untold and job.coordinator != self._atv:
             self.put_down.add(job.memory(), now_s)
         self._life.commit()
         if reason is Reason.HANDED_OVER:

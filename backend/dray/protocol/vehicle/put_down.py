@@ -1,7 +1,8 @@
 """Loads that the vehicle has put down and that their coordinator has not confirmed: it goes on telling of them.
 
 A coordinator that is started again after the vehicle has gone on (`Reason.NOT_CONFIRMED`) knows of the load only from
-this report, if its body does not count. It must hear it before it seeks another carrier (`failover.UNNAMED_S`).
+this report, if its body does not count. It must hear it before it seeks another carrier (`failover.UNNAMED_S`). The same
+holds for a load that came down although the contract was void, or that was released before its report was answered.
 """
 
 from __future__ import annotations

@@ -57,6 +57,10 @@ class JobMoves:
         """
         return self._driver.arrives_s if self._driver.go(self._dock(place), now_s) else None
 
+    def stands_at(self, place: str) -> bool:
+        """Whether the vehicle has passed no other node since it came to a place's dock."""
+        return self._driver.node == self._dock(place)
+
     def is_shut_out_of(self, place: str) -> bool:
         """Whether known obstacles block every way to a place."""
         obstructed = bool(self._plant.obstructed)

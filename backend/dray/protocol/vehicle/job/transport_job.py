@@ -73,6 +73,7 @@ class TransportJob:
         due_s: the expected handover (plant clock).
         ended: why it is over; None while it lasts.
         detail: the reason in the words of the agent or device that held it up; empty for none.
+        is_untold: whether it is over while its load is down at its destination, and its coordinator has not answered that.
         number: number of the binding award; 0 for a takeover.
     """
 
@@ -89,6 +90,7 @@ class TransportJob:
         self.due_s = contract.promised_s
         self.ended: Reason | None = None
         self.detail = ""
+        self.is_untold = False
         self.number = contract.number
         self._life = life
         self._states = JobStates(contract.phase)
@@ -109,7 +111,7 @@ class TransportJob:
         self._given_back: Reason | None = None
         """Why the coordinator was asked for another carrier."""
         self._may_be_dropping = False
-        """Whether an earlier life was unloading: its drop may still be under way."""
+        """Whether an earlier life was unloading, or would have brought its load back: its drop may still be under way."""
         self._failed = 0
         """Failed manoeuvres at this station."""
         self._refused = contract.refused
@@ -191,13 +193,13 @@ class TransportJob:
         way.
         """
         loaded = load == self.work.item
-        self._may_be_dropping = self.phase is Phase.UNLOADING
+        self._may_be_dropping = self.phase in (Phase.UNLOADING, Phase.RETURNING)
         if not self._void:
             self._messages.tell_bound(self.number, now_s)
         if self._void and loaded:
             self._return(now_s)
         elif self._void:
-            self._end(self._void)
+            self._end_void()
         elif loaded:
             self._carry(now_s)
         elif self.phase in (Phase.UNLOADING, Phase.HANDING_OVER):
@@ -284,6 +286,9 @@ class TransportJob:
                 self._hand_over(now_s)
             case JobState.VOID_PICKING:
                 self._return(now_s)
+            case JobState.VOID_DROPPING:
+                self.is_untold = not self._moves.is_gated
+                self._end(cast(Reason, self._void))
             case _:
                 self._end(cast(Reason, self._void))
 
@@ -348,6 +353,8 @@ class TransportJob:
         elif self.state in LOADED:
             self._return(now_s)
         else:
+            # A release answers no handover.
+            self.is_untold = self.state is JobState.HANDING_OVER and reason is Reason.RELEASED
             self._end(reason)
 
     def resign(self, reason: Reason, now_s: float, detail: str = "") -> None:
@@ -373,6 +380,10 @@ class TransportJob:
         """Repeat the unconfirmed takeover."""
         self._messages.claim_again(now_s)
 
+    def misses_load(self, load: str) -> bool:
+        """Whether the load of a void contract is gone: a drop of an earlier life has ended. `load` is on board."""
+        return self.state is JobState.RETURNING and not load and self._may_be_dropping
+
     def wake(self, load: str, now_s: float) -> None:
         """Handle a missing answer, or repeat a failed way or manoeuvre.
 
@@ -381,7 +392,9 @@ class TransportJob:
                 off.
             now_s: the present time.
         """
-        if self._messages.is_unanswered:
+        if self.misses_load(load):
+            self._end_void()
+        elif self._messages.is_unanswered:
             self._be_left_alone(now_s)
         elif load and load != self.work.item:
             # An earlier life has picked it up; the carrier of this task must be empty.
@@ -535,6 +548,7 @@ class TransportJob:
     def _be_left_alone(self, now_s: float) -> None:
         """The coordinator does not answer any more: its transports end with it (paper, case 1)."""
         if self.state is JobState.HANDING_OVER:
+            self.is_untold = True
             self._end(Reason.NOT_CONFIRMED)
         elif self.state is JobState.AT_REFUGE:
             self._return_elsewhere(now_s)
@@ -547,7 +561,7 @@ class TransportJob:
     def _miss_load(self, now_s: float) -> None:
         """The load is gone: an earlier life has put it down, or a person has taken it off."""
         if self.is_void:
-            self._end(cast(Reason, self._void))
+            self._end_void()
         elif self._may_be_dropping and self.state is JobState.AT_DESTINATION:
             self._hand_over(now_s)
         elif self.work.goal or self.work.item == THING:
@@ -573,6 +587,12 @@ class TransportJob:
         """This place does not take the load: try another."""
         self._moves.note_full(self._station)
         self._return(now_s)
+
+    def _end_void(self) -> None:
+        """End a void contract whose load is gone: what an earlier life was unloading at the destination is down there."""
+        stands = self._may_be_dropping and self._moves.stands_at(self.work.destination)
+        self.is_untold = stands and not self._moves.is_gated
+        self._end(cast(Reason, self._void))
 
     def _end(self, reason: Reason) -> None:
         self._states.enter(JobState.ENDED)
