@@ -38,28 +38,36 @@ class Walk:
     """A job at one point of its way, and the changes of its state so far."""
 
     def __init__(
-        self, work: dict[str, Any], phase: Phase | None, *, loaded: bool, void: str, monkey: Any
+        self,
+        work: dict[str, Any],
+        phase: Phase | None,
+        *,
+        loaded: bool,
+        void: str,
+        ahead: str | None,
+        monkey: Any,
     ) -> None:
         self.now_s = 0.0
         self.life = Life()
         self.out = self.life.effects
         self.driver = Driver(PLANT, "light", self.life)
-        node = PLANT.nodes["p3"]
-        self.driver.sense(
-            VehicleState(
-                pose=Pose(x_m=node.x_m, y_m=node.y_m, heading_rad=0.0),
-                node="p3",
-                next_node="p3",
-                next_node_s=0.0,
-                speed_mps=0.0,
-                battery_frac=0.9,
-                load="",
-                load_quantity=0,
-                held=False,
-                charging=False,
-            )
-        )
         carried = transport(**work)
+        at = "p3" if ahead is None else PLANT.node_of(carried.sources[0])
+        node = PLANT.nodes[at]
+        state = VehicleState(
+            pose=Pose(x_m=node.x_m, y_m=node.y_m, heading_rad=0.0),
+            node=at,
+            next_node=ahead or at,
+            next_node_s=0.0,
+            speed_mps=0.0,
+            battery_frac=0.9,
+            load="",
+            load_quantity=0,
+            held=False,
+            charging=False,
+        )
+        self.driver.sense(state)
+        self.driver.take_control(state, 0.0)
         self.job = TransportJob(
             Contract(
                 task="M8-1",
@@ -181,29 +189,39 @@ HAPPENINGS: tuple[Callable[[Walk], None], ...] = (
 )
 
 STARTS = [
-    (work, phase, loaded, void)
+    (work, phase, loaded, void, ahead)
     for work in (MATERIAL, GOODS)
     for phase in (None, *Phase)
     for loaded in (False, True)
     for void in ("", "superseded")
+    for ahead in (None, "", "p3")  # Elsewhere, at the source, or on its way away from it.
     if phase is not None or not (loaded or void)
+    if ahead is None or phase is Phase.LOADING
 ]
 
 
 def walks(monkey: Any) -> Iterator[Walk]:
     """Every state that a job comes to, by every happening, from every start."""
-    for work, phase, loaded, void in STARTS:
+    for work, phase, loaded, void, ahead in STARTS:
         paths: list[tuple[Callable[[Walk], None], ...]] = [()]
         known = set()
         for path in paths:
             with monkey.context() as patch:
-                walk = Walk(work, phase, loaded=loaded, void=void, monkey=patch)
+                walk = Walk(work, phase, loaded=loaded, void=void, ahead=ahead, monkey=patch)
                 for happening in path:
                     if not walk.job.ended:
                         happening(walk)
             yield walk
             job = walk.job
-            key = (job.state, min(job._failed, TRIES), job._may_be_dropping, bool(walk.driver.way), walk.load)
+            may_be_picking = walk.now_s < job._pick_over_s
+            key = (
+                job.state,
+                min(job._failed, TRIES),
+                job._may_be_dropping,
+                may_be_picking,
+                bool(walk.driver.way),
+                walk.load,
+            )
             if key not in known and not job.ended:
                 known.add(key)
                 paths += [(*path, happening) for happening in HAPPENINGS]

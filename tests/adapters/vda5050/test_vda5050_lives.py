@@ -158,6 +158,34 @@ def test_19_an_order_to_drive_that_comes_after_its_life_is_known_to_the_next(
     )
 
 
+@pytest.mark.parametrize("knows", ["nothing", "another order"])
+def test_19_a_base_that_the_vehicle_shows_is_known_to_a_life_that_does_not_know_its_order(knows: str) -> None:
+    """The journal is lost, or the order was taken for refused and came late."""
+    rig = Rig(FLOWING)
+    rig.do(drive(*TO_CORNER), for_s=3.0)
+    end = rig.orders()[-1]["nodes"][-1]["nodeId"]
+    assert end not in ("west", "middle")
+    order = rig.memory.order
+    assert order is not None
+    another = msgspec.structs.replace(order, id="ATV1-1-99", nodes=order.nodes[:2], is_shown=False)
+    rig.memory = Memory(order=another if knows == "another order" else None)
+    rig.begin_life()
+    rig.run(0.5)
+    state = rig.body.sense()
+    assert isinstance(state, VehicleState)
+    assert (state.node, state.next_node, state.base_end) == ("west", "middle", end)
+    rig.heard.clear()
+    rig.do(drive("middle", order=1001))
+    for _ in range(600):
+        if rig.sim.sense().node == end:
+            break
+        assert (rig.heard, rig.body.sense().base_end) == ([], end)
+        rig.run(0.1)
+    rig.run(5.0)
+    assert rig.body.sense().base_end == ""
+    assert [type(report) for report in rig.heard] == [ActionFailed]
+
+
 @pytest.mark.parametrize("what", ["lost", "restarted", "no instant actions are shown"])
 def test_19_an_order_to_drive_that_never_comes_is_not_waited_for_for_ever(what: str) -> None:
     rig = Rig(quirks=Misbehaviour(ignores_instant_actions=1000 * (what == "no instant actions are shown")))

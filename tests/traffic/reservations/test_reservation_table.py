@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
+from msgspec.structs import replace
 
 from dray.errors import ProtocolViolation
 from dray.messages.floor.traffic import PlaceRequested
@@ -61,6 +64,42 @@ def test_a_new_life_is_granted_anew_what_it_has_not_seen() -> None:
     assert table.begin_life("A", request("b3", life=2))
     assert {line.number for line in table.of("A")} == {2}
     assert not table.begin_life("A", request("b3", life=2))
+
+
+@pytest.mark.parametrize(
+    ("said", "regains"),
+    [
+        ({"life": 2}, True),
+        ({"life": 1, "seq": 2}, False),
+        ({"life": 2, "seen": 1}, False),
+        ({"life": 2, "key": b"another"}, False),
+    ],
+)
+def test_what_the_copies_still_have_of_the_life_before_is_its_own_again(
+    said: dict[str, Any], regains: bool
+) -> None:
+    table = ReservationTable()
+    first = replace(request(), key=b"own")
+    table.begin_life("A", first)
+    table.grant("A", ["b3", "c3"], first.mark)
+    copied = table.reservations
+    table.strike(replace(first, seen=1, holds=("c3",)), "A")
+    table.begin_life("A", replace(first, **said), copied)
+    assert (table.holder("b3") == "A") is regains
+    if regains:
+        assert {line.number for line in table.of("A")} == {2}
+
+
+def test_what_another_one_was_granted_since_is_not_regained() -> None:
+    table = ReservationTable()
+    first = replace(request(), key=b"own")
+    table.begin_life("A", first)
+    table.grant("A", ["b3"], first.mark)
+    copied = table.reservations
+    table.strike(replace(first, seen=1), "A")
+    table.grant("B", ["b3"])
+    table.begin_life("A", replace(first, life=2), copied)
+    assert table.holder("b3") == "B"
 
 
 def test_a_place_is_never_written_down_for_two() -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import Counter, deque
 
 import pytest
+from msgspec.structs import replace
 from replica import PLANT
 
-from dray.adapters.security.signing import SigningKey, TrustedKeys, is_signed
+from dray.adapters.security.signing import SigningKey, TrustedKeys, VehicleKey, is_signed
 from dray.memory import Note, TableMemory
 from dray.messages import Message
 from dray.messages.base import COUNT_MAX
@@ -296,6 +297,35 @@ def test_people_are_told_of_a_replica_that_goes_on_to_write_what_nobody_copies(v
     for _ in range(3):
         write(version)
     assert told == [BookRefused(FIRST)]
+
+
+def test_a_district_does_not_wait_for_a_new_life_to_know_what_the_life_before_has_given_back() -> None:
+    """Its body may go on along a way of the life before, and stand anywhere on it for long."""
+    replicas = Replicas()
+    replicas.run(10.0)
+    key = VehicleKey("ATV1", b"o" * 32)
+    replicas.tell("ATV1", FIRST, key.sign(wished()))
+    copies = replicas.district(FIRST).copies
+    (line,) = copies.kept.reservations
+    replicas.tell("ATV1", FIRST, key.sign(wished(seq=2, seen=line.number, wants="")))
+    assert replicas.district(FIRST).table.holder(HERE) == ""
+    assert copies.kept.reservations == (line,), "nobody has been granted anything since, so no copy knows"
+    next_life = key.sign(replace(wished(wants=""), life=2))
+    for replica in (SECOND, THIRD, FIRST):
+        replicas.tell("ATV1", replica, next_life)
+    assert replicas.district(FIRST).table.holder(HERE) == "ATV1"
+    replicas.tell("ATV2", FIRST, replace(wished(wants=THERE), rank=(0, 0.0, "ATV2")))
+    tables = [replicas.district(name).copies.kept.reservations for name in (FIRST, SECOND, THIRD)]
+    assert tables[0] == tables[1] == tables[2]
+    assert {line.place: line.atv for line in tables[0]} == {HERE: "ATV1", THERE: "ATV2"}
+    # When it knows where its body goes, it gives the place back under its own life.
+    seen = next(line.number for line in tables[0] if line.atv == "ATV1")
+    replicas.tell("ATV1", FIRST, key.sign(replace(wished(seq=2, seen=seen, wants=""), life=2)))
+    replicas.tell("ATV3", FIRST, replace(wished(wants=HERE), rank=(0, 0.0, "ATV3")))
+    assert {line.place: line.atv for line in replicas.district(SECOND).copies.kept.reservations} == {
+        HERE: "ATV3",
+        THERE: "ATV2",
+    }
 
 
 def test_two_copies_that_miss_something_ask_seldom() -> None:

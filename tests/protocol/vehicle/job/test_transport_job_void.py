@@ -23,7 +23,7 @@ from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
 from dray.protocol.vehicle.job.job_moves import RETRY_S
 from dray.protocol.vehicle.job.job_state import JobState
-from dray.protocol.vehicle.job.transport_job import REFUGE_HELD_S, TRIES
+from dray.protocol.vehicle.job.transport_job import REFUGE_HELD_S, TRIES, TransportJob
 
 
 @pytest.mark.parametrize(
@@ -91,6 +91,59 @@ def test_a_thing_that_is_called_off_while_it_is_loaded_goes_back_to_its_storage_
     trip.done(Drop)
     assert trip.job.ended == Reason.WITHDRAWN
     assert sent(trip.out, Handover) == []
+
+
+def started_again(trip: Trip) -> Trip:
+    """The agent of the same vehicle in its next life, which does not know what its body does at this moment."""
+    trip.job = TransportJob(
+        trip.job.memory(), plant=PLANT, vehicle_type="light", driver=trip.driver, life=trip.life
+    )
+    trip.job.resume(trip.load, trip.now_s)
+    return trip
+
+
+@pytest.mark.parametrize("is_void_before", [False, True])
+def test_a_pick_of_an_earlier_life_is_waited_for_when_the_contract_is_void(is_void_before: bool) -> None:
+    trip = Trip().to_loading()
+    if is_void_before:
+        trip.superseded()
+    started_again(trip)
+    trip.superseded()
+    # Its body goes on loading: the source must hear of it, and the vehicle is not free.
+    assert (trip.job.ended, trip.job.phase) == (None, Phase.LOADING)
+    trip.waits()
+    assert trip.job.ended is None
+    trip.load = trip.job.work.item
+    trip.waits()
+    assert trip.job.phase is Phase.RETURNING
+
+
+def test_no_pick_of_an_earlier_life_is_waited_for_longer_than_it_takes() -> None:
+    trip = started_again(Trip().to_loading())
+    trip.superseded()
+    while not trip.job.ended:
+        trip.waits()
+    assert trip.job.ended == Reason.SUPERSEDED
+    load_s = PLANT.vehicle_types["light"].load_s
+    assert load_s <= trip.now_s <= load_s + RETRY_S
+
+
+def test_no_pick_of_an_earlier_life_is_waited_for_elsewhere_or_later() -> None:
+    trip = started_again(Trip().to_loading())
+    trip.now_s += PLANT.vehicle_types["light"].load_s
+    trip.superseded()
+    assert trip.job.ended == Reason.SUPERSEDED
+    trip = started_again(Trip())
+    trip.superseded()
+    assert trip.job.ended == Reason.SUPERSEDED
+
+
+def test_another_load_on_board_is_not_the_earlier_pick() -> None:
+    trip = started_again(Trip().to_loading())
+    trip.superseded()
+    trip.load = "bearing"
+    trip.waits()
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_a_contract_that_is_void_while_a_pick_fails_ends() -> None:

@@ -31,6 +31,7 @@ from dray.adapters.vda5050.events import (
     Linked,
     Memory,
     Note,
+    OrderMemory,
     Remember,
     Tell,
     Unlinked,
@@ -119,6 +120,8 @@ class MasterControl:
         )
         self._earlier = memory.order
         """The last life's order, until the first state."""
+        self._recognises = True
+        """Whether the vehicle's order is still to be recognised, by the first state."""
         self._remembered = memory
         self.is_linked = False
         self._unlinked: tuple[str, float] | None = None
@@ -360,6 +363,11 @@ class MasterControl:
         An order to drive that was not shown may still come. It is waited for, and not sent again: nobody may want it any more.
         """
         memory, self._earlier = self._earlier, None
+        if not self._recognises:
+            return
+        self._recognises = False
+        if (shown := self._shown_base(memory)) is not None:
+            memory = shown
         if memory is None or not all(node in self._plant.nodes for node in memory.nodes):
             return
         order = restored(memory, self._work.steps)
@@ -374,6 +382,28 @@ class MasterControl:
         elif order.task is None and not memory.is_shown and self._work.is_at_begin_of(order):
             self._work.stand = Stand(memory.nodes[0])
             self._orders.recognise(order, now_s)
+
+    def _shown_base(self, memory: OrderMemory | None) -> OrderMemory | None:
+        """What the vehicle may still drive over, if this is no order that the last life has noted; None for nothing.
+
+        The journal is lost, or the order was taken for refused, and came late.
+        """
+        state, view = self.view.state, self.view
+        if memory is not None and (state.order_id == memory.id or memory.kind != Kind.STEP):
+            return None
+        if not view.shows_ours:
+            return None
+        # Some never clear their nodes: those before the last one are driven.
+        past = state.last_node_sequence_id or 0
+        left = sorted(
+            (each.sequence_id or 0, each.node_id or "") for each in state.node_states or () if each.released
+        )
+        ahead = (view.names.ours(node, view.map_id) or "" for number, node in left if number > past)
+        nodes = (state.last_node_id or "", *ahead)
+        if len(nodes) < 2:
+            return None
+        update = state.order_update_id or 0
+        return OrderMemory(state.order_id or "", update, 0, Kind.STEP.value, nodes, is_shown=True)
 
     def _ask_when_in_doubt(self, now_s: float) -> None:
         """Request a state after a doubtful one: a lower header id means an old state, or a restarted vehicle."""

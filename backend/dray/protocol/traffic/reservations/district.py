@@ -286,7 +286,9 @@ class District:
             # The number belongs to the table before the recovery poll: the vehicle has seen no grant of this table yet.
             request = replace(request, seen=0)
         self._table.remove(sender, request.removal, request.mark)
-        self._table.begin_life(sender, request)
+        kept = self.copies.kept
+        is_written = self._table.version == kept.version
+        self._table.begin_life(sender, request, kept.reservations if is_written else ())
         if request.removal < known:
             if self._carried.is_being_put_back(sender):
                 # The vehicle is not on the floor yet: this request is an impostor's, or an old one.

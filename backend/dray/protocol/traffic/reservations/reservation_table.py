@@ -111,15 +111,27 @@ class ReservationTable:
         self.version = highest_believed((request.seen,), self.version)
         self.claim(atv, request)
 
-    def begin_life(self, atv: str, request: PlaceRequested) -> bool:
+    def begin_life(self, atv: str, request: PlaceRequested, copied: Iterable[PlaceReservation] = ()) -> bool:
         """Note a vehicle's life. Lines that a new life has not seen get a new number, which only a majority can make count.
 
         So a leader with an outdated table cannot send void grants to a vehicle that has forgotten everything. Lines without a key,
-        as those for a vehicle that people put back, get its key.
+        as those for a vehicle that people put back, get its key. A line that the life before gave back is its own again while the
+        copies have it: they believe no release of an earlier life, and this life may not know yet where its body goes.
+
+        Args:
+            atv: the vehicle.
+            request: what it has said.
+            copied: the lines that the copies have.
         """
         mark, life = self.lives.get(atv, (b"", 0))
         lines = self.of_key(atv, request.mark)
         is_new = request.mark != mark or request.life > life
+        if is_new and request.mark:
+            lines += tuple(
+                line
+                for line in copied
+                if (line.atv, line.mark) == (atv, request.mark) and line.place not in self._lines
+            )
         if not is_new and all(line.mark == request.mark for line in lines):
             return False
         self.lives[atv] = (request.mark, max(request.life, life) if request.mark == mark else request.life)

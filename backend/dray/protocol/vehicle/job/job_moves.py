@@ -113,6 +113,10 @@ class JobMoves:
         loaded_s = self._routes.duration_s(self._dock(self._source), self._dock(self._work.destination))
         return self._type.load_s + limited_s(loaded_s, self._driver.pace_frac) + self._type.unload_s
 
+    def loading_s(self) -> float:
+        """The duration of loading (s)."""
+        return self._type.load_s
+
     def unloading_s(self) -> float:
         """The duration of unloading (s)."""
         return self._type.unload_s

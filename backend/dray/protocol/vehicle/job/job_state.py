@@ -4,7 +4,7 @@
 
 is a job without problems. It stands in GIVING_BACK if another vehicle is to carry it and its load is not on board.
 If the contract becomes void during a manoeuvre, the job waits for the manoeuvre's end (VOID_PICKING,
-VOID_DROPPING). A load without a receiver is RETURNING to a storage, asks for its dock (AT_REFUGE) and is
+VOID_DROPPING), also where an earlier life may have begun a pick (VOID_AT_SOURCE). A load without a receiver is RETURNING to a storage, asks for its dock (AT_REFUGE) and is
 PUTTING_BACK there. docs/states.md draws the table.
 """
 
@@ -37,6 +37,8 @@ class JobState(StrEnum):
     """Stands empty until its coordinator has found another carrier."""
     VOID_PICKING = "void_picking"
     """The contract is void; a pick is still under way."""
+    VOID_AT_SOURCE = "void_at_source"
+    """The contract is void; a pick that an earlier life began may still be under way."""
     VOID_DROPPING = "void_dropping"
     """The contract is void; a drop is still under way."""
     RETURNING = "returning"
@@ -55,18 +57,21 @@ TRANSITIONS: Transitions[JobState] = {
         _S.CARRYING: "started again, with the load on board",
         _S.HANDING_OVER: "started again, after the drop",
         _S.RETURNING: "started again, void, with the load on board",
+        _S.VOID_AT_SOURCE: "started again, void, where it was loading",
         _S.ENDED: "started again, void or without its goods",
     },
     _S.APPROACHING: {
         _S.AT_SOURCE: "arrives",
         _S.CARRYING: "the load is found on board",
         _S.GIVING_BACK: "another one is to carry it",
+        _S.VOID_AT_SOURCE: "void, after a restart where it was loading",
         _S.ENDED: "void",
     },
     _S.AT_SOURCE: {
         _S.PICKING: "the dock opens",
         _S.CARRYING: "the load is found on board",
         _S.GIVING_BACK: "another one is to carry it",
+        _S.VOID_AT_SOURCE: "void, after a restart where it was loading",
         _S.ENDED: "void",
     },
     _S.PICKING: {
@@ -98,11 +103,16 @@ TRANSITIONS: Transitions[JobState] = {
     },
     _S.GIVING_BACK: {
         _S.CARRYING: "the load is found on board",
+        _S.VOID_AT_SOURCE: "void, after a restart where it was loading",
         _S.ENDED: "void",
     },
     _S.VOID_PICKING: {
         _S.RETURNING: "picked",
         _S.ENDED: "the pick fails",
+    },
+    _S.VOID_AT_SOURCE: {
+        _S.RETURNING: "the load is found on board",
+        _S.ENDED: "no pick is under way any more",
     },
     _S.VOID_DROPPING: {
         _S.RETURNING: "the drop fails",
@@ -130,6 +140,7 @@ PHASES = {
     _S.AT_SOURCE: Phase.LOADING,
     _S.PICKING: Phase.LOADING,
     _S.VOID_PICKING: Phase.LOADING,
+    _S.VOID_AT_SOURCE: Phase.LOADING,
     _S.CARRYING: Phase.CARRYING,
     _S.AT_DESTINATION: Phase.UNLOADING,
     _S.DROPPING: Phase.UNLOADING,
@@ -157,7 +168,17 @@ LOADED = frozenset(
 )
 """States with the load on board."""
 
-VOID = frozenset({_S.VOID_PICKING, _S.VOID_DROPPING, _S.RETURNING, _S.AT_REFUGE, _S.PUTTING_BACK, _S.ENDED})
+VOID = frozenset(
+    {
+        _S.VOID_PICKING,
+        _S.VOID_AT_SOURCE,
+        _S.VOID_DROPPING,
+        _S.RETURNING,
+        _S.AT_REFUGE,
+        _S.PUTTING_BACK,
+        _S.ENDED,
+    }
+)
 """States without a binding contract."""
 
 

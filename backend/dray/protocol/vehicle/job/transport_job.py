@@ -112,6 +112,8 @@ class TransportJob:
         """Why the coordinator was asked for another carrier."""
         self._may_be_dropping = False
         """Whether an earlier life was unloading, or would have brought its load back: its drop may still be under way."""
+        self._pick_over_s = -NEVER_S
+        """When an earlier life's pick is over at the latest (plant clock)."""
         self._failed = 0
         """Failed manoeuvres at this station."""
         self._refused = contract.refused
@@ -194,12 +196,16 @@ class TransportJob:
         """
         loaded = load == self.work.item
         self._may_be_dropping = self.phase in (Phase.UNLOADING, Phase.RETURNING)
+        if self.phase is Phase.LOADING and self._moves.stands_at(self.source):
+            self._pick_over_s = now_s + self._moves.loading_s()
         if not self._void:
             self._messages.tell_bound(self.number, now_s)
         if self._void and loaded:
             self._return(now_s)
-        elif self._void:
+        elif self._void and self._may_be_dropping:
             self._end_void()
+        elif self._void:
+            self._leave_empty(self._void, now_s)
         elif loaded:
             self._carry(now_s)
         elif self.phase in (Phase.UNLOADING, Phase.HANDING_OVER):
@@ -355,7 +361,7 @@ class TransportJob:
         else:
             # A release answers no handover.
             self.is_untold = self.state is JobState.HANDING_OVER and reason is Reason.RELEASED
-            self._end(reason)
+            self._leave_empty(reason, now_s)
 
     def resign(self, reason: Reason, now_s: float, detail: str = "") -> None:
         """Give the contract back to its coordinator, and end it; `detail` tells people more."""
@@ -392,7 +398,9 @@ class TransportJob:
                 off.
             now_s: the present time.
         """
-        if self.misses_load(load):
+        if self.state is JobState.VOID_AT_SOURCE:
+            self._await_pick(load, now_s)
+        elif self.misses_load(load):
             self._end_void()
         elif self._messages.is_unanswered:
             self._be_left_alone(now_s)
@@ -479,6 +487,7 @@ class TransportJob:
         self._life.record(fact)
 
     def _carry(self, now_s: float) -> None:
+        self._pick_over_s = -NEVER_S
         self._moves.leave(self.source, now_s)
         self._enter(JobState.CARRYING, self.work.destination)
         self._drive(self.work.destination, now_s)
@@ -570,6 +579,23 @@ class TransportJob:
             self._end(Reason.LOAD_GONE)
         else:
             self.set_off(now_s)
+
+    def _leave_empty(self, reason: Reason, now_s: float) -> None:
+        """End, unless an earlier life's pick may still bring the load: the source counts on its vehicle to say so."""
+        if now_s < self._pick_over_s:
+            self._states.enter(JobState.VOID_AT_SOURCE)
+            self._moves.try_later(now_s)
+        else:
+            self._end(reason)
+
+    def _await_pick(self, load: str, now_s: float) -> None:
+        """Wait for the end of an earlier life's pick."""
+        if load == self.work.item:
+            self._return(now_s)
+        elif load or now_s >= self._pick_over_s:
+            self._end(cast(Reason, self._void))
+        else:
+            self._moves.try_later(now_s)
 
     def _return(self, now_s: float) -> None:
         """Bring the load to a storage."""
