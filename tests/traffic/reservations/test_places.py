@@ -81,6 +81,16 @@ def test_a_dead_end_beyond_what_one_vehicle_may_be_granted_is_driven_node_by_nod
     assert not Places(plant_with_dead_end(nodes, gap_m)).dead_ends
 
 
+def test_a_one_way_road_through_a_dock_is_no_dead_end() -> None:
+    file = plant_with_dead_end(1).file
+    lanes = tuple(lane for lane in file.lanes if {lane.start, lane.end} != {"m4", "m4-lane"})
+    assert len(lanes) == len(file.lanes) - 1
+    plant = Plant(msgspec.structs.replace(file, lanes=(*lanes, Lane("x1", "m4"), Lane("m4", "m4-lane"))))
+    places = Places(plant)
+    assert places.dock_entries["m4"] == "x1"
+    assert not places.dead_ends
+
+
 def plant_with_dead_end(count: int, gap_m: float = 1.5) -> Plant:
     """The plant `single-track` with a dead end at b3: nodes x1, x2 and so on."""
     file = load_plant("single-track").file

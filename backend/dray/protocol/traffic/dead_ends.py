@@ -1,39 +1,43 @@
 """Dead ends: single-track roads that lead from a fork to an end.
 
-Only one vehicle at a time can get past a node there, so one that comes in and one that comes out would meet without room for either.
+Vehicles cannot pass one another there, so one that waits inside is in the only way out of those that are farther in.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from itertools import combinations, pairwise
 from math import hypot
 
 from dray.plant import Plant
+from dray.plant.restrictions import Ends
 
 NODES_MAX = 10
-"""Maximum nodes of a dead end beside its docks. With its mouth, a dock, and what a vehicle holds outside, that is no more than the 16 places
-that one vehicle may hold in a district."""
+"""Maximum nodes of a dead end beside its docks. With the fork, a dock, and what a vehicle holds outside, that is no more than the 16
+places that one vehicle may hold in a district."""
 
 
-def dead_ends(plant: Plant, dock_entries: Mapping[str, str], span_m: float) -> dict[str, str]:
-    """Node of a dead end -> the next node on the only way out. The last such node is the fork, its mouth.
+def dead_ends(
+    plant: Plant, dock_entries: Mapping[str, str], crossed: Container[Ends], span_m: float
+) -> dict[str, str]:
+    """Node of a dead end -> the next node on the only way out. The last such node is the fork.
 
     Args:
         plant: the roads.
-        dock_entries: dock -> the node before it; a dock makes no fork.
+        dock_entries: dock -> the node before it; a dock at the end of a spur makes no fork.
+        crossed: lanes that need a crossing; no dead end has one.
         span_m: the largest straight distance between two nodes of a dead end; longer ones are left out.
     """
-    docks_at: dict[str, list[str]] = {}
-    for dock, entry in dock_entries.items():
-        docks_at.setdefault(entry, []).append(dock)
     roads = plant.roads
     beside = {
-        node: ({lane.end for lane in roads.leaving[node]} | {lane.start for lane in roads.entering[node]})
-        - dock_entries.keys()
+        node: {lane.end for lane in roads.leaving[node]} | {lane.start for lane in roads.entering[node]}
         for node in plant.nodes
-        if node not in dock_entries
     }
+    spurs = {dock: entry for dock, entry in dock_entries.items() if beside[dock] == {entry}}
+    docks_at: dict[str, list[str]] = {}
+    for dock, entry in spurs.items():
+        docks_at.setdefault(entry, []).append(dock)
+    beside = {node: others - spurs.keys() for node, others in beside.items() if node not in spurs}
     outward: dict[str, str] = {}
     for end, others in beside.items():
         if len(others) != 1:
@@ -46,7 +50,8 @@ def dead_ends(plant: Plant, dock_entries: Mapping[str, str], span_m: float) -> d
         if len(beside[onward]) < 3 or len(road) > NODES_MAX:
             continue
         steps = tuple(pairwise((*road, onward)))
-        is_single_track = all(roads.lane(here, there) and roads.lane(there, here) for here, there in steps)
+        ways = (*steps, *((there, here) for here, there in steps))
+        is_single_track = all(roads.lane(*way) is not None and way not in crossed for way in ways)
         docks = (dock for node in road for dock in docks_at.get(node, ()))
         if is_single_track and _span_m(plant, (*road, *docks, onward)) <= span_m:
             outward.update(steps)

@@ -127,9 +127,9 @@ class Places:
         self.at_m: Mapping[str, tuple[float, float]] = spots
         self._fastest_mps = max(kind.max_speed_mps for kind in plant.vehicle_types.values())
         self._longest_m = max((lane.length_m for lane in plant.roads.lanes), default=0.0)
-        # A vehicle that stands before the mouth must be granted the last place of the dead end.
+        # A vehicle that stands before the fork must be granted the last place of the dead end.
         self.dead_ends: Mapping[str, str] = dead_ends(
-            plant, self.dock_entries, self.reach_m(0.0) - self._longest_m
+            plant, self.dock_entries, crossed, self.reach_m(0.0) - self._longest_m
         )
         chosen = tuple(replicas) if replicas is not None else _replicas(plant)
         at_m = {replica: plant.position_of(replica) for replica in chosen}
@@ -196,8 +196,8 @@ class Places:
     def group_end(self, nodes: Sequence[str], first: int) -> int:
         """The index where the group that begins at index `first` of a way ends: the next node where a vehicle may stop and wait.
 
-        A dock is taken with its entry, so that no vehicle waits in an entry; a crossing with the stop point behind it; and a dead end with its
-        mouth, as far as the way leads in, so that no vehicle waits in the only way out of another one.
+        A dock is taken with its entry, so that no vehicle waits in an entry; a crossing with the stop point behind it. A dead end is taken
+        with its fork, as far as the way leads in, so that no vehicle waits in the only way out of another one.
         """
         last = len(nodes) - 1
         end = first
