@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import hypot
 
 import msgspec
 import pytest
 
 from dray.plant import Plant, default_plant, load_plant
-from dray.plant.model import Lane
+from dray.plant.model import Lane, Node
+from dray.protocol.traffic.dead_ends import NODES_MAX
 from dray.protocol.traffic.places import REPLICAS, Crossing, Footprint, Places
 from dray_sim.plants.generator import generate_plant
 
@@ -59,6 +61,47 @@ def test_a_crossing_is_taken_with_the_stop_point_behind_it() -> None:
     assert not places.may_stop("m4-lane")
     assert places.group_end(("b3", "m4-lane", "c3", "m5-lane"), 1) == 2
     assert places.district_of["X"] == places.district_of["c3"]
+
+
+def test_a_dead_end_is_taken_from_its_fork_to_the_goal_and_left_node_by_node() -> None:
+    places = Places(plant_with_dead_end(3))
+    assert places.dead_ends == {"x1": "b3", "x2": "x1", "x3": "x2"}
+    assert places.group_end(("m4-lane", "b3", "x1", "x2", "x3"), 1) == 4
+    assert places.group_end(("m4-lane", "b3", "x1"), 1) == 2
+    assert places.group_end(("x1", "x2", "x3"), 1) == 2
+    assert places.group_end(("x3", "x2", "x1", "b3", "m4-lane"), 1) == 1
+    assert places.group_end(("m4-lane", "b3", "b2"), 1) == 1
+    assert len({places.district_of[place] for place in ("b3", "x1", "x2", "x3")}) == 1
+
+
+@pytest.mark.parametrize(("nodes", "gap_m"), [(NODES_MAX + 1, 1.5), (3, 20.0)], ids=["nodes", "metres"])
+def test_a_dead_end_beyond_what_one_vehicle_may_be_granted_is_driven_node_by_node(
+    nodes: int, gap_m: float
+) -> None:
+    assert not Places(plant_with_dead_end(nodes, gap_m)).dead_ends
+
+
+def test_a_one_way_road_through_a_dock_is_no_dead_end() -> None:
+    file = plant_with_dead_end(1).file
+    lanes = tuple(lane for lane in file.lanes if {lane.start, lane.end} != {"m4", "m4-lane"})
+    assert len(lanes) == len(file.lanes) - 1
+    plant = Plant(msgspec.structs.replace(file, lanes=(*lanes, Lane("x1", "m4"), Lane("m4", "m4-lane"))))
+    places = Places(plant)
+    assert places.dock_entries["m4"] == "x1"
+    assert not places.dead_ends
+
+
+def plant_with_dead_end(count: int, gap_m: float = 1.5) -> Plant:
+    """The plant `single-track` with a dead end at b3: nodes x1, x2 and so on."""
+    file = load_plant("single-track").file
+    fork = next(node for node in file.nodes if node.id == "b3")
+    spots = [
+        Node(f"x{number}", fork.x_m + gap_m * number, fork.y_m - gap_m * number)
+        for number in range(1, count + 1)
+    ]
+    names = ["b3", *(node.id for node in spots)]
+    lanes = [Lane(here, there, both_ways=True) for here, there in pairwise(names)]
+    return Plant(msgspec.structs.replace(file, nodes=(*file.nodes, *spots), lanes=(*file.lanes, *lanes)))
 
 
 def test_a_plant_with_few_machines_has_stations_keep_tables_too() -> None:

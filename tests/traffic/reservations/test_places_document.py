@@ -32,7 +32,7 @@ def test_the_command_writes_it_as_json() -> None:
     done = CliRunner().invoke(app, ["plant", "json", "--places"])
     assert done.exit_code == 0
     told = json.loads(done.stdout)
-    assert set(told) == {"districts", "lanes", "dock_entries", "crossed"}
+    assert set(told) == {"districts", "lanes", "dock_entries", "dead_ends", "crossed"}
     plant = default_plant()
     kept = {place for each in told["districts"] for place in each["places"]}
     assert kept == {*plant.stops, *plant.crossings}

@@ -17,6 +17,7 @@ import msgspec
 from dray.plant import DirectedLane, Plant
 from dray.plant.floor.clearance import clear_m
 from dray.plant.layout import MARGIN_M
+from dray.protocol.traffic.dead_ends import dead_ends
 
 REPLICAS = 3
 """Replicas of a district's table: if one fails or is cut off, two still form a majority."""
@@ -84,6 +85,7 @@ class Places:
         all: every place, in the order of the plant file.
         at_m: place -> its position.
         dock_entries: dock node -> the node before it, where no vehicle waits for the dock.
+        dead_ends: node of a dead end -> the next node on the way out, where no vehicle waits to go farther in.
         district_of: place -> district. A district's name is that of the machine nearest to its first place, and a checksum of its
             places, replicas and lanes. With another plant file it is another district, so that no two tables grant one place.
         replicas_of: district -> its replicas, in the order of their turns.
@@ -125,6 +127,10 @@ class Places:
         self.at_m: Mapping[str, tuple[float, float]] = spots
         self._fastest_mps = max(kind.max_speed_mps for kind in plant.vehicle_types.values())
         self._longest_m = max((lane.length_m for lane in plant.roads.lanes), default=0.0)
+        # A vehicle that stands before the fork must be granted the last place of the dead end.
+        self.dead_ends: Mapping[str, str] = dead_ends(
+            plant, self.dock_entries, crossed, self.reach_m(0.0) - self._longest_m
+        )
         chosen = tuple(replicas) if replicas is not None else _replicas(plant)
         at_m = {replica: plant.position_of(replica) for replica in chosen}
         nearest = self._divide(spots, at_m)
@@ -190,13 +196,15 @@ class Places:
     def group_end(self, nodes: Sequence[str], first: int) -> int:
         """The index where the group that begins at index `first` of a way ends: the next node where a vehicle may stop and wait.
 
-        A dock is taken with its entry, so that no vehicle waits in an entry; a crossing with the stop point behind it.
+        A dock is taken with its entry, so that no vehicle waits in an entry; a crossing with the stop point behind it. A dead end is taken
+        with its fork, as far as the way leads in, so that no vehicle waits in the only way out of another one.
         """
         last = len(nodes) - 1
         end = first
         while end < last:
-            node = nodes[end]
-            if self.may_stop(node) and self.dock_entries.get(nodes[end + 1]) != node:
+            node, onward = nodes[end], nodes[end + 1]
+            leads_in = node in (self.dock_entries.get(onward), self.dead_ends.get(onward))
+            if self.may_stop(node) and not leads_in:
                 break
             end += 1
         return end
@@ -260,6 +268,8 @@ class Places:
         together = _Together(spots)
         for dock, entry in self.dock_entries.items():
             together.join(self.place_of(entry), self.place_of(dock))
+        for node, outward in self.dead_ends.items():
+            together.join(self.place_of(outward), self.place_of(node))
         for (_, end), places in self._needs.items():
             for one, other in pairwise(places):
                 together.join(one, other)

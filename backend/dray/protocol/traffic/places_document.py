@@ -35,12 +35,14 @@ class PlacesDocument(msgspec.Struct, frozen=True):
         districts: all districts; each place is in one of them.
         lanes: of the plant as it is driven.
         dock_entries: dock -> the node before it, which is granted with it.
+        dead_ends: node of a dead end -> the next node on the way out, which is granted with it on a way in.
         crossed: node in a crossing, where no vehicle stops -> the crossing's place.
     """
 
     districts: tuple[DistrictEntry, ...]
     lanes: tuple[LaneEntry, ...]
     dock_entries: dict[str, str]
+    dead_ends: dict[str, str]
     crossed: dict[str, str]
 
 
@@ -62,5 +64,6 @@ def places_document(plant: Plant) -> PlacesDocument:
             for lane in plant.roads.lanes
         ),
         dock_entries=dict(places.dock_entries),
+        dead_ends=dict(places.dead_ends),
         crossed={node: places.place_of(node) for node in plant.nodes if not places.may_stop(node)},
     )

@@ -16,7 +16,7 @@ def run_central(setting: Setting) -> Figures:
     carriers = carriers_of(setting, clock)
     footprint = Footprint()
     places = Places(setting.plant, footprint)
-    places.dock_entries = {}
+    places.dock_entries = places.dead_ends = {}
     planner = Planner(setting.plant, places, clock)
     for carrier in carriers:
         pilot = CentralPilot(carrier, planner)

@@ -159,7 +159,7 @@ def build(
     footprint = footprint or Footprint()
     places = Places(plant, footprint)
     if not rules.groups:
-        places.dock_entries = {}
+        places.dock_entries = places.dead_ends = {}
     mute: set[type[Message]] = set()
     if not rules.yields:
         mute.add(YieldAsked)
