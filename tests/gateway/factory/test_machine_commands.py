@@ -188,6 +188,37 @@ async def test_a_word_that_was_not_answered_is_passed_on_again_under_its_name_an
     assert (await ask(house, other)).json()["type"].endswith("command-name-used")
 
 
+@pytest.mark.parametrize(
+    ("answers", "seen"),
+    [
+        ((CommandRefusal.EXPIRED, None), (200, True, None)),
+        ((None, CommandRefusal.EXPIRED), (200, True, None)),
+        ((CommandRefusal.EXPIRED,), (504, None, None)),
+        ((CommandRefusal.EXPIRED, CommandRefusal.EXPIRED), (200, False, "expired")),
+    ],
+)
+async def test_a_word_is_not_refused_for_a_copy_that_came_late_while_another_one_may_count(
+    house: House, answers: tuple[CommandRefusal | None, ...], seen: tuple[int, bool | None, str | None]
+) -> None:
+    heard: list[MachineCommand] = []
+
+    def receive(sender: str, message: Message) -> None:
+        if isinstance(message, MachineCommand):
+            heard.append(message)
+            # The machine was held up: it reads both copies at once.
+            for refusal in answers if len(heard) == 2 else ():
+                answer = CommandAnswered(command=message.command, done=refusal is None, reason=refusal)
+                house.bus.tell("M1", sender, answer)
+
+    house.bus.join("M1", receive)
+    house.projection.fold(machine_heartbeat("M1"))
+    body = {"kind": "made", "quantity": 1, "command": "w1"}
+    assert (await ask(house, body)).status_code == 504
+    answer = await ask(house, body)
+    told = answer.json()
+    assert (answer.status_code, told.get("done"), told.get("reason")) == seen
+
+
 async def test_loads_that_wait_for_peoples_words_are_told_of_a_machine_whose_body_they_are(
     house: House,
 ) -> None:

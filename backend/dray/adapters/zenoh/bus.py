@@ -13,6 +13,8 @@ defines what is dropped when it is full.
 
 Messages that a link cannot take are lost at the sender or on the way, where they cannot be counted. So every message
 carries its number (`Stamp`), and its receiver counts the missing numbers.
+
+A router may lose another one's declaration, so every session makes its own ones anew from time to time (`Renewal`).
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ from zenoh.handlers import Callback
 from dray.adapters.crossing import Crossing
 from dray.adapters.security.letters import Letters, Place
 from dray.adapters.security.seals import Seals
+from dray.adapters.zenoh.renewal import Renewal
 from dray.adapters.zenoh.shares import TALKATIVE, Shares, ShareSpentError
 from dray.adapters.zenoh.stamp import Stamp, Tally, read_stamp, write_stamp
 from dray.adapters.zenoh.tokens import NO_LIFE, Token, Tokens
@@ -95,18 +98,20 @@ class ZenohSession:
         self._heard = Tally()
         self._shares = Shares(self._heard, bus.speed)
         self._patterns: dict[str, zenoh.KeyExpr] = {}
-        self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
+        self._declared = Renewal()
         self._owners: dict[str, str] = {}
         """The pattern that receives a key, so that a second matching pattern does not deliver it twice."""
         self.life = life
         self.token = bus.tokens.of(agent, life)
         keys, inner = bus.keys, bus.inner
         own = keys.addressed(agent)
-        self._own = inner.declare_subscriber(own, bus.on_zenohs_thread(partial(self._on_sample, own)))
+        hears = bus.on_zenohs_thread(partial(self._on_sample, own))
+        self._declared.declare(own, lambda: inner.declare_subscriber(own, hears))
         self._others = inner.liveliness().declare_subscriber(
             bus.tokens.all_of(agent), bus.on_zenohs_thread(self._see_other), history=True
         )
-        self._alive = inner.liveliness().declare_token(bus.tokens.key(self.token))
+        alive = bus.tokens.key(self.token)
+        self._declared.declare(alive, lambda: inner.liveliness().declare_token(alive))
 
     def publish(self, key: str, message: Message) -> None:
         """Publish to all subscribers of `key`."""
@@ -123,13 +128,13 @@ class ZenohSession:
         if not self._left and key not in self._patterns:
             self._patterns[key] = zenoh.KeyExpr(key)
             self._owners = {}
-            heard = self._bus.on_zenohs_thread(partial(self._on_sample_of, key))
-            self._subscribers[key] = self._bus.inner.declare_subscriber(key, heard)
+            inner, heard = self._bus.inner, self._bus.on_zenohs_thread(partial(self._on_sample_of, key))
+            self._declared.declare(key, lambda: inner.declare_subscriber(key, heard))
 
     def unsubscribe(self, key: str) -> None:
         """Stop hearing it."""
         if key in self._patterns:
-            self._subscribers.pop(key).undeclare()
+            self._declared.withdraw(key)
             del self._patterns[key]
             self._owners = {}
             self._heard.forget()
@@ -139,11 +144,9 @@ class ZenohSession:
         if self._left:
             return
         self._left = True
-        self._alive.undeclare()
         self._others.undeclare()
-        self._own.undeclare()
-        for pattern in tuple(self._patterns):
-            self.unsubscribe(pattern)
+        self._declared.end()
+        self._patterns, self._owners = {}, {}
         self._bus.forget(self)
 
     # --- on the agent's loop ---------------------------------------------------------------------

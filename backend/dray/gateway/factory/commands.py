@@ -22,7 +22,14 @@ from dray.gateway.live.places import areas_of
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import CommandView
-from dray.messages import CommandAnswered, CommandKind, MachineCommand, Message, VehicleCommand
+from dray.messages import (
+    CommandAnswered,
+    CommandKind,
+    CommandRefusal,
+    MachineCommand,
+    Message,
+    VehicleCommand,
+)
 from dray.messages.base import CLOCKS_AGREE_S
 from dray.plant import Plant
 
@@ -51,6 +58,7 @@ class Sent:
         answer: the addressee's answer.
         beside: whether it went through the endpoint for stops only (`dray.gateway.stop`), which keeps account
             of it.
+        copies: how often it was sent, without the copies that came too late.
     """
 
     agent: str
@@ -58,6 +66,7 @@ class Sent:
     said: VehicleCommand | MachineCommand
     answer: asyncio.Future[CommandAnswered]
     beside: bool = False
+    copies: int = 1
 
 
 class Commands:
@@ -156,6 +165,7 @@ class Commands:
         elif isinstance(said, MachineCommand) and said.kind.is_word and not sent.answer.done():
             # The place counts it once, however often it arrives; the caller may have to repeat it to get an
             # answer.
+            sent = self._sent.keep(name, replace(sent, copies=sent.copies + 1))
             self._send(agent, self._granted(sent, by))
         return await self._wait(name, sent)
 
@@ -188,6 +198,10 @@ class Commands:
         sent = self._sent.get(answer.command)
         if sent is None or sent.answer.done() or sent.agent != sender:
             return False
+        if answer.reason is CommandRefusal.EXPIRED and sent.copies > 1:
+            # Each copy of a word has a grant of its own: another one may count.
+            self._sent.keep(answer.command, replace(sent, copies=sent.copies - 1))
+            return True
         sent.answer.set_result(answer)
         self._projection.commands.end(answer.command, "confirmed" if answer.done else "refused", answer)
         return True
