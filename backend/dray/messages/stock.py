@@ -47,8 +47,10 @@ class StockShort(Message, said_by=DOCKS, frozen=True):
 
 
 class StockFreed(Message, said_by=DOCKS, frozen=True, omit_defaults=True):
-    """The coordinator does not need the pieces for this task any more."""
+    """The coordinator does not need the pieces for this task any more, or not those for an earlier epoch of it."""
 
     task: Id
     fetched: bool = False
     """Whether they may have been fetched in the epoch of the answered `StockReserved`: it had a carrier, or that is unknown."""
+    epoch: Count = 0
+    """That epoch, if the task goes on in a later one, whose reservation stays; 0 for the whole task."""

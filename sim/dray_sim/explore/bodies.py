@@ -148,10 +148,10 @@ def _drawn(plant: Plant, random: Random, until_s: float, a_second: float) -> Ite
             moment = moments[agent]
             long_s += WAITS_S
         more = int(long_s > 0.0 and moments.get(agent) is Moment.PIECE and random.random() < MORE_FRAC)
-        end_s = min(at_s + long_s, until_s)
-        if at_s > whole_s.get(agent, 0.0):
-            whole_s[agent] = end_s
-            yield Cut(agent, round(at_s, 1), round(end_s, 1), moment, more)
+        cut = Cut(agent, round(at_s, 1), round(min(at_s + long_s, until_s), 1), moment, more)
+        if cut.at_s > whole_s.get(agent, 0.0):
+            whole_s[agent] = cut.until_s
+            yield cut
         at_s += random.expovariate(a_second)
 
 

@@ -406,6 +406,24 @@ def test_a_load_that_was_not_fetched_while_the_agent_was_down_lies_there_still()
     assert lies_there(rig)[0] == 12
 
 
+def test_a_load_of_an_earlier_epoch_is_booked_out_while_its_task_goes_on_and_keeps_what_was_promised() -> (
+    None
+):
+    rig = after_a_trip()
+    assert sent(rig.on_message("PRESS1", StockAsked(TASK, 2, "shaft", 6)), StockReserved)
+    assert instructed(rig.on_message("PRESS1", StockFreed(TASK, fetched=True, epoch=2)), Book) == []
+    assert instructed(rig.on_message("PRESS1", StockFreed(TASK, fetched=True, epoch=1)), Book) == [OUT]
+    assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 7)), StockShort)
+
+
+def test_a_load_that_an_earlier_carrier_has_not_fetched_stays_promised_to_its_task() -> None:
+    rig = after_a_trip()
+    assert sent(rig.on_message("PRESS1", StockAsked(TASK, 2, "shaft", 6)), StockReserved)
+    for _ in range(2):
+        assert instructed(rig.on_message("PRESS1", StockFreed(TASK, epoch=1)), Book) == []
+    assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 7)), StockShort)
+
+
 def elsewhere(rig: MachineRig, *, aboard: str = "shaft", left_empty: str = "") -> list[Effect]:
     """The cart works for another press."""
     rig.run(rig.now_s + 1.0)
@@ -499,6 +517,15 @@ def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched(epoch: in
     rig.on_message("ATV2", handover())
     said = rig.on_message("S1", StockReserved("M7-1", epoch, "housing", 24))
     assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=fetched)]
+
+
+def test_a_coordinator_whose_task_goes_on_says_that_an_earlier_carrier_may_have_fetched_the_load() -> None:
+    rig = supplied_by("ATV2")
+    rig.on_message("ATV2", Resigned("M7-1", 1, Role.PRIMARY, Reason.HAS_WORK))
+    for _ in range(2):
+        said = rig.on_message("S1", StockReserved("M7-1", 1, "housing", 24))
+        assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=True, epoch=1)]
+    assert sent(rig.on_message("S1", StockReserved("M7-1", 2, "housing", 24)), StockFreed) == []
 
 
 def test_a_coordinator_that_has_withdrawn_a_load_which_somebody_carries_does_not_say_that_it_lies_there() -> (

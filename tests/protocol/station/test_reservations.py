@@ -192,6 +192,20 @@ def test_the_dock_opens_for_what_was_promised_and_the_reservation_ends_with_the_
     assert len(sent(rig.asks("M8-1", epoch=2), StockReserved)) == 1, "its carrier has failed with the load"
 
 
+def test_who_has_asked_for_a_later_carrier_asks_for_other_pieces_when_the_earlier_one_has_fetched_these() -> (
+    None
+):
+    rig = started(100)
+    rig.asks("M8-1")
+    rig.docks("ATV1", "M8-1")
+    assert sent(rig.asks("M8-1", epoch=2), StockReserved)
+    rig.changes(-40, "ATV1")
+    assert rig.level.promised == 0
+    assert sent(rig.asks("M8-1"), StockReserved) == []
+    assert sent(rig.asks("M8-1", epoch=2), StockReserved)
+    assert (rig.level.level, rig.level.promised) == (60, 40)
+
+
 def test_what_is_promised_to_others_is_not_given_to_a_vehicle_without_a_reservation() -> None:
     rig = started(50)
     rig.asks("M8-1")

@@ -14,7 +14,8 @@ from dray_sim.explore.profile import PROFILES
 from dray_sim.explore.run import FAULTS_UNTIL_S, draw
 from dray_sim.faults import JournalLost
 
-SEEDS = range(30)
+SEEDS = (*range(30), 14433)
+"""The last one drew counters that are reset at the moment in which their wire is whole again."""
 
 
 def test_wires_of_all_kinds_are_cut_and_are_whole_again_by_the_quiet_phase() -> None:
@@ -24,7 +25,7 @@ def test_wires_of_all_kinds_are_cut_and_are_whole_again_by_the_quiet_phase() -> 
         assert run.wired
         for agent in {cut.agent for cut in run.cuts}:
             cuts = [cut for cut in run.cuts if cut.agent == agent]
-            assert all(one.until_s <= other.at_s for one, other in pairwise(cuts))
+            assert all(one.until_s < other.at_s for one, other in pairwise(cuts))
             kinds.add("gate" if agent == GATE else "machine" if agent in run.plant.machines else "store")
         for cut in run.cuts:
             assert cut.until_s - cut.at_s <= LONGEST_CUT_S + 0.1 + (WAITS_S if cut.moment else 0.0)

@@ -93,6 +93,8 @@ class Issuing:
     def _on_freed(self, sender: str, freed: StockFreed, now_s: float) -> None:
         if self._door.visits.on_freed(sender, freed):
             return  # The body reports that it is gone.
+        if freed.epoch:
+            return  # The reservation serves a later epoch.
         ask = self._book.get(freed.task)
         if ask is None or ask.coordinator != sender:
             self._life.ignore("a release of a reservation that the sender does not have")

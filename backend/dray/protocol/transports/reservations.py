@@ -348,5 +348,5 @@ class Reservations:
 
 
 def _fetched_in(epoch: int, opened: int) -> int:
-    """The latest epoch whose load was fetched: the coordinator's, or that of a carrier which has taken over since."""
-    return max(epoch, min(opened, epoch + AHEAD_MAX))
+    """The epoch whose load was fetched: that of the carrier for which the dock was open, and no far later one than its coordinator's."""
+    return min(opened, epoch + AHEAD_MAX)

@@ -210,7 +210,11 @@ class Sourcing:
             return
         task = self._tasks.get(message.task)
         if task is not None and sender in _sources(task):
-            self._hold(task, sender)
+            if message.epoch < task.epoch:
+                # It asks for the load of a carrier that was replaced. What that one has done is unknown.
+                self._life.send(sender, StockFreed(message.task, fetched=True, epoch=message.epoch))
+            else:
+                self._hold(task, sender)
         else:
             fetched = self._may_be_fetched(message.task, message.epoch)
             self._life.send(sender, StockFreed(message.task, fetched=fetched))

@@ -36,7 +36,8 @@ What it has moved when it has left:
                                                                then, what it was to bring is down
     the notes say that it waits                                nothing: no earlier life has let it in
 
-The question is `StockReserved`. A coordinator that needs the pieces no more answers with `StockFreed`.
+The question is `StockReserved`. A coordinator that needs the pieces no more, or not for that carrier, answers with
+`StockFreed`.
 """
 
 from __future__ import annotations
@@ -373,6 +374,7 @@ class Visits:
         """A coordinator frees pieces, and tells whether they were fetched. Returns whether they were booked out."""
         for visit in list(self._visits.values()):
             is_it = (visit.load.task, visit.load.coordinator) == (freed.task, sender)
+            is_it &= freed.epoch in (0, visit.load.epoch)
             if is_it and visit.asked_s > -NEVER_S:
                 self._end(visit, moved=freed.fetched)
                 return freed.fetched
