@@ -18,7 +18,6 @@ from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 
 from dray.adapters.zenoh import bus as bus_module
-from dray.adapters.zenoh import renewal
 from dray.adapters.zenoh.bus import NEWER, UNREADABLE, ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.adapters.zenoh.stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
@@ -212,7 +211,7 @@ class Neighbour:
 
 
 def test_a_session_declares_anew_what_a_neighbour_may_have_missed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(renewal, "RENEWED_S", 0.02)
+    monkeypatch.setattr(bus_module, "RENEWED_S", 0.02)
 
     async def test(row: Row) -> None:
         here, there = row.buses

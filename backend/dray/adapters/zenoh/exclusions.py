@@ -20,7 +20,6 @@ import msgspec
 import zenoh
 
 from dray.adapters.zenoh.bus import ZenohBus
-from dray.adapters.zenoh.renewal import Renewal
 from dray.adapters.zenoh.shares import Shares
 from dray.adapters.zenoh.stamp import Tally
 from dray.messages import ShutOut
@@ -46,13 +45,11 @@ class Exclusions:
         self._list = self._read_list()
         self._shares = Shares(Tally(), bus.speed)
         bus.shut_out = frozenset(self._list.agents)
-        self._declared = Renewal()
-        key, hears = bus.keys.shut_out, bus.on_zenohs_thread(self._on_sample)
-        self._declared.declare(key, lambda: bus.inner.declare_subscriber(key, hears))
+        self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, bus.on_zenohs_thread(self._on_sample))
 
     def end(self) -> None:
         """Take no more decisions; earlier ones hold as long as the bus is used."""
-        self._declared.end()
+        self._ear.undeclare()
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
         """On Zenoh's threads."""
