@@ -7,12 +7,10 @@ import json
 import logging
 import os
 import time
-from collections import Counter
-from collections.abc import Callable, Coroutine, Iterable
+from collections.abc import Callable, Coroutine
 from typing import Any
 
 import pytest
-import zenoh
 from forbidden import forbidden
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
@@ -158,68 +156,6 @@ def test_what_is_delivered_and_lost_is_told_to_prometheus() -> None:
         assert registry.get_sample_value("dray_bus_messages_delivered_total") == 2
         for reason, count in (("on the way", 3), (NEWER, 1), ("a full queue", 0)):
             assert registry.get_sample_value("dray_bus_messages_lost_total", {"reason": reason}) == count
-
-    on(2, test)
-
-
-class Neighbour:
-    """What a neighbour's router is told of the declarations of one agent.
-
-    Args:
-        bus: the neighbour's.
-        keys: the keys on which the agent hears.
-        alive: the pattern of its tokens.
-
-    Attributes:
-        told: how often each has come, the token by its pattern.
-    """
-
-    def __init__(self, bus: ZenohBus, keys: Iterable[str], alive: str) -> None:
-        self.told = Counter[str]()
-        self._came = asyncio.Event()
-        self._ends: list[Callable[[], None]] = []
-        for key in keys:
-            publisher = bus.inner.declare_publisher(key)
-
-            def note(status: zenoh.MatchingStatus, key: str = key) -> None:
-                if status.matching:
-                    bus.arrivals.order(self._note, key)
-
-            self._ends += [publisher.declare_matching_listener(note).undeclare, publisher.undeclare]
-
-        def see(sample: zenoh.Sample) -> None:
-            if sample.kind == zenoh.SampleKind.PUT:
-                bus.arrivals.order(self._note, alive)
-
-        token = bus.inner.liveliness().declare_subscriber(alive, see, history=True)
-        self._ends.append(token.undeclare)
-
-    async def until_told(self, times: int) -> None:
-        """Wait until each of three declarations has come so often."""
-        async with asyncio.timeout(PATIENCE_S):
-            while len(self.told) < 3 or min(self.told.values()) < times:
-                self._came.clear()
-                await self._came.wait()
-
-    def end(self) -> None:
-        for end in self._ends:
-            end()
-
-    def _note(self, key: str) -> None:
-        self.told[key] += 1
-        self._came.set()
-
-
-def test_a_session_declares_anew_what_a_neighbour_may_have_missed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bus_module, "RENEWED_S", 0.02)
-
-    async def test(row: Row) -> None:
-        here, there = row.buses
-        neighbour = Neighbour(here, ("p/agent/@A", "p/k"), "p/alive/A/*/*")
-        agent = Agent(there, "A", life=1)
-        agent.session.subscribe("p/k")
-        await neighbour.until_told(3)
-        neighbour.end()
 
     on(2, test)
 

@@ -13,9 +13,6 @@ defines what is dropped when it is full.
 
 Messages that a link cannot take are lost at the sender or on the way, where they cannot be counted. So every message
 carries its number (`Stamp`), and its receiver counts the missing numbers.
-
-A router may lose another one's declaration, and then passes nothing on to it for as long as both run. So every session
-declares each of its subscriptions and its token anew from time to time (`RENEWED_S`).
 """
 
 from __future__ import annotations
@@ -55,12 +52,6 @@ log = logging.getLogger(__name__)
 MAX_OWNERS = 10_000
 """Maximum keys for which a session remembers the pattern that receives them: ten times those of a plant of three hundred
 agents."""
-
-RENEWED_S = 5.0
-"""Time between two renewals of a session, each of its next declaration: a subscription, or the token. When a link was closed and
-opened again, as after a process was held up for longer than the lease, a router may miss a declaration, or keep a route
-without it, and Zenoh never repeats it (eclipse-zenoh/zenoh#1886). In a plant of 300 agents a process takes in 120 of these
-messages a second."""
 
 PRESENCE_S = 2.0
 """Longest wait for neighbours' answers; on healthy links they come in milliseconds."""
@@ -105,20 +96,17 @@ class ZenohSession:
         self._shares = Shares(self._heard, bus.speed)
         self._patterns: dict[str, zenoh.KeyExpr] = {}
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
-        """By key: of the agent's own one, and of the patterns."""
-        self._renewed = 0
-        """Number of renewals so far."""
         self._owners: dict[str, str] = {}
         """The pattern that receives a key, so that a second matching pattern does not deliver it twice."""
         self.life = life
         self.token = bus.tokens.of(agent, life)
-        self._own_key = bus.keys.addressed(agent)
-        self._listen(self._own_key)
-        self._others = bus.inner.liveliness().declare_subscriber(
+        keys, inner = bus.keys, bus.inner
+        own = keys.addressed(agent)
+        self._own = inner.declare_subscriber(own, bus.on_zenohs_thread(partial(self._on_sample, own)))
+        self._others = inner.liveliness().declare_subscriber(
             bus.tokens.all_of(agent), bus.on_zenohs_thread(self._see_other), history=True
         )
-        self._alive = self._show_life()
-        self._renew_later()
+        self._alive = inner.liveliness().declare_token(bus.tokens.key(self.token))
 
     def publish(self, key: str, message: Message) -> None:
         """Publish to all subscribers of `key`."""
@@ -135,7 +123,8 @@ class ZenohSession:
         if not self._left and key not in self._patterns:
             self._patterns[key] = zenoh.KeyExpr(key)
             self._owners = {}
-            self._listen(key)
+            heard = self._bus.on_zenohs_thread(partial(self._on_sample_of, key))
+            self._subscribers[key] = self._bus.inner.declare_subscriber(key, heard)
 
     def unsubscribe(self, key: str) -> None:
         """Stop hearing it."""
@@ -152,39 +141,12 @@ class ZenohSession:
         self._left = True
         self._alive.undeclare()
         self._others.undeclare()
-        self._subscribers.pop(self._own_key).undeclare()
+        self._own.undeclare()
         for pattern in tuple(self._patterns):
             self.unsubscribe(pattern)
         self._bus.forget(self)
 
     # --- on the agent's loop ---------------------------------------------------------------------
-
-    def _listen(self, key: str) -> None:
-        """Declare a subscription: of the agent's own key, or of a pattern."""
-        on_sample = self._on_sample if key == self._own_key else self._on_sample_of
-        heard = self._bus.on_zenohs_thread(partial(on_sample, key))
-        self._subscribers[key] = self._bus.inner.declare_subscriber(key, heard)
-
-    def _show_life(self) -> zenoh.LivelinessToken:
-        return self._bus.inner.liveliness().declare_token(self._bus.tokens.key(self.token))
-
-    def _renew_later(self) -> None:
-        asyncio.get_running_loop().call_later(RENEWED_S, self._renew)
-
-    def _renew(self) -> None:
-        """Declare the next declaration anew; what comes in between is lost as on any link."""
-        if self._left:
-            return
-        keys = tuple(self._subscribers)
-        place = self._renewed % (len(keys) + 1)
-        self._renewed += 1
-        if place < len(keys):
-            self._subscribers[keys[place]].undeclare()
-            self._listen(keys[place])
-        else:
-            self._alive.undeclare()
-            self._alive = self._show_life()
-        self._renew_later()
 
     def _say(self, key: str, message: Message, to: str = "") -> None:
         bus = self._bus
