@@ -96,16 +96,16 @@ class HeldTransports:
         """Call a person for each of them. Repeating this is harmless."""
         for doubt in self._visits.doubts:
             load = doubt.load
-            what = "put down" if load.change > 0 else "not taken"
-            reason = f"{abs(load.change)} {load.item} perhaps {what} by {load.vehicle}: count, they are not in the books"
+            done = "put down" if load.change > 0 else "not taken"
+            reason = f"{abs(load.change)} {load.item} perhaps {done} by {load.vehicle}: count, they are not in the books"
             calls.open(LOOK_FOR_LOAD, reason, now_s, goods=doubt.name, place_m=self.place_m(doubt.name))
         for task in self._tasks:
             if task.is_held:
                 work = cast(Transport, task.work)
-                load = f"{work.quantity} {work.item} for {work.destination}"
-                reason = f"{load} said to be there twice, and not counted"
+                what = f"{work.quantity} {work.item} for {work.destination}"
+                reason = f"{what} said to be there twice, and not counted"
                 if task.perhaps_down is not None:
-                    reason = f"{load} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
+                    reason = f"{what} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
                 calls.open(LOOK_FOR_LOAD, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
 
     def _book(self, load: DepartureMemory) -> CommandRefusal | None:
