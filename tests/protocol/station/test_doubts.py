@@ -10,10 +10,11 @@ from seals import granted, trusts_seals
 from spoken import rhb
 from station_rig import ITEM, StationRig
 
-from dray.body import Book, StorageState, Word, WordTaken
+from dray.body import Book, DockReady, StorageState, Word, WordTaken
 from dray.messages import (
     CommandAnswered,
     CommandRefusal,
+    Docked,
     DoubtfulLoad,
     MachineCommand,
     MachineCommandKind,
@@ -92,6 +93,23 @@ def test_what_its_controller_measures_is_asked_of_nobody() -> None:
     rig = in_doubt(measured=True)
     assert instructed(rig.all, Book) == [Book("ATV1", ITEM, -40, task="M8-1", epoch=1)]
     assert rig.asked() == ()
+
+
+@pytest.mark.parametrize("let_in", [True, False])
+def test_a_load_that_was_perhaps_put_back_is_asked_for_if_its_vehicle_was_let_in(*, let_in: bool) -> None:
+    rig = ShelfRig()
+    rig.answers = True
+    rig.start()
+    rig.on_message("ATV1", Docked("M8-1", 1, "S1", ITEM, 40, returns=True))
+    if let_in:
+        rig.report(DockReady("ATV1"))
+    rig.run(rig.now_s + 2 * UNHEARD_S)
+    rig.on_message("ATV1", replace(rhb("ATV1", 1000, rig.now_s), node="c1"))
+    assert rig.asked() == ((replace(DOUBT, brought=True),) if let_in else ())
+    if let_in:
+        assert rig.says(KIND.LOAD_THERE) is None
+    found = [Book("ATV1", ITEM, 40, task="M8-1", epoch=1)] if let_in else []
+    assert instructed(rig.all, Book) == found
 
 
 @pytest.mark.parametrize(

@@ -546,7 +546,7 @@ class Visits:
             self._bookings.say(load)
         elif load.change > 0 and not (load.returns or self.counts):
             self._owed[vehicle, load.task, load.epoch] = load
-        else:
+        elif self.counts or not load.change or stage is Stage.WAITS:
             is_in_doubt = False  # Nothing was to be booked.
         if is_in_doubt:
             self.doubts.note(load)
