@@ -138,6 +138,8 @@ class MachineMemory(Part, tag_field="kind", tag="machine", rename={"visits": "le
     booked: tuple[DepartureMemory, ...] = ()
     """Transfers of vehicles that were sent to the body for booking and not answered yet."""
     problem: ProblemMemory | None = None
+    doubts: tuple[DoubtMemory, ...] = ()
+    """Loads of which nobody can tell whether they lie there."""
 
 
 class ProductMemory(Part, frozen=True):
@@ -234,6 +236,8 @@ class StationMemory(Part, tag_field="kind", tag="station", rename={"visits": "le
     """As a machine's."""
     booked: tuple[DepartureMemory, ...] = ()
     """As a machine's."""
+    doubts: tuple[DoubtMemory, ...] = ()
+    """As a machine's."""
 
 
 class DepartureMemory(Part, frozen=True):
@@ -261,6 +265,15 @@ class DepartureMemory(Part, frozen=True):
     def only_waits(self) -> bool:
         """Whether it waits for the dock to open, and may have moved nothing."""
         return not (self.let_in or self.change or self.returns)
+
+
+class DoubtMemory(Part, frozen=True):
+    """A load of which nobody can tell whether it lies at a place."""
+
+    name: str
+    load: DepartureMemory
+    asked: bool = False
+    """Whether a person is asked."""
 
 
 class ReservationMemory(Part, frozen=True):

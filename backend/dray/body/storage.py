@@ -39,6 +39,8 @@ class StorageState(Part, frozen=True):
     """Whether it counts what vehicles bring and take; see `WorkcellState`."""
     uncounted: tuple[str, ...] = ()
     """Materials with an unknown count until somebody counts: their `stock` is a lower bound, of later arrivals only."""
+    measured: tuple[str, ...] = ()
+    """Materials whose level its controller measures: `stock` is corrected by that, so nobody is asked to count them."""
     people: bool = False
     """Whether it is operated by people, who report with `Word`."""
     loads: tuple[UnconfirmedLoad, ...] = ()

@@ -378,6 +378,22 @@ class UnconfirmedLoad(Part, frozen=True, omit_defaults=True):
     """Whether it was taken away; otherwise it was brought."""
 
 
+class DoubtfulLoad(Part, frozen=True, omit_defaults=True):
+    """A load that may lie at a place although it is not in its stock: nobody can tell, so a person counts."""
+
+    load: Id
+    """Its name, for the person's answer (`MachineCommand.task`)."""
+    vehicle: Id
+    """The vehicle that was at the dock for it."""
+    item: Id
+    quantity: Count
+    brought: bool = False
+    """Whether the vehicle was to bring it; otherwise to take it."""
+
+
+DOUBTS_TOLD = 8
+"""Maximum doubtful loads in a heartbeat: more than a person looks for at once."""
+
 LOADS_TOLD = 8
 """Maximum unconfirmed loads in a heartbeat: more than people confirm at one look."""
 
@@ -421,6 +437,8 @@ class StationHeartbeat(Message, said_by=STATIONS | GATES, signed="station", froz
     """Left out while its dock gets ready in time."""
     people: PeopleAsBody | UnsetType = UNSET
     """Left out when its body is not people."""
+    doubts: Annotated[tuple[DoubtfulLoad, ...], Meta(max_length=DOUBTS_TOLD)] = ()
+    """Loads for which a person is asked to count, the oldest first."""
     problem: Text = ""
     """For the gate: why it counts nothing or does not let a container in, in words; empty otherwise."""
 
@@ -470,6 +488,8 @@ class MachineHeartbeat(Message, said_by=MACHINES, signed="machine", frozen=True,
     """Set when the plant file did not contain it."""
     people: PeopleAsBody | UnsetType = UNSET
     """Left out when its body is not people."""
+    doubts: Annotated[tuple[DoubtfulLoad, ...], Meta(max_length=DOUBTS_TOLD)] = ()
+    """Loads for which a person is asked to count, the oldest first."""
     awaits: Awaited | UnsetType = UNSET
     """Vehicles whose answers a recovery poll of its tables still needs before it grants places; at most the first `AWAITED_MAX`."""
     dock_wait: DockWait | UnsetType = UNSET

@@ -54,3 +54,5 @@ class StockFreed(Message, said_by=DOCKS, frozen=True, omit_defaults=True):
     """Whether they may have been fetched in the epoch of the answered `StockReserved`: it had a carrier, or that is unknown."""
     epoch: Count = 0
     """That epoch, if the task goes on in a later one, whose reservation stays; 0 for the whole task."""
+    known: bool = False
+    """Whether the coordinator knows that they were fetched; otherwise it cannot exclude it."""

@@ -21,7 +21,7 @@ export function asksText(alert: AlertView): string {
 }
 
 function kindText(alert: AlertView, nowS: number, speed: number): string {
-  const { battery_frac, by, clock_ahead_s, goods, kind, seen_at_s, until_at_s } = alert;
+  const { battery_frac, by, clock_ahead_s, doubt, goods, kind, seen_at_s, until_at_s } = alert;
   const leftS = ((until_at_s ?? nowS) - nowS) * speed;
   switch (kind) {
     case "plant_behind":
@@ -79,6 +79,12 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
         item: goods?.name ?? "",
         order: goods === null || goods.order_name === "" ? "–" : goods.order_name,
         node: goods?.handed_at ?? "",
+      });
+    case "load_doubtful":
+      return t(doubt?.brought === true ? "alerts.what.load_doubtfulBrought" : "alerts.what.load_doubtful", {
+        quantity: format.count(doubt?.quantity ?? 0),
+        item: doubt?.name ?? "",
+        atv: vehicleName(doubt?.vehicle ?? ""),
       });
     case "order_late":
       return t("alerts.what.order_late", { due: format.due(until_at_s ?? nowS, nowS) });

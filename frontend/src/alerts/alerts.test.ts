@@ -7,7 +7,7 @@ const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: ""
 
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
-  since_at_s: 100, agent: "M8", task: "", order: "", place: "", agents: [], call: null, keepers: [], cause: null, goods: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
+  since_at_s: 100, agent: "M8", task: "", order: "", place: "", agents: [], call: null, keepers: [], cause: null, goods: null, doubt: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
   battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
   acknowledged_by: "", acknowledged_at_s: null, acknowledged_until_at_s: null, came_back: null, comment: "", comment_by: "", ...more,
 });
@@ -121,6 +121,15 @@ describe("an alert says", () => {
     const unknown = alert({ kind: "stock_unknown", agent: "S3", response: "count_stock" });
     expect(whatText(unknown, 100, 1)).toContain("not known any more");
     expect(asksText(unknown)).toContain("Count what lies there");
+  });
+
+  test("which pieces perhaps lie at a place, and that they are to be counted", () => {
+    const doubt = { load: "M5.2-load-1", vehicle: "ATV5", item: "pump-p3", name: "Pump P3", quantity: 10, brought: false };
+    const asked = alert({ kind: "load_doubtful", agent: "M5", level: "warning", response: "count_stock", doubt });
+    expect(whatText(asked, 100, 1)).toBe("10 × Pump P3 perhaps lie there, and are not in the stock: nobody can tell whether ATV5 took them");
+    expect(whatText({ ...asked, doubt: { ...doubt, brought: true } }, 100, 1)).toContain("whether ATV5 put them down");
+    expect(asksText(asked)).toContain("Count what lies there");
+    expect(chosenOf(asked, new Map())).toEqual({ kind: "machine", id: "M5" });
   });
 
   test("how long help is waited for, in factory time", () => {

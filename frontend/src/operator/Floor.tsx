@@ -13,6 +13,8 @@ import { groupsOf, type Groups, movedCards, shownGroups } from "./cards/need";
 import { settle } from "./cards/settling";
 import { type Left, stayed } from "./cards/staying";
 import { refuseTooSoon, watchTouch } from "./cards/touch";
+import { DoubtCards } from "./goods/DoubtCards";
+import { doubtsOf } from "./goods/doubts";
 import { GoodsCards } from "./goods/GoodsCards";
 import { heldOf } from "./goods/held";
 import { HeldCards } from "./goods/HeldCards";
@@ -74,8 +76,9 @@ export function Floor() {
   const name = placeName.value;
   const goods = strandedOf(world.value?.tasks.values() ?? []).length;
   const disputed = heldOf(world.value?.tasks.values() ?? []).length;
+  const doubtful = world.value === null ? 0 : doubtsOf(world.value).length;
   const gate = needingGate(world.value?.stations, moment.value) === null ? 0 : 1;
-  const count = needing.length + goods + disputed + gate + needsSomebody(world.value?.machines.values() ?? [], moment.value);
+  const count = needing.length + goods + disputed + doubtful + gate + needsSomebody(world.value?.machines.values() ?? [], moment.value);
   return (
     <>
       <main ref={page} id="vehicles" tabIndex={-1}>
@@ -88,6 +91,7 @@ export function Floor() {
         <Cards class="needing" ids={needing} all={all.value} tooSoon={tooSoon.value} label={t("cards.needing")} />
         <GoodsCards />
         <HeldCards />
+        <DoubtCards />
         <MachineCards />
         <GateCard />
         <WordsCard />

@@ -294,12 +294,17 @@ async def see_to_doubts(bodies: WiredBodies) -> None:
 
 
 def uncounted(factory: SimFactory, bodies: WiredBodies | None, place: str, item: str) -> int | None:
-    """Pieces of an item that lie at a place unknown to its body; None while the body or its controller is not heard."""
+    """Pieces of an item that lie at a place unknown to its body; None while that cannot be told.
+
+    That is so while the body or its controller is not heard, or a vehicle is at the dock.
+    """
     wired = None if bodies is None else bodies.wired.get(place)
     if wired is None:
         return factory.uncounted(place, item)
     state = None if wired.body is None else wired.body.sense()
     if not wired.linked or not isinstance(state, WorkcellState | StorageState):
+        return None
+    if wired.controller.told.get(Signal.DOCK_PERMIT):
         return None
     there = factory.workcells if place in factory.workcells else factory.storages
     return there[place].sense().stock.get(item, 0) - state.stock.get(item, 0)

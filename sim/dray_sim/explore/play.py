@@ -36,6 +36,7 @@ from dray_sim.clock.loop import run as run_loop
 from dray_sim.controllers.wired import WiredBodies
 from dray_sim.explore.bodies import (
     ASIDE_S,
+    LOOKS_S,
     RESTS_S,
     check_counts,
     play_cuts,
@@ -269,7 +270,7 @@ class _Game:
         )
         life = asyncio.create_task(self._live(factory, faults, office, crew, looker))
         broken = asyncio.create_task(checks.wait_broken())
-        end = asyncio.create_task(self._await_end(factory, liveness))
+        end = asyncio.create_task(self._await_end(factory, liveness, looker))
         try:
             await asyncio.wait(
                 {life, broken, end}, timeout=self._run.longest_s, return_when=asyncio.FIRST_COMPLETED
@@ -407,7 +408,7 @@ class _Game:
         )
         await self._until_quiet(meddler)
 
-    async def _await_end(self, factory: SimFactory, liveness: LivenessCheck) -> None:
+    async def _await_end(self, factory: SimFactory, liveness: LivenessCheck, looker: LoadLooker) -> None:
         """Wait until the faults are over, the quiet phase has passed, and no work is open any more."""
         await asyncio.sleep(self._run.faults_until_s)
         # Times of a clock that was set are wrong until it is steered back.
@@ -417,6 +418,8 @@ class _Game:
         await liveness.over.wait()
         if self._bodies is not None:
             await asyncio.sleep(RESTS_S)
+            while looker.is_asked:  # noqa: ASYNC110 - virtual time passes at once
+                await asyncio.sleep(LOOKS_S)
             check_counts(factory, self._bodies, factory.clock.now_s())
 
     def _verdict(self, checks: Invariants, life: asyncio.Task[None], end: asyncio.Task[None]) -> str:

@@ -1,14 +1,16 @@
-"""A person who looks for the loads of held transports.
+"""A person who looks for the loads of held transports, and for doubtful loads.
 
 A place whose body counts has counted all that is put down there: the person finds nothing, and says so
 (`LOAD_MISSING`). At others the person finds what the body does not know of (`LOAD_THERE`). The looker takes part in a
-run only when a transport is held: a run without one is the same with and without a looker.
+run only when it is asked: a run without a question is the same with and without a looker.
 """
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from math import inf
+from typing import NamedTuple
 
 from dray.adapters.security.signing import SigningKey
 from dray.messages import (
@@ -19,7 +21,6 @@ from dray.messages import (
     Message,
     Reason,
     StationHeartbeat,
-    TaskBrief,
 )
 from dray.ports import Bus, Clock, Session
 from dray_sim.people.answers import Answers
@@ -36,6 +37,22 @@ AGAIN_S = 5.0
 GRANT_S = 60.0
 """Validity of a report."""
 
+COUNT_LASTS_S = 30.0
+"""Time for which a count is repeated: later than that it tells of another moment."""
+
+
+class _Sought(NamedTuple):
+    """A load to look for."""
+
+    name: str
+    place: str
+    """The agent that asks."""
+    item: str
+    quantity: int
+    is_here: bool = True
+    """Whether it may lie at that place."""
+    is_doubtful: bool = False
+
 
 class LoadLooker:
     """Implements `dray_sim.network.listeners.Listener`.
@@ -47,7 +64,7 @@ class LoadLooker:
         uncounted: by place and item, the pieces that lie there unknown to its body; None while that cannot be told.
 
     Attributes:
-        looked: transports that it has looked for, the oldest first.
+        looked: transports and doubtful loads that it has looked for, the oldest first.
     """
 
     def __init__(
@@ -61,8 +78,10 @@ class LoadLooker:
         self._uncounted = uncounted
         self._session: Session | None = None
         self._answers = Answers()
-        self._held: dict[str, tuple[str, TaskBrief]] = {}
-        """Transports to look for, by id, with the coordinator of each."""
+        self._sought: dict[str, _Sought] = {}
+        """Loads to look for, by name."""
+        self._doubted: dict[str, bool] = {}
+        """By place: whether its last heartbeat asked for a doubtful load."""
         self._news = asyncio.Event()
         self.looked: list[str] = []
 
@@ -70,11 +89,23 @@ class LoadLooker:
         """See `dray_sim.network.listeners.Listener`."""
         if not isinstance(message, MachineHeartbeat | StationHeartbeat):
             return
+        place = message.machine if isinstance(message, MachineHeartbeat) else message.station
+        self._doubted[place] = bool(message.doubts)
         for brief in message.tasks:
             if brief.trouble is Reason.DISPUTED:
-                place = message.machine if isinstance(message, MachineHeartbeat) else message.station
-                self._held[brief.task] = place, brief
-                self._news.set()
+                here = brief.destination == place
+                self._seek(_Sought(brief.task, place, brief.item, brief.quantity, is_here=here))
+        for doubt in message.doubts:
+            self._seek(_Sought(doubt.load, place, doubt.item, doubt.quantity, is_doubtful=True))
+
+    def _seek(self, sought: _Sought) -> None:
+        self._sought[sought.name] = sought
+        self._news.set()
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether a place asks for a doubtful load."""
+        return any(self._doubted.values())
 
     async def run(self) -> None:
         """Look for one load after the other, until cancelled."""
@@ -82,29 +113,31 @@ class LoadLooker:
             await self._news.wait()
             self._news.clear()
             await asyncio.sleep(WALK_S)
-            held, self._held = self._held, {}
-            for place, brief in held.values():
-                there = self._look(place, brief)
+            sought, self._sought = self._sought, {}
+            for each in sought.values():
+                there = self._look(each)
                 if there is not None:
-                    await self._say(place, brief.task, there=there)
-                    self.looked.append(brief.task)
+                    await self._say(each, there=there)
+                    self.looked.append(each.name)
 
-    def _look(self, place: str, brief: TaskBrief) -> bool | None:
+    def _look(self, sought: _Sought) -> bool | None:
         """Whether a load lies there; None while that cannot be told: the next heartbeat asks again."""
-        if brief.destination != place:
+        if not sought.is_here:
             return False
-        pieces = self._uncounted(place, brief.item)
+        pieces = self._uncounted(sought.place, sought.item)
         # A cycle that has begun may have used a few pieces that are still counted.
-        return None if pieces is None else 2 * pieces > brief.quantity
+        return None if pieces is None else 2 * pieces > sought.quantity
 
-    async def _say(self, place: str, task: str, *, there: bool) -> None:
+    async def _say(self, sought: _Sought, *, there: bool) -> None:
+        place = sought.place
+        lasts_until_s = self._clock.now_s() + (COUNT_LASTS_S if sought.is_doubtful else inf)
         if self._session is None:
             self._session = self._bus.join(NAME, self._on_message)
         name = f"{NAME}-{len(self.looked) + 1}"
         kind = MachineCommandKind.LOAD_THERE if there else MachineCommandKind.LOAD_MISSING
-        word = MachineCommand(command=name, kind=kind, task=task, issued_by=NAME)
+        word = MachineCommand(command=name, kind=kind, task=sought.name, issued_by=NAME)
         with self._answers.to(name) as answer:
-            while not answer.done():
+            while not answer.done() and self._clock.now_s() < lasts_until_s:
                 until_s = self._clock.now_s() + GRANT_S
                 granted = self._authority.grant(place, word, person=NAME, areas=None, valid_until_s=until_s)
                 self._session.send(place, granted)

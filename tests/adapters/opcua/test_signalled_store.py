@@ -327,6 +327,12 @@ def test_a_switch_that_is_on_while_little_lies_there_is_inverted() -> None:
     assert rig.stock == 59
 
 
+def test_a_body_tells_which_levels_its_controller_measures() -> None:
+    assert StoreRig(**{ITEM: Tag("level")}).body.sense().measured == (ITEM,)
+    for unmeasured in (StoreRig(), switched()):
+        assert unmeasured.body.sense().measured == ()
+
+
 def test_a_switch_that_flickers_counts_nothing_and_one_that_rests_again_does() -> None:
     rig = switched()
     for second in range(int(4 * RESTS_S)):

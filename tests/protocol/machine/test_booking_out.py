@@ -507,16 +507,18 @@ def test_a_vehicle_that_was_not_heard_for_a_while_may_have_fetched_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("epoch", "fetched"),
-    [(1, True), (0, True), (2, True)],
+    ("epoch", "known"),
+    [(1, True), (0, False), (2, False)],
     ids=["its epoch", "the epoch of an earlier carrier", "the epoch of one who took over unheard"],
 )
-def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched(epoch: int, fetched: bool) -> None:
+def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched_or_may_have_been(
+    epoch: int, *, known: bool
+) -> None:
     rig = supplied_by("ATV2")
     rig.on_message("ATV2", docked())
     rig.on_message("ATV2", handover())
     said = rig.on_message("S1", StockReserved("M7-1", epoch, "housing", 24))
-    assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=fetched)]
+    assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=True, known=known)]
 
 
 def test_a_coordinator_whose_task_goes_on_says_that_an_earlier_carrier_may_have_fetched_the_load() -> None:

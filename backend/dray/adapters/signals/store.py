@@ -151,6 +151,7 @@ class SignalledStore:
             answers=True,
             counts=False,
             uncounted=self._kept.uncounted,
+            measured=tuple(item for item, tag in self._levels.items() if tag.at_least is None),
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:

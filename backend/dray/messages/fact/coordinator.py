@@ -185,6 +185,20 @@ class HandoverDisputed(Fact, told_by=DOCKS, frozen=True):
     """The place whose dock has counted."""
 
 
+class LoadDoubted(Fact, told_by=DOCKS, frozen=True):
+    """Nobody can tell whether a load lies at this place, and a person is asked to count. It is not in the stock."""
+
+    load: Id
+    """Its name (`DoubtfulLoad`)."""
+    vehicle: Id
+    item: Id
+    quantity: Count
+    brought: bool
+    """Whether the vehicle was to bring it; otherwise to take it."""
+    task: IdOrNone = ""
+    """Its transport; empty where no notes say for which the vehicle was let in."""
+
+
 class TransportProgressed(Fact, told_by=DOCKS, frozen=True):
     """The state of a plain transport has changed."""
 

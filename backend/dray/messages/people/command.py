@@ -121,9 +121,9 @@ class MachineCommandKind(StrEnum):
     WRITE_OFF = "write_off"
     """Goods on board of a failed vehicle cannot be handed over: make them again."""
     LOAD_THERE = "load_there"
-    """The load of a held transport was found at its destination."""
+    """The load of a held transport was found at its destination, or a doubtful load at its place."""
     LOAD_MISSING = "load_missing"
-    """The load of a held transport is not at its destination: have it fetched or made again."""
+    """The load of a held transport is not at its destination: have it fetched or made again. Or a doubtful load is not at its place."""
     ARRIVED = "arrived"
     """Pieces have come, with a vehicle or by hand. This and the four below are *words*: reports to a machine whose body is people."""
     TAKEN = "taken"
@@ -142,7 +142,7 @@ class MachineCommandKind(StrEnum):
 
     @property
     def is_about_held(self) -> bool:
-        """Whether it is about the load of a held transport; its grant must cover the destination."""
+        """Whether it is about the load of a held transport or a doubtful load; its grant must cover the place where that may lie."""
         return self in (MachineCommandKind.LOAD_THERE, MachineCommandKind.LOAD_MISSING)
 
     @property
@@ -168,7 +168,7 @@ WORDS = frozenset(
 
 
 class MachineCommand(Message, said_by=GATEWAYS, frozen=True):
-    """A person's command to one machine. A station obeys those about transports that are held, too."""
+    """A person's command to one machine. A station obeys those about held transports and doubtful loads, too."""
 
     command: Id
     """Names this command, so that its answer can be told from others."""
@@ -183,7 +183,7 @@ class MachineCommand(Message, said_by=GATEWAYS, frozen=True):
     after_work: bool = False
     """For TAKE_OUT: whether it finishes its present goal first."""
     task: IdOrNone = ""
-    """For FETCH_GOODS, WRITE_OFF, LOAD_THERE and LOAD_MISSING: the transport whose load is meant."""
+    """For FETCH_GOODS, WRITE_OFF, LOAD_THERE and LOAD_MISSING: the transport whose load is meant, or the name of a doubtful load."""
     node: IdOrNone = ""
     """For FETCH_GOODS: the node where they are handed over; empty for the nearest node beside the vehicle."""
     item: IdOrNone = ""

@@ -190,7 +190,7 @@ class Machine(AgentBase):
             DockReady: self._flow.on_dock_ready,
             Broken: self._broken,
             Repaired: self._repaired,
-            WordTaken: lambda report, _now_s: self._commands.words.on_taken(report),
+            WordTaken: self._word_taken,
             DocumentRead: self._document_read,
         }
         self._reactions = {
@@ -278,6 +278,7 @@ class Machine(AgentBase):
             visits=self._flow.visits.memories(),
             booked=self._flow.bookings.memories(),
             problem=self._breakdown.memory,
+            doubts=self._flow.visits.doubts.memories(),
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -324,9 +325,13 @@ class Machine(AgentBase):
         if not self._goals.products.is_goods(report.item):
             self._flow.on_material(report, word, now_s)
         else:
-            self._flow.on_goods(report, is_news, now_s)
+            self._flow.on_goods(report, word, is_news, now_s)
             self._life.commit()
         self.pursue(now_s)
+
+    def _word_taken(self, report: WordTaken, _now_s: float) -> None:
+        if (word := self._commands.words.on_taken(report)) is not None:
+            self._flow.held.on_word(word)
 
     def _document_read(self, report: DocumentRead, now_s: float) -> None:
         if self._documents.on_read(report):

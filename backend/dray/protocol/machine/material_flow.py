@@ -101,6 +101,7 @@ class MaterialFlow(TransportFlow):
         self.restore_tasks(memory.tasks, notes, now_s)
         visits = visits_of(memory)
         self.visits.restore(visits)
+        self.visits.doubts.restore(memory.doubts)
         self.bookings.restore(memory.booked)
         for load in () if self.visits.counts else visits:
             if load.task and load.change < 0 and (load.permitted or load.coordinator):
@@ -193,9 +194,11 @@ class MaterialFlow(TransportFlow):
             self._issuing.on_taken(report.vehicle, report.item)
         self.note_stock(now_s)
 
-    def on_goods(self, report: StockChanged, is_news: bool, now_s: float) -> None:
-        """Goods were made, or have left."""
-        if report.counted:
+    def on_goods(
+        self, report: StockChanged, word: DepartureMemory | None, is_news: bool, now_s: float
+    ) -> None:
+        """Goods were made, have left, or were found; `word`: the agent's report that the body answers."""
+        if report.counted or (word is not None and word.change > 0):
             self.goods.recount(now_s)
         elif report.vehicle and report.change < 0 and self._book.take(report.vehicle, report.item):
             self._goals.take_spare(report.item, -report.change)

@@ -115,6 +115,7 @@ class StatusReport:
             probation=self._probation.brief(),
             joining=self._joining,
             people=self._commands.people or UNSET,
+            doubts=self._flow.visits.doubts.told(),
             awaits=self._reservation_handling.awaited(now_s),
             dock_wait=self._flow.door.wait(now_s),
         )

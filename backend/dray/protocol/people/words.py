@@ -52,8 +52,10 @@ class PassedWords:
         )
         self._life.instruct(word)
 
-    def on_taken(self, report: WordTaken) -> None:
-        """The body has accepted or refused a report."""
+    def on_taken(self, report: WordTaken) -> MachineCommand | None:
+        """The body has accepted or refused a report. Returns an accepted one; None for any other."""
         asked = self._asked.pop(report.key, None)
-        if asked is not None:
-            self._granted.tell(*asked, report.refused, report.detail, again=report.again)
+        if asked is None:
+            return None
+        self._granted.tell(*asked, report.refused, report.detail, again=report.again)
+        return asked[1] if report.refused is None and not report.again else None

@@ -113,7 +113,7 @@ class Station(AgentBase):
         self._report_handlers = {
             StockChanged: self._stock_changed,
             DockReady: self._flow.on_dock_ready,
-            WordTaken: lambda report, _now_s: self._held_loads.words.on_taken(report),
+            WordTaken: self._word_taken,
         }
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         self._reservation_handling = ReservationHandling(
@@ -156,6 +156,7 @@ class Station(AgentBase):
                 self._book.restore(reserved, state.opened, now_s)
             self._flow.restore_tasks(note.tasks, memory, now_s)
             self._flow.visits.restore(visits_of(note))
+            self._flow.visits.doubts.restore(note.doubts)
             self._flow.bookings.restore(note.booked)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now, which no later life may reuse.
@@ -194,6 +195,7 @@ class Station(AgentBase):
             answered=self._held_loads.answered,
             visits=self._flow.visits.memories(),
             booked=self._flow.bookings.memories(),
+            doubts=self._flow.visits.doubts.memories(),
         )
 
     def _was_deaf(self, span_s: float) -> None:
@@ -219,6 +221,7 @@ class Station(AgentBase):
             awaits=self._reservation_handling.awaited(now_s),
             dock_wait=self._flow.door.wait(now_s),
             people=self._held_loads.people or UNSET,
+            doubts=self._flow.visits.doubts.told(),
         )
         self._life.publish(self._beat_key, heartbeat)
         return heartbeat
@@ -261,6 +264,10 @@ class Station(AgentBase):
     def _on_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
         if not self._shutdown.begun:
             self._flow.offer(sender, message, now_s)
+
+    def _word_taken(self, report: WordTaken, _now_s: float) -> None:
+        if (word := self._held_loads.words.on_taken(report)) is not None:
+            self._flow.held.on_word(word)
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         self._book.change(report.item, report.change, report.seq)

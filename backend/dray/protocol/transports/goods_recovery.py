@@ -27,7 +27,7 @@ class GoodsRecovery:
     Args:
         plant: the nodes where vehicles can be sent.
         tasks: its transports.
-        held: transports whose loads a person must look for; they are called for alike.
+        held: transports and doubtful loads that a person must look for; they are called for alike.
     """
 
     def __init__(self, plant: Plant, tasks: Transports, held: HeldTransports) -> None:
@@ -44,6 +44,8 @@ class GoodsRecovery:
             now_s: the present time.
             expected: False for an agent that leaves: its next life calls.
         """
+        if expected:
+            self._held.update(now_s)
         waiting = [task for task in self._tasks if expected and _needs_person(task, now_s)]
         held = self._held.names() if expected else ()
         called_for = {*held, *(task.id for task in waiting)}

@@ -1,4 +1,4 @@
-"""Transports of which only a person can tell whether the load is there.
+"""Transports and doubtful loads of which only a person can tell whether the load is there.
 
     disputed        a handover was disputed twice: a third load might be lost like the first two
     perhaps down    the body does not count. An earlier life let the carrier in, and the carrier has forgotten the
@@ -14,11 +14,15 @@ No vehicle carries the transport before a person who is responsible for the dest
 LOAD_THERE books a load in that was perhaps put down, and its transport is delivered when the body has answered. The
 same follows from the carrier's own report, if it tells after all, before and after LOAD_MISSING.
 It waits without a limit, over restarts too. A transport that is not needed any more ends as usual.
+
+A doubtful load (`doubts`) holds no transport. LOAD_THERE books it in, LOAD_MISSING leaves the books as they are.
 """
 
 from __future__ import annotations
 
 from typing import cast
+
+from msgspec.structs import replace
 
 from dray.memory import DepartureMemory
 from dray.messages import CommandRefusal, MachineCommand, MachineCommandKind, Problem, ProblemKind, Transport
@@ -48,10 +52,12 @@ class HeldTransports:
         self._visits, self._bookings = visits, bookings
 
     def obey(self, command: MachineCommand, now_s: float) -> CommandRefusal | None:
-        """A person has looked. Returns the refusal; None when the transport ends or goes on."""
+        """A person has looked. Returns the refusal; None when the transport ends or goes on, or the doubt is settled."""
         task = self._held(command.task)
         if task is None:
-            return CommandRefusal.NOT_HELD
+            return self._settle(command)
+        if task.perhaps_down is not None:
+            self._visits.doubts.on_told(task.perhaps_down)
         if command.kind is MachineCommandKind.LOAD_THERE and task.perhaps_down is not None:
             return self._book(task.perhaps_down)
         if command.kind is MachineCommandKind.LOAD_THERE:
@@ -61,23 +67,45 @@ class HeldTransports:
         return None
 
     def place_m(self, task: str) -> tuple[float, float] | None:
-        """The destination of a held transport's load (x, y) in m; None if it is not held."""
+        """Where a load is looked for (x, y) in m: the destination of a held transport, or this place; None if neither."""
         held = self._held(task)
+        if self._visits.doubts.get(task) is not None:
+            return self._plant.position_of(self._visits.doubts.place)
         return None if held is None else self._plant.position_of(cast(Transport, held.work).destination)
 
     def names(self) -> tuple[str, ...]:
-        """The held transports' ids."""
-        return tuple(task.id for task in self._tasks if task.is_held)
+        """The held transports' ids, and the names of doubtful loads."""
+        held = (task.id for task in self._tasks if task.is_held)
+        return (*held, *(doubt.name for doubt in self._visits.doubts))
+
+    def update(self, now_s: float) -> None:
+        """Ask for doubtful loads whose time has come, and that no held transport asks for."""
+        for task in self._tasks:
+            if task.is_held and task.perhaps_down is not None:
+                self._visits.doubts.on_told(task.perhaps_down)
+        self._visits.doubts.update(now_s)
+
+    def on_word(self, command: MachineCommand) -> None:
+        """A body of people has taken a person's report: what they have counted is in doubt no more."""
+        if command.kind is MachineCommandKind.STOCK_IS:
+            self._visits.doubts.on_counted(command.item)
+        elif command.kind in (MachineCommandKind.ARRIVED, MachineCommandKind.TAKEN) and command.vehicle:
+            self._visits.doubts.on_counted(command.item, command.vehicle)
 
     def call(self, calls: HelpCalls, now_s: float) -> None:
         """Call a person for each of them. Repeating this is harmless."""
+        for doubt in self._visits.doubts:
+            load = doubt.load
+            done = "put down" if load.change > 0 else "not taken"
+            reason = f"{abs(load.change)} {load.item} perhaps {done} by {load.vehicle}: count, they are not in the books"
+            calls.open(LOOK_FOR_LOAD, reason, now_s, goods=doubt.name, place_m=self.place_m(doubt.name))
         for task in self._tasks:
             if task.is_held:
                 work = cast(Transport, task.work)
-                load = f"{work.quantity} {work.item} for {work.destination}"
-                reason = f"{load} said to be there twice, and not counted"
+                what = f"{work.quantity} {work.item} for {work.destination}"
+                reason = f"{what} said to be there twice, and not counted"
                 if task.perhaps_down is not None:
-                    reason = f"{load} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
+                    reason = f"{what} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
                 calls.open(LOOK_FOR_LOAD, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
 
     def _book(self, load: DepartureMemory) -> CommandRefusal | None:
@@ -86,6 +114,24 @@ class HeldTransports:
             return CommandRefusal.DOCK_OPEN
         self._visits.forget_owed(load.vehicle, load.task, load.epoch)
         self._bookings.say(load)
+        return None
+
+    def _settle(self, command: MachineCommand) -> CommandRefusal | None:
+        """A person has counted, and so knows whether a doubtful load lies here."""
+        doubts = self._visits.doubts
+        load = doubts.get(command.task)
+        if load is None:
+            return CommandRefusal.NOT_HELD
+        if self._visits.may_move(load.item) or self._visits.is_here(load.vehicle):
+            return CommandRefusal.DOCK_OPEN
+        if command.kind is MachineCommandKind.LOAD_THERE and load.change > 0 and load.task:
+            self._visits.forget_owed(load.vehicle, load.task, load.epoch)
+            self._bookings.say(load)
+        elif command.kind is MachineCommandKind.LOAD_THERE:
+            self._visits.forget_owed(load.vehicle, load.task, load.epoch)
+            # A body books each load of one name once, and may have booked this one out.
+            self._bookings.say(replace(load, task=command.task, epoch=1, change=abs(load.change)))
+        doubts.settle(command.task)
         return None
 
     def _held(self, name: str) -> OpenTask | None:

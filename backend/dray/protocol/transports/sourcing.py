@@ -217,7 +217,8 @@ class Sourcing:
                 self._hold(task, sender)
         else:
             fetched = self._may_be_fetched(message.task, message.epoch)
-            self._life.send(sender, StockFreed(message.task, fetched=fetched))
+            known = fetched and self._was_brought(message.task, message.epoch)
+            self._life.send(sender, StockFreed(message.task, fetched=fetched, known=known))
 
     def on_short(self, sender: str, message: StockShort, now_s: float) -> None:
         self._note_heard(sender, now_s)
@@ -330,6 +331,11 @@ class Sourcing:
         """Whether a load may have been fetched in an epoch; excluded only if no carrier was bound in it."""
         closed = self._closed.get(task)
         return closed is None or epoch != closed.epoch or bool(closed.carrier)
+
+    def _was_brought(self, task: str, epoch: int) -> bool:
+        """Whether a load was delivered in an epoch."""
+        closed = self._closed.get(task)
+        return closed is not None and (closed.epoch, closed.outcome) == (epoch, "delivered")
 
     def _renew(self, task_id: str, now_s: float) -> None:
         task = self._tasks.get(task_id)

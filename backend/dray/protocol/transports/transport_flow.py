@@ -165,6 +165,8 @@ class TransportFlow:
         """Take over what the body can count and report by itself."""
         self._handovers.counts = self.visits.counts = body.counts
         self.visits.answers = body.answers
+        if isinstance(body, StorageState):
+            self.visits.doubts.measured = frozenset(body.measured)
         self.visits.restore_opened(body.opened)
 
     def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:

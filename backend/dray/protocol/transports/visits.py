@@ -27,7 +27,8 @@ What it has moved when it has left:
     else it is unknown                                         a load to take is booked out if such a load is on board; else its
                                                                coordinator is asked until it answers, and in doubt it is booked
                                                                out: nothing is promised that may not lie there. A load to bring
-                                                               is booked in once the vehicle reports that it is down
+                                                               is booked in once the vehicle reports that it is down. People are
+                                                               asked for either (`doubts`)
     it was heard elsewhere without it, and is asked about      what it has on board later is not from here, unless it names
                                                                the task
     an earlier life let it in, and no notes say for what       what it says here that it carries or hands over, else what the body
@@ -37,7 +38,7 @@ What it has moved when it has left:
     the notes say that it waits                                nothing: no earlier life has let it in
 
 The question is `StockReserved`. A coordinator that needs the pieces no more, or not for that carrier, answers with
-`StockFreed`.
+`StockFreed`. It says whether it knows that they were fetched, or cannot exclude it.
 """
 
 from __future__ import annotations
@@ -58,6 +59,7 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.transports.bookings import Bookings
+from dray.protocol.transports.doubts import Doubts
 
 UNHEARD_S = 8.0
 """Too short for a vehicle to unload elsewhere and end its task; long enough for several heartbeats."""
@@ -164,6 +166,7 @@ class Visits:
             once.
         counts: whether the body counts what vehicles bring and take.
         asked: by vehicle, its request that waits for the dock to open.
+        doubts: loads of which nobody can tell, for which people are asked.
     """
 
     def __init__(
@@ -173,6 +176,7 @@ class Visits:
         self.answers = False
         self.counts = True
         self.asked: dict[str, Request] = {}
+        self.doubts = Doubts(life)
         self._visits: dict[str, Visit] = {}
         self._owed: BoundedMap[tuple[str, str, int], DepartureMemory] = BoundedMap(OWED_KEPT)
         """Loads that were not booked in when their vehicle left, by vehicle, task and epoch."""
@@ -193,6 +197,12 @@ class Visits:
         """Whether a vehicle waits, or may be inside."""
         visit = self._visits.get(vehicle)
         return vehicle in self.asked or (visit is not None and visit.stage is not Stage.GONE)
+
+    def may_move(self, item: str) -> bool:
+        """Whether a vehicle may be moving an item, or has moved it and it is not decided yet: a count tells nothing now."""
+        visits = (visit for visit in self._visits.values() if visit.stage is not Stage.WAITS)
+        said = any(load.item == item for load in self._bookings.memories())
+        return said or any(visit.load.item in ("", item) for visit in visits)
 
     def waits_for(self, vehicle: str) -> bool:
         """Whether the dock is shut once a vehicle has left, whose permission has ended or is for a returned load."""
@@ -318,11 +328,11 @@ class Visits:
                 self._follow(named)
         elif visit.takes:
             has_it = unloads and docked.item == load.item
-            self._end(visit, moved=has_it or not (was_heard or load.ended), docks=True)
+            self._end(visit, moved=True if has_it else False if was_heard or load.ended else None, docks=True)
         else:
             if was_heard and not load.task:
                 self._believe(visit)
-            self._end(visit, moved=was_heard and not unloads)
+            self._end(visit, moved=False if unloads else was_heard or None)
 
     def on_put_down(self, vehicle: str, task: str, epoch: int, quantity: int, *, known: bool = True) -> bool:
         """A vehicle reports `quantity` pieces as put down. Ignored if it was not watched for them.
@@ -350,7 +360,7 @@ class Visits:
             return False
         if self.is_here(vehicle):
             return True
-        del self._owed[key]
+        self.forget_owed(*key)
         self._bookings.say(replace(owed, task=task, epoch=epoch, change=min(owed.change, quantity)))
         return False
 
@@ -367,7 +377,8 @@ class Visits:
 
         Without a task it is the load for which a life without notes has let the vehicle in.
         """
-        if self._owed.pop((vehicle, task, epoch), None) is not None:
+        if (owed := self._owed.pop((vehicle, task, epoch), None)) is not None:
+            self.doubts.on_told(owed)
             self._life.commit()
 
     def on_freed(self, sender: str, freed: StockFreed) -> bool:
@@ -376,7 +387,7 @@ class Visits:
             is_it = (visit.load.task, visit.load.coordinator) == (freed.task, sender)
             is_it &= freed.epoch in (0, visit.load.epoch)
             if is_it and visit.asked_s > -NEVER_S:
-                self._end(visit, moved=freed.fetched)
+                self._end(visit, moved=freed.fetched and (freed.known or None))
                 return freed.fetched
         return False
 
@@ -401,7 +412,7 @@ class Visits:
         elif visit.load.coordinator and not self.counts:
             self._ask(visit, now_s, is_here=heartbeat.node == self._node)
         else:
-            self._end(visit, moved=visit.takes)
+            self._end(visit, moved=None)
 
     def on_word(self, load: DepartureMemory, node: str) -> None:
         """A vehicle says at a node what it moves: taken for the load for which an earlier life without notes let it in here.
@@ -524,17 +535,23 @@ class Visits:
 
     # --- the end of a visit ---
 
-    def _end(self, visit: Visit, *, moved: bool, docks: bool = False) -> None:
-        """A vehicle has left, with its load moved or not; it stands here again if it `docks`."""
+    def _end(self, visit: Visit, *, moved: bool | None, docks: bool = False) -> None:
+        """A vehicle has left, with its load moved or not, or nobody can tell; it stands here again if it `docks`."""
         load, stage, vehicle = visit.load, visit.stage, visit.load.vehicle
-        moved = moved and stage is not Stage.WAITS
+        is_in_doubt = moved is None or (moved and stage is Stage.WAITS and bool(load.task))
+        moved = (visit.takes if moved is None else moved) and stage is not Stage.WAITS
         if moved and load.change and not self.counts:
             # A body books each load of one name once.
-            self._bookings.say(
-                load if load.task or load.epoch else replace(load, epoch=self._life.incarnation)
-            )
+            load = load if load.task or load.epoch else replace(load, epoch=self._life.incarnation)
+            self._bookings.say(load)
         elif load.change > 0 and not (load.returns or self.counts):
             self._owed[vehicle, load.task, load.epoch] = load
+        elif self.counts or not load.change or stage is Stage.WAITS:
+            is_in_doubt = False  # Nothing was to be booked.
+        if is_in_doubt:
+            self.doubts.note(load)
+        elif moved:
+            self.doubts.on_told(load)
         self._forget(vehicle)
         if vehicle in self.asked and self.asked[vehicle].load.task == load.task:
             self.forget_request(vehicle)

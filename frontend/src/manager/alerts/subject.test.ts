@@ -4,7 +4,7 @@ import { orderOf, showSubject, subjectOf } from "./subject";
 
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: "x", kind: "order_late", level: "warning", response: "tell_customer", since_at_s: 100, agent: "", task: "", order: "", place: "",
-  agents: [], call: null, keepers: [], cause: null, goods: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
+  agents: [], call: null, keepers: [], cause: null, goods: null, doubt: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
   battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
   acknowledged_by: "", acknowledged_at_s: null, acknowledged_until_at_s: null, came_back: null, comment: "", comment_by: "", ...more,
 });

@@ -64,6 +64,19 @@ export async function sayLoad(place: string, task: string, there: boolean): Prom
   await follow(place, { kind: there ? "load_there" : "load_missing" }, (command) => loadSeen(task, { there, command }));
 }
 
+/** What somebody has counted where a load is in doubt. */
+export async function sayCounted({ load: task, place, station }: Counted, there: boolean): Promise<void> {
+  const kind = there ? "load_there" : "load_missing";
+  await follow(place, { kind }, (command) => (station ? commandStation(place, { kind, task, command }) : commandMachine(place, { kind, task, command })));
+}
+
+/** A load in doubt, where it perhaps lies. */
+interface Counted {
+  readonly load: string;
+  readonly place: string;
+  readonly station: boolean;
+}
+
 interface Request {
   readonly kind: Kind;
   readonly speed_frac?: number | null;

@@ -8,6 +8,8 @@ import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/operator";
 import { factoryTime, inFactoryTime } from "../../text/plant-time";
 import { world } from "../../stream/stream";
+import { doubtText } from "../goods/DoubtCards";
+import { doubtsOf } from "../goods/doubts";
 import { goodsText } from "../goods/GoodsCards";
 import { isHeld } from "../goods/held";
 import { heldText } from "../goods/HeldCards";
@@ -113,6 +115,8 @@ function untoldText({ area }: CallView): string {
 /** What is wrong: with the caller, or that goods of its own wait on board of a vehicle. One that has never told its place says just that. */
 function wrongText({ goods, place, problem, reason }: CallView) {
   if (goods !== "") {
+    const doubt = world.value === null ? undefined : doubtsOf(world.value).find(({ load }) => load === goods);
+    if (doubt !== undefined) return <b>{doubtText(doubt)}</b>;
     const task = world.value?.tasks.get(goods);
     if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${t("held.look")}`}</b>;
     return <b>{task?.stranded ? `${t(task.item === THING ? "goods.titleThing" : "goods.title", { atv: vehicleName(task.stranded.atv) })}: ${goodsText(task)}` : t("goods.called")}</b>;

@@ -5,7 +5,7 @@ import { lookAlike, machineLooks } from "./machine-looks";
 const stock = { item: "shaft", level: 10, capacity: 60, reorder_point: 20, on_order: 0, spare: 0 };
 const machine = (more: Partial<MachineView> = {}): MachineView => ({
   id: "M1", name: "Press", status: "producing", product: "g1", goals: [], tasks: [], buffers: [stock], goods: [stock], documents: [],
-  problem: "", about_problem: null, resettable: false, help: null, out_of_service: null, speed_frac: 1, since_at_s: null, waits: null, software: "", draining: false, unconfirmed: null, shut_out: null, probation: null, clock: null, seen_at_s: 100, silence: { beat_s: 5, overdue_after_s: 5.5, lost_after_s: 15.5 }, ...more,
+  problem: "", about_problem: null, resettable: false, help: null, out_of_service: null, speed_frac: 1, since_at_s: null, waits: null, software: "", draining: false, unconfirmed: null, doubts: [], shut_out: null, probation: null, clock: null, seen_at_s: 100, silence: { beat_s: 5, overdue_after_s: 5.5, lost_after_s: 15.5 }, ...more,
 });
 const looks = (view: MachineView | undefined, lost = false) =>
   machineLooks(["M1"], new Map(view ? [["M1", view]] : []), () => lost);

@@ -428,6 +428,8 @@ export const de: Catalogue<typeof en> = {
   "alerts.what.machine_blocked": "Fertige Ware wartet lange auf Abholung",
   "alerts.what.dock_not_ready": "Das Dock wird seit {age} nicht bereit für {agents}",
   "alerts.what.stock_unknown": "Was dort liegt, ist nicht mehr bekannt: das Gedächtnis seiner Station war beschädigt. Bis gezählt ist, wird nichts zugesagt, was dort lag",
+  "alerts.what.load_doubtful": "{quantity} × {item} liegen dort vielleicht und fehlen im Bestand: ob {atv} sie mitgenommen hat, weiß niemand",
+  "alerts.what.load_doubtfulBrought": "{quantity} × {item} liegen dort vielleicht und fehlen im Bestand: ob {atv} sie abgestellt hat, weiß niemand",
   "alerts.what.shut_out": "Ausgeschlossen von {by}",
   "alerts.what.part_lost": "Seit {age} kein Herzschlag: {agents}; alle verstummten im selben Moment",
   "alerts.what.lost": "Seit {age} kein Herzschlag",

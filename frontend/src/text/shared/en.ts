@@ -425,6 +425,8 @@ export const en = {
   "alerts.what.machine_blocked": "Finished goods have waited long to be fetched",
   "alerts.what.dock_not_ready": "Its dock has not got ready for {agents} for {age}",
   "alerts.what.stock_unknown": "What lies there is not known any more: its station's memory was damaged. Nothing that lay there is promised until it was counted",
+  "alerts.what.load_doubtful": "{quantity} × {item} perhaps lie there, and are not in the stock: nobody can tell whether {atv} took them",
+  "alerts.what.load_doubtfulBrought": "{quantity} × {item} perhaps lie there, and are not in the stock: nobody can tell whether {atv} put them down",
   "alerts.what.shut_out": "Shut out by {by}",
   "alerts.what.part_lost": "No heartbeat of {agents} for {age}; they fell silent at the same moment",
   "alerts.what.lost": "No heartbeat for {age}",

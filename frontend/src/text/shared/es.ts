@@ -428,6 +428,8 @@ export const es: Catalogue<typeof en> = {
   "alerts.what.machine_blocked": "Su producto espera recogida desde hace tiempo",
   "alerts.what.dock_not_ready": "Su muelle no está listo para {agents} desde hace {age}",
   "alerts.what.stock_unknown": "Ya no se sabe qué hay allí: la memoria de su estación estaba dañada. No se promete nada de lo que había hasta que se cuente",
+  "alerts.what.load_doubtful": "Quizá hay allí {quantity} × {item} que faltan en las existencias: nadie sabe si {atv} se los llevó",
+  "alerts.what.load_doubtfulBrought": "Quizá hay allí {quantity} × {item} que faltan en las existencias: nadie sabe si {atv} los dejó",
   "alerts.what.shut_out": "Excluido por {by}",
   "alerts.what.part_lost": "Sin latido de {agents} desde hace {age}; todos callaron en el mismo momento",
   "alerts.what.lost": "Sin latido desde hace {age}",

@@ -108,6 +108,7 @@ class Projection:
         storages = self.site.plant.stores
         self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks, self._silence)
         self.stations.product_of = self.machines.product_of
+        self.machines.name_of = self.stations.name_of = self._name_of
         self.orders = Orders(time.to_wall_s, self.site.products, self.materials)
         self.machines.due_of, self.machines.order_of = self.orders.due_of, self.orders.named
         self.tasks = Tasks(time.to_wall_s, self.orders.named)
@@ -226,8 +227,9 @@ class Projection:
         explained |= {each.agent for each in of_calls if each.kind == "atv_unplaced"}
         of_atvs = tuple(alert_rules.of_atvs(heard, explained, now))
         self.waits.look(self._is_heard(now), self.site.plant)
-        machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
-        stations = (each for each in self.stations.heartbeats() if each.station not in self.outsiders)
+        machines = [each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders]
+        stations = [each for each in self.stations.heartbeats() if each.station not in self.outsiders]
+        heard_there = {each.machine: each for each, _ in machines} | {each.station: each for each in stations}
         strategists = [
             each for each in self.strategists.heartbeats() if each.strategist not in self.outsiders
         ]
@@ -243,6 +245,7 @@ class Projection:
             *alert_rules.of_strangers(self.atvs.strangers + self.machines.strangers),
             *alert_rules.of_machines(machines, self.materials, now),
             *alert_rules.of_stations(stations, now),
+            *alert_rules.of_doubts(heard_there, self._name_of, now),
             *alert_rules.of_strategists(strategists, now),
             *of_calls,
             *of_atvs,
@@ -260,6 +263,11 @@ class Projection:
         )
         self.news.look(self._present(now))
         return self.alerts.look(causes.gathered(wrong, now.speed), wall_s)
+
+    def _name_of(self, item: str) -> str:
+        """The name of a material or product."""
+        product = self.site.plant.products.get(item)
+        return self.materials.name(item) if product is None else product.name
 
     def _present(self, now: alert_rules.Moment) -> Present:
         """The state that no fact reports."""

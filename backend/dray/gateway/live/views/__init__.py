@@ -37,7 +37,7 @@ from dray.gateway.live.views.factory import (
 from dray.gateway.live.views.floor.closure import ClosureView, CornerView, LaneView
 from dray.gateway.live.views.floor.obstacle import ObstacleView
 from dray.gateway.live.views.floor.wait import WaitCauseView, WaitKind, WaitView
-from dray.gateway.live.views.load import LoadView, ToComeView
+from dray.gateway.live.views.load import DoubtView, LoadView, ToComeView
 from dray.gateway.live.views.machine import (
     BufferView,
     DocumentView,
@@ -71,6 +71,7 @@ __all__ = [
     "CommandView",
     "CornerView",
     "DocumentView",
+    "DoubtView",
     "FactoryView",
     "FailureView",
     "FaultView",

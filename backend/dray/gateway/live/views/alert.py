@@ -7,6 +7,7 @@ from typing import Literal
 
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView
+from dray.gateway.live.views.load import DoubtView
 
 AlertKind = Literal[
     "plant_behind",
@@ -39,6 +40,7 @@ AlertKind = Literal[
     "machine_blocked",
     "dock_not_ready",
     "stock_unknown",
+    "load_doubtful",
     "handover_disputed",
     "clock_wrong",
     "word_disbelieved",
@@ -141,6 +143,8 @@ class Condition(View, kw_only=True):
     """The cause, if known."""
     goods: GoodsView | None = None
     """For goods left on board: their details."""
+    doubt: DoubtView | None = None
+    """For a load that may lie at a place although it is not in its stock."""
     by: str = ""
     """Person on the way to help, or who has shut the agent out. For goods: the operator who comes, by name or
     code."""
@@ -165,7 +169,7 @@ class Condition(View, kw_only=True):
     @property
     def alert(self) -> str:
         """The id of its alert: stable while the same trouble of the same subject lasts."""
-        subject = self.task or self.order or self.agent
+        subject = self.task or self.order or self.agent if self.doubt is None else self.doubt.load
         if self.kind == "access_point":
             subject = self.access_point
         elif self.kind in OF_MANY:

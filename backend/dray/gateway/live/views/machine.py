@@ -8,7 +8,7 @@ from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView,
 from dray.gateway.live.views.atv import HelpView, OutOfServiceView, ProblemView
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView
-from dray.gateway.live.views.load import LoadView
+from dray.gateway.live.views.load import DoubtView, LoadView
 
 
 class BufferView(View, kw_only=True):
@@ -109,6 +109,8 @@ class MachineView(View, kw_only=True):
     """Set while it is on probation and takes short goals only."""
     unconfirmed: tuple[LoadView, ...] | None = None
     """Loads that wait for a person's confirmation, oldest first; None where its body is not people."""
+    doubts: tuple[DoubtView, ...] = ()
+    """Loads that may lie there although they are not in its stock, oldest first: a person counts."""
     shut_out: ShutOutView | None = None
     """Set while it is shut out and ignored: all other fields are older."""
     clock: ClockView | None = None

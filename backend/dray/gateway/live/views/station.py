@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dray.gateway.live.views.agent import ClockView, ShutOutView, SilenceView
 from dray.gateway.live.views.base import View
-from dray.gateway.live.views.load import LoadView, ToComeView
+from dray.gateway.live.views.load import DoubtView, LoadView, ToComeView
 
 
 class StockView(View, kw_only=True):
@@ -42,6 +42,8 @@ class StationView(View, kw_only=True):
     unconfirmed: tuple[LoadView, ...] | None = None
     """Where its body is people: loads that vehicles report as brought or taken and nobody has confirmed yet.
     Else None."""
+    doubts: tuple[DoubtView, ...] = ()
+    """Loads that may lie there although they are not in its stock, oldest first: a person counts."""
     to_come: tuple[ToComeView, ...] = ()
     """For a gate whose body is people: the arrivals that they should confirm, least recently active goal
     first."""

@@ -67,7 +67,8 @@ class MachineCommandRequest(BaseModel):
     task: Annotated[str, Field(max_length=64)] = ""
     """For `fetch_goods` and `write_off`: the transport whose goods are on board of a failed vehicle. For
     `load_there` and `load_missing`: the transport held until somebody looks for its load (`POST
-    /api/tasks/{task}/load` finds the machine by itself)."""
+    /api/tasks/{task}/load` finds the machine by itself), or the name of a doubtful load (`doubts`) that somebody has
+    counted."""
     node: Annotated[str, Field(max_length=64)] = ""
     """For `fetch_goods` only: node where a person hands them over; left out for the nearest node beside the
     vehicle."""

@@ -53,7 +53,7 @@ class StationCommandRequest(BaseModel):
         },
     )
 
-    kind: Literal["arrived", "taken", "stock_is", "fetch_goods", "write_off"]
+    kind: Literal["arrived", "taken", "stock_is", "fetch_goods", "write_off", "load_there", "load_missing"]
     item: Annotated[str, Field(pattern=NAME)] = ""
     """For `arrived`, `taken` and `stock_is`: the material; at the gate, the goal on the label."""
     quantity: Annotated[int | None, Field(strict=True, ge=0, le=QUANTITY_MAX)] = None
@@ -61,7 +61,8 @@ class StationCommandRequest(BaseModel):
     vehicle: Annotated[str, Field(pattern=NAME)] = ""
     """For `arrived` and `taken`: the vehicle; left out if moved by hand."""
     task: Annotated[str, Field(max_length=64)] = ""
-    """For `fetch_goods` and `write_off`: the transport whose thing is on board of a failed vehicle."""
+    """For `fetch_goods` and `write_off`: the transport whose thing is on board of a failed vehicle. For `load_there`
+    and `load_missing`: the name of a doubtful load (`doubts`) that somebody has counted."""
     node: Annotated[str, Field(max_length=64)] = ""
     """For `fetch_goods` only: node where a person hands it over; left out for the nearest node beside the
     vehicle."""
@@ -85,7 +86,8 @@ class StationCommandRequest(BaseModel):
                 "item and quantity are given with arrived, taken and stock_is, and with no other"
             )
         if is_word == bool(self.task):
-            raise ValueError("task is given with fetch_goods and write_off, and with no other")
+            kinds = "fetch_goods, write_off, load_there or load_missing"
+            raise ValueError(f"task is given with kind {kinds}, and with no other")
         if self.node and self.kind != "fetch_goods":
             raise ValueError("node may be given with kind fetch_goods, and with no other")
         if not is_word and (self.item or self.quantity is not None or self.vehicle or self.sure):
@@ -119,7 +121,8 @@ async def command_station(
 ) -> Json:
     """Report to a station (the gate is `gate`), and wait for its answer.
 
-    Reports: arrivals, withdrawals, stock, or a decision about a thing on board of a failed vehicle.
+    Reports: arrivals, withdrawals, stock, whether a doubtful load is there, or a decision about a thing on board of
+    a failed vehicle.
     """
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = True

@@ -18,6 +18,7 @@ import { Later } from "../../../parts/Later";
 import { names } from "../../state";
 import { FaultFacts, FaultMenu } from "../faults/FaultParts";
 import { CallHere } from "./CallHere";
+import { Doubts } from "./Doubts";
 import { Stock } from "./Stock";
 
 const loadPieces = async () => (await import("../../../parts/pieces/Pieces")).load();
@@ -70,6 +71,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       </Facts>
       <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
       <Documents machine={machine} name={nameOf} />
+      <Doubts agent={spec.id} station={false} doubts={machine?.doubts ?? []} />
       <Stock title={t("machine.buffers")} buffers={machine?.buffers ?? []} />
       <Stock title={t("machine.goods")} buffers={machine?.goods ?? []} />
       <Later load={loadPieces} of={{ machine: spec.id, name: nameOf }} />

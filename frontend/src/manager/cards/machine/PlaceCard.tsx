@@ -14,6 +14,7 @@ import { ShutOutNote } from "../agents/ShutOutNote";
 import { isOpen } from "../auction/auction";
 import { names } from "../../state";
 import { CallHere } from "./CallHere";
+import { Doubts } from "./Doubts";
 import type { PlaceInfo } from "./place";
 
 /** A storage, warehouse or charger: what it keeps, and who comes. */
@@ -58,6 +59,7 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
           </>
         )}
       </Facts>
+      <Doubts agent={agent} station doubts={station?.doubts ?? []} />
       {keeps && (
         <div class="stock">
           <h3>{t("place.keeps")}</h3>

@@ -78,6 +78,8 @@ export const panel: Catalogue<typeof english> = {
   "place.stock": "{level} von {capacity}",
   "place.promised": "{quantity} für Transporte zurückgelegt",
   "place.uncounted": "nicht gezählt, seit der Speicher beschädigt war; mindestens {level} von {capacity}",
+  "doubt.taken": "Vielleicht liegen hier {quantity} × {item}, die im Bestand fehlen: Ob {atv} sie mitgenommen hat, weiß niemand. Bitte zählen:",
+  "doubt.brought": "Vielleicht liegen hier {quantity} × {item}, die im Bestand fehlen: Ob {atv} sie abgestellt hat, weiß niemand. Bitte zählen:",
   "place.onOrder": "{quantity} weitere unterwegs",
   "place.wanted": "{quantity} verlangt und nicht da",
 

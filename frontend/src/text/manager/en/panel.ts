@@ -75,6 +75,8 @@ export const panel = {
   "place.stock": "{level} of {capacity}",
   "place.promised": "{quantity} set aside for transports",
   "place.uncounted": "not counted since its memory was damaged; at least {level} of {capacity}",
+  "doubt.taken": "Perhaps {quantity} × {item} lie here that are not in the stock: nobody can tell whether {atv} took them. Count them:",
+  "doubt.brought": "Perhaps {quantity} × {item} lie here that are not in the stock: nobody can tell whether {atv} put them down. Count them:",
   "place.onOrder": "{quantity} more on the way",
   "place.wanted": "{quantity} asked for and not there",
 

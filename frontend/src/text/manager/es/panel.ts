@@ -78,6 +78,8 @@ export const panel: Catalogue<typeof english> = {
   "place.stock": "{level} de {capacity}",
   "place.promised": "{quantity} apartadas para transportes",
   "place.uncounted": "sin contar desde que se dañó la memoria; al menos {level} de {capacity}",
+  "doubt.taken": "Quizá hay aquí {quantity} × {item} que faltan en las existencias: nadie sabe si {atv} se los llevó. Cuente:",
+  "doubt.brought": "Quizá hay aquí {quantity} × {item} que faltan en las existencias: nadie sabe si {atv} los dejó. Cuente:",
   "place.onOrder": "{quantity} más en camino",
   "place.wanted": "{quantity} pedidas y no disponibles",
 

@@ -76,6 +76,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.machine_blocked": "Ware wartet auf Abholung",
   "alertLog.is.dock_not_ready": "Dock wird nicht bereit",
   "alertLog.is.stock_unknown": "Bestand unbekannt",
+  "alertLog.is.load_doubtful": "Ladung ungewiss",
   "alertLog.is.handover_disputed": "Übergabe bestritten",
   "alertLog.is.clock_wrong": "Uhr falsch",
   "alertLog.is.word_disbelieved": "Nicht geglaubt",

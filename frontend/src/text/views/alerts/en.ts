@@ -73,6 +73,7 @@ export const alerts = {
   "alertLog.is.machine_blocked": "Goods wait to be fetched",
   "alertLog.is.dock_not_ready": "Dock does not get ready",
   "alertLog.is.stock_unknown": "Stock not known",
+  "alertLog.is.load_doubtful": "Load in doubt",
   "alertLog.is.handover_disputed": "Hand-over disputed",
   "alertLog.is.clock_wrong": "Clock wrong",
   "alertLog.is.word_disbelieved": "Not believed",

@@ -76,6 +76,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.machine_blocked": "Mercancía por recoger",
   "alertLog.is.dock_not_ready": "Muelle no listo",
   "alertLog.is.stock_unknown": "Existencias desconocidas",
+  "alertLog.is.load_doubtful": "Carga dudosa",
   "alertLog.is.handover_disputed": "Entrega discutida",
   "alertLog.is.clock_wrong": "Reloj erróneo",
   "alertLog.is.word_disbelieved": "No creído",

@@ -10,7 +10,7 @@ from msgspec.structs import asdict
 
 from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view
 from dray.gateway.live.projection.agents.atvs import clock_of, joining_max, plain, probation_of
-from dray.gateway.live.projection.agents.loads import loads_of
+from dray.gateway.live.projection.agents.loads import doubts_of, loads_of
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
@@ -81,6 +81,8 @@ class Machines:
         """The due time of a goal's order (wall clock); None where it is not known."""
         self.order_of: Callable[[str], tuple[str, str]] = lambda _goal: ("", "")
         """The id of a goal's order, and the order's name for people."""
+        self.name_of: Callable[[str], str] = lambda item: item
+        """The name of a material or product."""
         self.by_status: Counter[str] = Counter()
 
     def fold(self, heartbeat: MachineHeartbeat, now_s: float) -> bool:
@@ -176,6 +178,7 @@ class Machines:
             draining=heartbeat.draining,
             probation=probation_of(heartbeat),
             unconfirmed=loads_of(heartbeat.people),
+            doubts=doubts_of(heartbeat.doubts, self.name_of),
             shut_out=self._outsiders.view(heartbeat.machine),
             clock=clock_of(self._clocks, heartbeat.machine),
             seen_at_s=self._to_wall_s(heartbeat.at_s),

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from msgspec import UNSET
 
 from dray.gateway.live.projection.agents.atvs import clock_of
-from dray.gateway.live.projection.agents.loads import loads_of
+from dray.gateway.live.projection.agents.loads import doubts_of, loads_of
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
@@ -45,6 +45,8 @@ class Stations:
         self._last: dict[str, StationHeartbeat] = {}
         self._newest: LatestNumbers[str] = LatestNumbers()
         self.changes = Changes("station")
+        self.name_of: Callable[[str], str] = lambda item: item
+        """The name of a material or product."""
         self.product_of: Callable[[str], str] = lambda _goal: ""
         """The product of a goal; empty where it is not known."""
 
@@ -100,6 +102,7 @@ class Stations:
             clock=clock_of(self._clocks, heartbeat.station),
             problem=heartbeat.problem,
             unconfirmed=loads_of(heartbeat.people),
+            doubts=doubts_of(heartbeat.doubts, self.name_of),
             to_come=tuple(
                 ToComeView(goal=each.goal, product=self.product_of(each.goal), quantity=each.quantity)
                 for each in (() if heartbeat.people is UNSET else heartbeat.people.goals)

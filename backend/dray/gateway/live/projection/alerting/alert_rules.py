@@ -5,12 +5,13 @@ Each thing has at most one trouble at a time, the gravest: a silent machine is n
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 
 import msgspec
 from msgspec import UNSET
 
 from dray.gateway.live.projection.agents.disputes import Disputes
+from dray.gateway.live.projection.agents.loads import doubts_of
 from dray.gateway.live.projection.agents.silence import LEAST_S, Silence, plant_bound_s
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.materials import Materials
@@ -191,6 +192,21 @@ def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator
             yield _dock_not_ready(heard.station, heard.dock_wait, now)
         elif any(level.uncounted for level in heard.stocks):
             yield Condition(kind="stock_unknown", agent=heard.station)
+
+
+def of_doubts(
+    heartbeats: Mapping[str, MachineHeartbeat | StationHeartbeat], name_of: Callable[[str], str], now: Moment
+) -> Iterator[Condition]:
+    """Loads that may lie at a place although they are not in its books. A silent place has its own alert.
+
+    Args:
+        heartbeats: the last one of each machine and station, by id.
+        name_of: the name of a material or product.
+        now: the moment of the look.
+    """
+    for agent, heard in heartbeats.items():
+        for doubt in () if now.is_lost(agent, heard) else doubts_of(heard.doubts, name_of):
+            yield Condition(kind="load_doubtful", agent=agent, doubt=doubt)
 
 
 def of_strategists(heartbeats: Iterable[StrategistHeartbeat], now: Moment) -> Iterator[Condition]:

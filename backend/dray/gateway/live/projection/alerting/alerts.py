@@ -38,6 +38,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "machine_blocked": ("warning", "see_to_removal"),
     "dock_not_ready": ("alarm", "see_to_dock"),
     "stock_unknown": ("alarm", "count_stock"),
+    "load_doubtful": ("warning", "count_stock"),
     "atv_lost": ("alarm", "find_vehicle"),
     "call_nobody": ("alarm", "send_somebody"),
     "call_unanswered": ("alarm", "send_somebody"),

@@ -1,0 +1,127 @@
+"""Loads of which nobody can tell whether they lie at this place. Neither is in the books (`transports.visits`).
+
+    to take     booked out in doubt: its vehicle may have taken it
+    to bring    not booked in: its vehicle may have put it down
+
+    waits --ASKS_AFTER_S--> asked --a person has found it--> booked in
+      |                       |
+      +-----------------------+--a person has not found it, has counted the item, or its vehicle has told--> over
+
+A vehicle that remembers tells within seconds, so nobody is asked before. A body that counts leaves no doubt, and no
+person is asked for what its controller measures (`dray.body.StorageState.measured`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from msgspec.structs import replace
+
+from dray.memory import DepartureMemory, DoubtMemory
+from dray.messages import THING, DoubtfulLoad
+from dray.messages.fact import LoadDoubted
+from dray.messages.heartbeat import DOUBTS_TOLD
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.life import Life
+
+ASKS_AFTER_S = 30.0
+"""Time until a person is asked (s): a vehicle tells of a load every 3 s, and the link may be away for a moment."""
+
+DOUBTS_KEPT = 64
+"""Maximum doubts of one place; above that the oldest is forgotten."""
+
+
+class Doubts:
+    """The loads of one place of which nobody can tell.
+
+    Attributes:
+        measured: items whose level the controller measures: nobody is asked for them.
+    """
+
+    def __init__(self, life: Life) -> None:
+        self._life = life
+        self.measured: frozenset[str] = frozenset()
+        self._doubts: BoundedMap[str, DoubtMemory] = BoundedMap(DOUBTS_KEPT)
+        self._since_s: dict[str, float] = {}
+        """By name: since when this life has waited for its vehicle (plant clock, s)."""
+        self._count = 0
+
+    def __iter__(self) -> Iterator[DoubtMemory]:
+        """Those of which a person is asked, the oldest first."""
+        return (doubt for doubt in self._doubts.values() if doubt.asked)
+
+    @property
+    def place(self) -> str:
+        return self._life.agent
+
+    def get(self, name: str) -> DepartureMemory | None:
+        """The load of which a person is asked under this name; None for none."""
+        doubt = self._doubts.get(name)
+        return doubt.load if doubt is not None and doubt.asked else None
+
+    def note(self, load: DepartureMemory) -> None:
+        """Nobody can tell of a load. Repeating this is harmless."""
+        known = any(_is_same(doubt.load, load) for doubt in self._doubts.values())
+        if known or not load.change or load.item in self.measured or load.item in ("", THING):
+            return
+        self._count += 1
+        name = f"{self.place}{self._life.mark}-load-{self._count}"
+        self._doubts[name] = DoubtMemory(name, load)
+        self._life.commit()
+
+    def update(self, now_s: float) -> None:
+        """Ask a person for each load that its vehicle has not told of in time."""
+        self._since_s = {name: self._since_s.get(name, now_s) for name in self._doubts}
+        for name, doubt in self._doubts.items():
+            if doubt.asked or now_s < self._since_s[name] + ASKS_AFTER_S:
+                continue
+            self._doubts[name] = replace(doubt, asked=True)
+            load = doubt.load
+            quantity, brought = abs(load.change), load.change > 0
+            self._life.record(LoadDoubted(name, load.vehicle, load.item, quantity, brought, load.task))
+            self._life.commit()
+
+    def told(self) -> tuple[DoubtfulLoad, ...]:
+        """For the heartbeat."""
+        asked = [
+            DoubtfulLoad(
+                each.name, each.load.vehicle, each.load.item, abs(each.load.change), each.load.change > 0
+            )
+            for each in self
+        ]
+        return tuple(asked[:DOUBTS_TOLD])
+
+    # --- the end of a doubt ---
+
+    def settle(self, name: str) -> None:
+        """A person has looked for a load."""
+        if self._doubts.pop(name, None) is not None:
+            self._life.commit()
+
+    def on_told(self, load: DepartureMemory) -> None:
+        """It is known what has become of a load."""
+        for name in [name for name, doubt in self._doubts.items() if _is_same(doubt.load, load)]:
+            self.settle(name)
+
+    def on_counted(self, item: str, vehicle: str = "") -> None:
+        """People have counted an item, or said what a vehicle has moved of it."""
+        for name, doubt in list(self._doubts.items()):
+            if doubt.load.item == item and vehicle in ("", doubt.load.vehicle):
+                self.settle(name)
+
+    # --- over a restart ---
+
+    def memories(self) -> tuple[DoubtMemory, ...]:
+        """For the next life."""
+        return tuple(self._doubts.values())
+
+    def restore(self, memories: Iterable[DoubtMemory]) -> None:
+        """Go on with the doubts of an earlier life."""
+        for doubt in memories:
+            self._doubts[doubt.name] = doubt
+
+
+def _is_same(one: DepartureMemory, other: DepartureMemory) -> bool:
+    """Whether two records are of one load, in one direction."""
+    is_it = (one.vehicle, one.task, one.epoch) == (other.vehicle, other.task, other.epoch)
+    return is_it and one.change * other.change > 0
