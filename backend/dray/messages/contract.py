@@ -191,7 +191,7 @@ class Refusal(StrEnum):
     """People's closures leave no way."""
     NOT_FIT = "not_fit"
     """It is stopped, in error, on the radio mesh, draining, shut in by a silent vehicle, in the reserve of a fleet too large for its
-    roads, on probation and this task is too large, or would wait long before a dock of the task."""
+    roads, or on probation and this task is too large."""
     IS_PRIMARY = "is_primary"
     """It would watch itself."""
 

@@ -12,7 +12,6 @@ from spoken import announcement, award, production, transport
 
 from dray.messages import Bid, DockTime, Refusal, Role, TransportCost, Wait
 from dray.messages.fact import BidRefused, BidSent
-from dray.protocol.contract_net.dock_queues import QUEUE_LEAST
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.events import Effect, Record, Send
@@ -213,40 +212,6 @@ def test_a_promise_and_a_price_count_who_is_at_the_dock_before_it() -> None:
     assert isinstance(bid.cost, TransportCost)
     assert bid.cost.waiting_s == pytest.approx(17.0)
     assert bid.finish_s == pytest.approx(plain.finish_s + 17.0)
-
-
-def queue(place: str, others: int, wait_s: float) -> Wait:
-    """So many vehicles that come to a place at once, and leave it free after `wait_s`."""
-    expected = tuple(DockTime(atv=f"ATV9{number}", comes_s=0.0, leaves_s=wait_s) for number in range(others))
-    return Wait(place=place, wait_s=0.0, expected=expected)
-
-
-def test_a_transport_with_a_long_queue_at_its_destination_is_left_to_later() -> None:
-    [refused] = facts(on_announcement(waits=(queue("M8", QUEUE_LEAST, 300.0),)), BidRefused)
-    assert refused.reason is Refusal.NOT_FIT
-    assert refused.detail == "a long queue at M8"
-
-
-@pytest.mark.parametrize(
-    ("others", "wait_s"), [(QUEUE_LEAST - 1, 300.0), (QUEUE_LEAST + 1, 0.0)], ids=["few", "short"]
-)
-def test_a_queue_of_few_or_a_short_one_keeps_no_vehicle_away(others: int, wait_s: float) -> None:
-    assert sent(on_announcement(waits=(queue("M8", others, wait_s),)), Bid)
-
-
-def test_a_transport_is_fetched_from_a_source_without_a_long_queue() -> None:
-    work = transport(sources=("S3", "S6"))
-    [near] = sent(on_announcement(work=work), Bid)
-    [far] = sent(on_announcement(work=work, waits=(queue(near.source, QUEUE_LEAST, 300.0),)), Bid)
-    assert {near.source, far.source} == {"S3", "S6"}
-    both = tuple(queue(each, QUEUE_LEAST, 300.0) for each in ("S3", "S6"))
-    [refused] = facts(on_announcement(work=work, waits=both), BidRefused)
-    assert refused.detail == f"a long queue at {work.sources[0]}"
-
-
-def test_a_long_queue_keeps_nobody_from_a_watch_or_an_award() -> None:
-    long = (queue("M8", QUEUE_LEAST, 300.0),)
-    assert sent(on_announcement(role=Role.SECONDARY, primary="ATV2", waits=long), Bid)
 
 
 def test_a_source_at_which_nobody_waits_is_chosen_before_a_nearer_one_at_which_all_do() -> None:

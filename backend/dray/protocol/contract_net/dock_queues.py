@@ -34,10 +34,6 @@ SOON_S = 2.5
 TURN_GAIN = 0.3
 """Weight of the newest turn."""
 
-QUEUE_MAX_S, QUEUE_LEAST = 60.0, 3
-"""A queue is long if a vehicle would wait more than this time (s) behind at least so many others: with fewer, one that lies about its
-arrival could keep all others away."""
-
 DOCKS_MAX = 256
 """Maximum docks: more than one agent deals with in an hour."""
 
@@ -125,22 +121,5 @@ def wait_s(times: Iterable[DockTime], comes_s: float, me: str) -> float:
         comes_s: arrival time (plant clock).
         me: the vehicle's own id; its own report does not count.
     """
-    free_s = (time.leaves_s for time in _ahead(times, comes_s, me))
+    free_s = (time.leaves_s for time in times if time.atv != me and time.comes_s <= comes_s + SOON_S)
     return max(max(free_s, default=comes_s) - comes_s, 0.0)
-
-
-def is_long(times: Iterable[DockTime], comes_s: float, me: str) -> bool:
-    """Whether a vehicle had better come later: it would wait long before a dock, on roads that others need.
-
-    Args:
-        times: the announcement's dock times.
-        comes_s: arrival time (plant clock).
-        me: the vehicle's own id; its own report does not count.
-    """
-    ahead = tuple(_ahead(times, comes_s, me))
-    return len(ahead) >= QUEUE_LEAST and wait_s(ahead, comes_s, me) > QUEUE_MAX_S
-
-
-def _ahead(times: Iterable[DockTime], comes_s: float, me: str) -> Iterable[DockTime]:
-    """The times of others that come before a vehicle, or with it."""
-    return (time for time in times if time.atv != me and time.comes_s <= comes_s + SOON_S)

@@ -6,7 +6,7 @@ import msgspec
 
 from dray.messages import Award, DockTime, Refusal, Role, TaskAnnounced, Transport, Work
 from dray.plant import Plant
-from dray.protocol.contract_net.dock_queues import DOCKS_MAX, is_long, wait_s
+from dray.protocol.contract_net.dock_queues import DOCKS_MAX, wait_s
 from dray.protocol.contract_net.replies import Refusals, offer
 from dray.protocol.contract_net.trust.probation import ON_PROBATION, SHORT_S, Probation
 from dray.protocol.contract_net.waits import Waits
@@ -107,13 +107,7 @@ class Bidder:
             if told.expected:
                 self._expected[told.place] = told.expected
         answer = self._consider(
-            message.work,
-            message.role,
-            message.primary,
-            message.deadline_s,
-            standing,
-            now_s,
-            joins_queues=message.role is not Role.PRIMARY,
+            message.work, message.role, message.primary, message.deadline_s, standing, now_s
         )
         if isinstance(answer, Quote):
             takes_s = answer.finish_s - now_s
@@ -166,10 +160,7 @@ class Bidder:
         deadline_s: float,
         standing: Standing,
         now_s: float,
-        *,
-        joins_queues: bool = True,
     ) -> Quote | Unable:
-        """The price of a work, or why it takes none; `joins_queues` is whether it may wait long before a dock."""
         if standing.unfit:
             return Unable(Refusal.NOT_FIT, standing.unfit)
         if standing.busy_with:
@@ -201,9 +192,6 @@ class Bidder:
             wait_s=lambda place, comes_s: (
                 self._waits.expect_s(place, now_s)
                 + wait_s(self._expected.get(place) or (), comes_s, self._atv)
-            ),
-            is_long=lambda place, comes_s: (
-                not joins_queues and is_long(self._expected.get(place) or (), comes_s, self._atv)
             ),
         )
         if isinstance(quote, Unable) and quote.reason is Refusal.BATTERY:

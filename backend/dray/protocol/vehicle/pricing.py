@@ -78,7 +78,6 @@ class Pricer:
         node_in_m: float = 0.0,
         speed_frac: float = 1.0,
         wait_s: Callable[[str, float], float] = lambda _place, _comes_s: 0.0,
-        is_long: Callable[[str, float], bool] = lambda _place, _comes_s: False,
     ) -> Quote | Unable:
         """Price a transport from a node.
 
@@ -93,7 +92,6 @@ class Pricer:
                 drives it whatever it does next.
             speed_frac: what a person's limit and other vehicles leave of the vehicle's own speed (`Driver.pace_frac`).
             wait_s: how long it would have to wait at a place beyond the handling, where it comes at a time (plant clock).
-            is_long: whether it had better come to a place later, likewise.
 
         Returns:
             The cheapest offer over all sources that can be kept; otherwise why the cheapest of all cannot be kept.
@@ -109,7 +107,6 @@ class Pricer:
         spare_s = SPARE_ABILITY_S * (len(kind.abilities) - 1)
         routes = self._plant.routes(kind.id)
         offers: list[tuple[Quote, float]] = []
-        queue = ""
         for source in work.sources:
             try:
                 empty = routes.way(node, docks[source])
@@ -120,10 +117,6 @@ class Pricer:
             loaded_s = limited_s(loaded.duration_s, speed_frac)
             waiting_s = wait_s(source, now_s + empty_s)
             comes_s = now_s + empty_s + waiting_s + kind.load_s + loaded_s
-            arrivals = (source, now_s + empty_s), (work.destination, comes_s)
-            if long := [place for place, at_s in arrivals if is_long(place, at_s)]:
-                queue = queue or long[0]
-                continue
             waiting_s += wait_s(work.destination, comes_s)
             took_s = empty_s + kind.load_s + loaded_s + kind.unload_s + waiting_s
             used_wh = (
@@ -141,7 +134,7 @@ class Pricer:
             )
             offers.append((Quote(source=source, cost=cost, finish_s=now_s + took_s), left_frac))
         if not offers:
-            return self._no_offer(node, [docks[source] for source in work.sources], there, queue)
+            return self._no_way(node, [docks[source] for source in work.sources], there)
         needed_frac = self._reserve.needed_frac(there) + node_in_m * kind.drive_wh_per_m / kind.battery_wh
         if self._plant.obstructed:
             # A load behind an obstacle without a way round is fetched only if no other source has it.
@@ -161,10 +154,8 @@ class Pricer:
         routes = self._plant.routes(self._type.id)
         return routes.leads_round(node, source) and routes.leads_round(source, there)
 
-    def _no_offer(self, node: str, sources: list[str], there: str, queue: str) -> Unable:
-        """Why there is no offer: a place with a long queue, closures, or the lanes of the plant."""
-        if queue:
-            return Unable(Refusal.NOT_FIT, f"a long queue at {queue}")
+    def _no_way(self, node: str, sources: list[str], there: str) -> Unable:
+        """Why no way leads there: closures, or the lanes of the plant."""
         routes = self._plant.routes(self._type.id, OPEN)
         if any(routes.leads(node, source) and routes.leads(source, there) for source in sources):
             return Unable(Refusal.CLOSED, "what is closed leaves no way")
