@@ -1,7 +1,8 @@
 """A person who looks for the loads of held transports.
 
 A place whose body counts has counted all that is put down there: the person finds nothing, and says so
-(`LOAD_MISSING`). At others the person finds what the body does not know of (`LOAD_THERE`). The looker takes part in a
+(`LOAD_MISSING`). At others the person finds what the body does not know of (`LOAD_THERE`). Where carriers fail the person
+finds the dock in order, and says so (`LOAD_MISSING`). The looker takes part in a
 run only when a transport is held: a run without one is the same with and without a looker.
 """
 
@@ -91,7 +92,7 @@ class LoadLooker:
 
     def _look(self, place: str, brief: TaskBrief) -> bool | None:
         """Whether a load lies there; None while that cannot be told: the next heartbeat asks again."""
-        if brief.destination != place:
+        if brief.fails_at or brief.destination != place:
             return False
         pieces = self._uncounted(place, brief.item)
         # A cycle that has begun may have used a few pieces that are still counted.

@@ -174,7 +174,7 @@ class Handovers:
         is_it = word.task == task.id and word.epoch < task.epoch and self._comes(task)
         is_whole = word.change >= cast(Transport, task.work).quantity
         other = task.contract.phase in GOODS_ABOARD or task.is_loaded or task.is_counted
-        is_disputed = task.is_held and task.perhaps_down is None
+        is_disputed = task.is_held and task.perhaps_down is None and not task.fails_at
         return is_it and is_whole and not other and not is_disputed
 
     def _comes(self, task: OpenTask) -> bool:

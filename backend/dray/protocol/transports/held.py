@@ -1,18 +1,23 @@
-"""Transports of which only a person can tell whether the load is there.
+"""Transports of which only a person can tell whether the load is there, or what is wrong at a dock.
 
     disputed        a handover was disputed twice: a third load might be lost like the first two
     perhaps down    the body does not count. An earlier life let the carrier in, and the carrier has forgotten the
                     task and has no such load on board (`Transports.reopen`)
+    fails at        two carriers in a row stood at one dock in vain: a third would, too (`dock_failures`)
 
-No vehicle carries the transport before a person who is responsible for the destination has looked:
+No vehicle carries the transport before a person who is responsible for the destination, or for the place where
+carriers fail, has looked:
 
     ASSIGNED, IN_TRANSIT --nothing was counted, again--> HELD --LOAD_THERE--> DELIVERED
                          --perhaps down---------------->  |
+    ASSIGNED ------------ --fails at-------------------->  |
                                                           +--LOAD_MISSING--> announced anew, with disputes reset to 0;
                                                                              goods that had left their machine are made again
 
 LOAD_THERE books a load in that was perhaps put down, and its transport is delivered when the body has answered. The
-same follows from the carrier's own report, if it tells after all, before and after LOAD_MISSING.
+same follows from the carrier's own report, if it tells after all, before and after LOAD_MISSING. Where carriers fail,
+LOAD_MISSING says that a person has looked and that the dock is in order again; LOAD_THERE that people have brought the
+load by hand.
 It waits without a limit, over restarts too. A transport that is not needed any more ends as usual.
 """
 
@@ -31,6 +36,9 @@ from dray.protocol.transports.visits import Visits
 
 LOOK_FOR_LOAD = Problem(kind=ProblemKind.LOAD, needs_person=True)
 """The reason of the call."""
+
+LOOK_AT_DOCK = Problem(kind=ProblemKind.DOCK, needs_person=True)
+"""The reason of the call to a place where carriers fail."""
 
 
 class HeldTransports:
@@ -61,9 +69,11 @@ class HeldTransports:
         return None
 
     def place_m(self, task: str) -> tuple[float, float] | None:
-        """The destination of a held transport's load (x, y) in m; None if it is not held."""
+        """Where a person looks for a held transport (x, y) in m: at its destination, or where carriers fail; None if it is not held."""
         held = self._held(task)
-        return None if held is None else self._plant.position_of(cast(Transport, held.work).destination)
+        if held is None:
+            return None
+        return self._plant.position_of(held.fails_at or cast(Transport, held.work).destination)
 
     def names(self) -> tuple[str, ...]:
         """The held transports' ids."""
@@ -78,7 +88,11 @@ class HeldTransports:
                 reason = f"{load} said to be there twice, and not counted"
                 if task.perhaps_down is not None:
                     reason = f"{load} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
-                calls.open(LOOK_FOR_LOAD, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
+                if task.fails_at:
+                    does = "unload" if task.fails_at == work.destination else "load"
+                    reason = f"two vehicles could not {does} {load} at {task.fails_at}"
+                about = LOOK_AT_DOCK if task.fails_at else LOOK_FOR_LOAD
+                calls.open(about, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
 
     def _book(self, load: DepartureMemory) -> CommandRefusal | None:
         """Book a load in; the body's answer ends its transport. A body that books shuts the dock for the load's vehicle."""
