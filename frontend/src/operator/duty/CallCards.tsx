@@ -9,8 +9,8 @@ import { format, t, word } from "../../text/operator";
 import { factoryTime, inFactoryTime } from "../../text/plant-time";
 import { world } from "../../stream/stream";
 import { goodsText } from "../goods/GoodsCards";
-import { isHeld } from "../goods/held";
-import { heldText } from "../goods/HeldCards";
+import { isHeld } from "../../parts/held-task";
+import { heldText, lookText } from "../goods/HeldCards";
 import { moment, station } from "../state";
 import { distanceM } from "../area/region";
 import { answer, callFailed, duty, missed } from "./duty";
@@ -114,7 +114,7 @@ function untoldText({ area }: CallView): string {
 function wrongText({ goods, place, problem, reason }: CallView) {
   if (goods !== "") {
     const task = world.value?.tasks.get(goods);
-    if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${t("held.look")}`}</b>;
+    if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${lookText(task)}`}</b>;
     return <b>{task?.stranded ? `${t(task.item === THING ? "goods.titleThing" : "goods.title", { atv: vehicleName(task.stranded.atv) })}: ${goodsText(task)}` : t("goods.called")}</b>;
   }
   return (
