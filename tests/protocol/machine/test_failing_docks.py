@@ -29,6 +29,7 @@ from dray.messages import (
     MachineHeartbeat,
     Phase,
     Reason,
+    Resigned,
     Role,
     StockReserved,
     Superseded,
@@ -335,3 +336,40 @@ def test_vehicles_that_fall_silent_at_a_dock_accuse_no_place() -> None:
         rig.run(rig.now_s + 60.0)
         assert task_of(rig, task).primary == ""
     assert not task_of(rig, task).is_held
+
+
+# --- a storage that holds its dock -----------------------------------------------------------------
+
+
+def gives_back(rig: MachineRig, atv: str) -> None:
+    """A vehicle waited in vain for what S1 has promised; its task is withdrawn, and the housings are ordered anew."""
+    [task] = [each.id for each in rig.agent._flow.tasks]
+    hire(rig, atv, task)
+    epoch = task_of(rig, task).epoch
+    rig.on_message(atv, Resigned(task, epoch, Role.PRIMARY, Reason.DOCK_HELD, short="S1"))
+    rig.run(rig.now_s + 5.0)
+
+
+def test_two_vehicles_that_a_storage_keeps_waiting_are_not_charged_and_nobody_is_called() -> None:
+    rig, _ = lacking()
+    gives_back(rig, "ATV2")
+    assert list(surcharges(rig)) == ["ATV2"]
+    gives_back(rig, "ATV3")
+    assert surcharges(rig) == {}
+    assert [each for each in rig.agent._flow.tasks if each.is_held] == []
+
+
+def test_a_vehicle_that_gives_back_alone_what_a_storage_has_promised_is_charged() -> None:
+    rig, _ = lacking()
+    for _ in range(3):
+        gives_back(rig, "ATV2")
+    assert surcharges(rig)["ATV2"] > 80.0
+
+
+def test_a_storage_that_keeps_one_vehicle_waiting_is_not_accused_when_another_one_stalls_there() -> None:
+    rig, _ = lacking()
+    gives_back(rig, "ATV2")
+    [task] = [each.id for each in rig.agent._flow.tasks]
+    fails(rig, "ATV3", task, place="S1")
+    assert task_of(rig, task).state is TaskState.UNASSIGNED
+    assert set(surcharges(rig)) == {"ATV2", "ATV3"}

@@ -201,6 +201,12 @@ class Failover:
         """The primary has given a task back without need."""
         self._assessor.reliability.note_given_back(task.primary, task.id, reason, now_s)
 
+    def note_short(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> None:
+        """The primary has given a task back because it gets no load at a place that has promised it."""
+        is_held = reason is Reason.DOCK_HELD
+        if not (is_held and self._is_at_fault(task, place, reason, now_s)):
+            self.note_given_back(task, reason, now_s)
+
     def give_back(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """The primary lives and gives a task back: it can be relieved."""
         if task.is_counted or task.is_loaded:
@@ -307,10 +313,12 @@ class Failover:
             place = work.destination
         else:
             return ""
-        if not self._assessor.stands_in_vain(work, place, heartbeat, now_s):
+        if not self._assessor.stands_in_vain(work, place, heartbeat):
             return ""
-        is_at_fault = self._assessor.is_at_fault(place, work.item, task.primary, task.id, now_s)
-        return place if is_at_fault else ""
+        return place if self._is_at_fault(task, place, Reason.STALLED, now_s) else ""
+
+    def _is_at_fault(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> bool:
+        return self._assessor.is_at_fault(place, task.work_item, reason, task.primary, task.id, now_s)
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
         if task.state is TaskState.SUSPECTED or task.trouble:

@@ -12,6 +12,7 @@ from dray.messages import (
     Bid,
     Implausible,
     Link,
+    Reason,
     TakenOver,
     Transport,
     Work,
@@ -81,21 +82,27 @@ class Assessor:
         """Added to a bid before it is ranked (s)."""
         return self.reliability.surcharge_s(bidder, now_s)
 
-    def stands_in_vain(self, work: Transport, place: str, heartbeat: AtvHeartbeat, now_s: float) -> bool:
+    def stands_in_vain(self, work: Transport, place: str, heartbeat: AtvHeartbeat) -> bool:
         """Whether a carrier that has stalled says something of a place: it stands at that dock, and nothing is wrong with it.
 
-        A carrier without WLAN, in error, or stopped by a person is held up by that; a restricted one by itself.
+        A carrier without WLAN, in error, or stopped by a person is held up by that.
         """
         if place == work.handed_at or not self._plant.has_place(place):
             return False
         held_up = bool(heartbeat.problem) or heartbeat.help is not None or heartbeat.link is not Link.WLAN
         is_well = heartbeat.status is AtvStatus.WORKING and not held_up
-        is_there = heartbeat.node == dock_of(self._plant, work, place)
-        return is_there and is_well and not self.reliability.is_restricted(heartbeat.atv, now_s)
+        return is_well and heartbeat.node == dock_of(self._plant, work, place)
 
-    def is_at_fault(self, place: str, item: str, carrier: str, task: str, now_s: float) -> bool:
-        """Note that a carrier stood at a place in vain. Returns whether the place is at fault, and no vehicle."""
-        before = self.docks.note(place, item, Failure(carrier, task))
+    def is_at_fault(
+        self, place: str, item: str, reason: Reason, carrier: str, task: str, now_s: float
+    ) -> bool:
+        """Note that a carrier stood at a place in vain. Returns whether the place is at fault, and no vehicle.
+
+        A restricted carrier accuses no place.
+        """
+        if self.reliability.is_restricted(carrier, now_s):
+            return False
+        before = self.docks.note(place, item, reason, Failure(carrier, task))
         if before is not None:
             self.reliability.take_back(before.carrier, before.task, now_s)
         return before is not None
