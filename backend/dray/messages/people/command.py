@@ -123,7 +123,8 @@ class MachineCommandKind(StrEnum):
     LOAD_THERE = "load_there"
     """The load of a held transport was found at its destination."""
     LOAD_MISSING = "load_missing"
-    """The load of a held transport is not at its destination: have it fetched or made again."""
+    """The load of a held transport is not at its destination: have it fetched or made again. Where carriers fail: the dock is in
+    order, have it carried."""
     ARRIVED = "arrived"
     """Pieces have come, with a vehicle or by hand. This and the four below are *words*: reports to a machine whose body is people."""
     TAKEN = "taken"
@@ -142,7 +143,7 @@ class MachineCommandKind(StrEnum):
 
     @property
     def is_about_held(self) -> bool:
-        """Whether it is about the load of a held transport; its grant must cover the destination."""
+        """Whether it is about a held transport; its grant must cover the destination, or the place where carriers fail."""
         return self in (MachineCommandKind.LOAD_THERE, MachineCommandKind.LOAD_MISSING)
 
     @property
