@@ -120,7 +120,7 @@ class DockWait(Part, frozen=True, omit_defaults=True):
 
     vehicle: Id
     since_s: Seconds
-    """Since when it is the next one (plant clock)."""
+    """Since when it is the next one (plant clock); earlier by the waits of others that gave up since the dock last opened."""
 
 
 class OutOfService(Part, frozen=True, omit_defaults=True):

@@ -124,6 +124,7 @@ class OpenTask:
         "auction",
         "contract",
         "detail",
+        "disputed_by",
         "disputes",
         "due_s",
         "epoch",
@@ -171,6 +172,8 @@ class OpenTask:
         """The problem that its carrier reports."""
         self.disputes = 0
         """Handovers without a counted load since a person last looked."""
+        self.disputed_by: tuple[str, ...] = ()
+        """Their carriers, as far as this life knows."""
         self.left = False
         """While the task is held: its goods had left their machine."""
         self.perhaps_down: DepartureMemory | None = None

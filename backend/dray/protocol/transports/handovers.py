@@ -142,6 +142,7 @@ class Handovers:
     def _count_dispute(self, task: OpenTask, goal: GateCount | None, now_s: float) -> None:
         """No piece of a load was counted: seek another carrier, or a person to look."""
         task.disputes += 1
+        task.disputed_by += (task.primary,)
         disputes = task.disputes
         if goal is not None and task.is_loaded:
             # Its next load is another task.

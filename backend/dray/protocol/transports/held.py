@@ -63,6 +63,9 @@ class HeldTransports:
         if command.kind is MachineCommandKind.LOAD_THERE and task.perhaps_down is not None:
             return self._book(task.perhaps_down)
         if command.kind is MachineCommandKind.LOAD_THERE:
+            # The place has not counted what lies there.
+            for carrier in () if task.fails_at else task.disputed_by:
+                self._tasks.reliability.take_back(carrier, task.id, now_s)
             self._tasks.conclude(task, now_s)
         else:
             self._tasks.resume(task, now_s)

@@ -243,7 +243,7 @@ class Transports(Coordinator):
         if task.recovered or task.left:
             self.give_up(task, now_s)
             return
-        task.disputes, task.perhaps_down, task.fails_at = 0, None, ""
+        task.disputes, task.disputed_by, task.perhaps_down, task.fails_at = 0, (), None, ""
         task.clear_trouble()
         task.states.enter(TaskState.UNASSIGNED)
         deadline_s = max(prolonged_s(task.due_s, task.opened_s, now_s), now_s + task.auction.span_s)
