@@ -204,7 +204,7 @@ class Failover:
     def note_short(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> None:
         """The primary has given a task back because it gets no load at a place that has promised it."""
         is_held = reason is Reason.DOCK_HELD
-        if not (is_held and self._is_at_fault(task, place, reason, now_s)):
+        if not (is_held and self._note_dock_failure(task, place, reason, now_s)):
             self.note_given_back(task, reason, now_s)
 
     def give_back(self, task: OpenTask, reason: Reason, now_s: float) -> None:
@@ -315,10 +315,11 @@ class Failover:
             return ""
         if not self._assessor.stands_in_vain(work, place, heartbeat):
             return ""
-        return place if self._is_at_fault(task, place, Reason.STALLED, now_s) else ""
+        return place if self._note_dock_failure(task, place, Reason.STALLED, now_s) else ""
 
-    def _is_at_fault(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> bool:
-        return self._assessor.is_at_fault(place, task.work_item, reason, task.primary, task.id, now_s)
+    def _note_dock_failure(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> bool:
+        """Note that the primary stood at a place in vain. Returns whether the place is at fault."""
+        return self._assessor.note_dock_failure(place, task.work_item, reason, task.primary, task.id, now_s)
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
         if task.state is TaskState.SUSPECTED or task.trouble:

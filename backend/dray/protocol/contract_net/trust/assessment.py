@@ -93,7 +93,7 @@ class Assessor:
         is_well = heartbeat.status is AtvStatus.WORKING and not held_up
         return is_well and heartbeat.node == dock_of(self._plant, work, place)
 
-    def is_at_fault(
+    def note_dock_failure(
         self, place: str, item: str, reason: Reason, carrier: str, task: str, now_s: float
     ) -> bool:
         """Note that a carrier stood at a place in vain. Returns whether the place is at fault, and no vehicle.
