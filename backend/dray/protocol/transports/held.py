@@ -10,7 +10,7 @@ carriers fail, has looked:
 
     ASSIGNED, IN_TRANSIT --nothing was counted, again--> HELD --LOAD_THERE--> DELIVERED
                          --perhaps down---------------->  |
-    ASSIGNED             --fails at------------------>    |
+    ASSIGNED             --fails at-------------------->  |
                                                           +--LOAD_MISSING--> announced anew, with disputes reset to 0;
                                                                              goods that had left their machine are made again
 
