@@ -221,6 +221,8 @@ class TaskMemory(Part, rename={"forgotten_aboard": "left_aboard"}, frozen=True):
     """It waits until a person has checked whether its load is there."""
     perhaps_down: DepartureMemory | None = None
     """While it is held: the load that its last carrier may have put down, and that nobody else can tell of."""
+    fails_at: str = ""
+    """While it is held: the place where carriers could not load or unload it."""
 
 
 class StationMemory(Part, tag_field="kind", tag="station", rename={"visits": "leaving"}, frozen=True):

@@ -1,4 +1,4 @@
-"""M8, which waits for somebody who looks for housings that were said to be there twice."""
+"""M8, which waits for somebody who looks for housings that were said to be there twice, or at a dock."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ WORK = Transport(item="housing", quantity=24, sources=("S3",), destination=STATI
 
 
 class MachineThatWaits(ObedientMachine):
-    """M8; see `ObedientMachine`."""
+    """M8; see `ObedientMachine`. With `fails_at` vehicles could not load or unload the housings there."""
 
-    def __init__(self, house: House, at_s: float) -> None:
+    def __init__(self, house: House, at_s: float, fails_at: str = "") -> None:
         brief = TaskBrief(
             task=TASK,
             epoch=3,
@@ -27,10 +27,11 @@ class MachineThatWaits(ObedientMachine):
             destination=WORK.destination,
             deadline_s=at_s + 300.0,
             trouble=Reason.DISPUTED,
+            fails_at=fails_at,
         )
         opened = TaskOpened(TASK, 1, Role.PRIMARY, 1, WORK, 20.0, at_s + 900.0, 2.0)
         super().__init__(house, at_s, (opened,), brief)
 
     def after(self, command: MachineCommand) -> TaskBrief:
         """Whatever was seen, nobody is asked any more."""
-        return replace(self._brief, trouble=None)
+        return replace(self._brief, trouble=None, fails_at="")

@@ -182,6 +182,10 @@ class Walk(TransportsRig):
         if self.task.primary and not self.task.is_counted:
             self.transports.hold(self.task, self.now_s)
 
+    def carriers_fail_at_a_dock(self) -> None:
+        if self.task.primary and not self.task.is_counted and not self.task.is_loaded:
+            self.transports.hold(self.task, self.now_s, fails_at="M8")
+
     def person_finds_the_load(self) -> None:
         if self.task.is_held:
             self.transports.conclude(self.task, self.now_s)
@@ -219,6 +223,7 @@ HAPPENINGS: tuple[Callable[[Walk], None], ...] = (
     Walk.goods_come_back,
     Walk.load_is_counted,
     Walk.is_disputed_again,
+    Walk.carriers_fail_at_a_dock,
     Walk.person_finds_the_load,
     Walk.person_finds_nothing,
     Walk.life_begins_anew_while_held,

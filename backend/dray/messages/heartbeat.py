@@ -120,7 +120,7 @@ class DockWait(Part, frozen=True, omit_defaults=True):
 
     vehicle: Id
     since_s: Seconds
-    """Since when it is the next one (plant clock)."""
+    """Since when it is the next one (plant clock); earlier by the waits of others that gave up since the dock last opened."""
 
 
 class OutOfService(Part, frozen=True, omit_defaults=True):
@@ -275,6 +275,8 @@ class TaskBrief(Part, frozen=True, omit_defaults=True):
     """Why it does not go on; None when all is well. `PROBLEM`: its carrier reports one (`detail`), or failed with goods on board."""
     detail: Text = ""
     stranded: StrandedGoods | UnsetType = UNSET
+    fails_at: IdOrNone = ""
+    """With `DISPUTED`: the place where two carriers in a row could not load or unload it, and where a person is asked to look."""
 
 
 class GoalBrief(Part, frozen=True, omit_defaults=True):

@@ -31,7 +31,8 @@ class Reason(StrEnum):
     NOT_COUNTED = "not_counted"
     """Its load was not counted at the destination."""
     DISPUTED = "disputed"
-    """Its load is perhaps at its destination, and not counted: a person is asked to look."""
+    """Its load is perhaps at its destination, and not counted; or carriers fail at a dock (`TaskBrief.fails_at`): a person is
+    asked to look."""
     FORGOTTEN = "forgotten"
     """It does not name the task any more."""
     BROKEN = "broken"

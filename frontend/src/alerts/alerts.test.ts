@@ -115,6 +115,11 @@ describe("an alert says", () => {
     expect(asksText(station)).toContain("power and network");
     const dock = alert({ kind: "dock_not_ready", agent: "M8", agents: ["ATV2"], response: "see_to_dock", seen_at_s: 30 });
     expect(whatText(dock, 100, 1).replaceAll("\u202f", " ")).toBe("Its dock has not got ready for ATV2 for 70 s");
+    const fails = alert({ kind: "dock_fails", agent: "M8", task: "M8-9", response: "see_to_dock" });
+    expect([whatText(fails, 100, 1), asksText(fails)]).toEqual([
+      "Two vehicles in a row could not load or unload at its dock",
+      "Look at its dock",
+    ]);
   });
 
   test("that nobody knows what lies in a storage, and that it is to be counted", () => {

@@ -1,8 +1,9 @@
 """A person who looks for the loads of held transports, and for doubtful loads.
 
 A place whose body counts has counted all that is put down there: the person finds nothing, and says so
-(`LOAD_MISSING`). At others the person finds what the body does not know of (`LOAD_THERE`). The looker takes part in a
-run only when it is asked: a run without a question is the same with and without a looker.
+(`LOAD_MISSING`). At others the person finds what the body does not know of (`LOAD_THERE`). Where carriers fail the person
+finds the dock in order, and says so (`LOAD_MISSING`). The looker takes part in a run only when it is asked: a run without a
+question is the same with and without a looker.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ class _Sought(NamedTuple):
     item: str
     quantity: int
     is_here: bool = True
-    """Whether it may lie at that place."""
+    """Whether it may lie at that place; not where carriers fail."""
     is_doubtful: bool = False
 
 
@@ -93,7 +94,7 @@ class LoadLooker:
         self._doubted[place] = bool(message.doubts)
         for brief in message.tasks:
             if brief.trouble is Reason.DISPUTED:
-                here = brief.destination == place
+                here = brief.destination == place and not brief.fails_at
                 self._seek(_Sought(brief.task, place, brief.item, brief.quantity, is_here=here))
         for doubt in message.doubts:
             self._seek(_Sought(doubt.load, place, doubt.item, doubt.quantity, is_doubtful=True))

@@ -41,6 +41,24 @@ def test_the_alert_leads_to_the_page_which_says_that_the_load_is_missing(
     assert said == [(MachineCommandKind.LOAD_MISSING, TASK)]
 
 
+def test_the_alarm_names_the_dock_where_vehicles_fail_and_leads_to_the_page_which_takes_the_word(
+    house: OpenHouse, open_page: OpenPage
+) -> None:
+    async def join(inside: House) -> MachineThatWaits:
+        return MachineThatWaits(inside, 0.0, fails_at="M8")
+
+    machine = house.do(join)
+    page = as_manager(house, open_page)
+    page.locator(".alerts-button").click()
+    row = page.locator("main > section").first.get_by_role("row").filter(has_text="could not load or unload")
+    row.get_by_role("link", name=f"Show {TASK}").click()
+    expect(page.locator(".load-seen")).to_contain_text("the dock of M8")
+    page.get_by_role("button", name="It is in order").click()
+    expect(page.locator(".load-seen")).to_have_count(0)
+    heard = house.until(lambda _: machine.heard)
+    assert [(command.kind, command.task) for command in heard] == [(MachineCommandKind.LOAD_MISSING, TASK)]
+
+
 def test_a_press_that_began_before_the_panel_knew_anything_still_leads_to_the_alerts(
     house: OpenHouse, open_page: OpenPage
 ) -> None:

@@ -1,4 +1,7 @@
-"""A load that was said to be there twice, on the tablet of its area: whoever has looked says what is there, by a long touch."""
+"""A load that was said to be there twice, and a dock where vehicles fail, on the tablet of its area.
+
+Whoever has looked says what is there, by a long touch.
+"""
 
 from __future__ import annotations
 
@@ -51,4 +54,35 @@ def test_whoever_has_looked_says_by_a_long_touch_what_is_there(
     press_and_hold(page, chosen)
     expect(card).to_have_count(0)
     kind = MachineCommandKind.LOAD_THERE if there else MachineCommandKind.LOAD_MISSING
+    assert [(command.kind, command.task) for command in machine.heard] == [(kind, TASK)]
+
+
+DOCK = {"lying-light-en": "the dock", "upright-dark-de": "Dock", "phone-dark-es": "muelle"}
+"""By look, what a dock is called."""
+
+
+@pytest.mark.parametrize("look", variants(LOOKS, "upright-dark-de"))
+@pytest.mark.parametrize("in_order", [True, False])
+def test_whoever_has_looked_at_a_dock_where_vehicles_fail_says_so_by_a_long_touch(
+    house: OpenHouse,
+    vehicles: dict[str, Puppet],
+    enter: Enter,
+    screenshot: Screenshot,
+    look: str,
+    in_order: bool,
+) -> None:
+    async def join(inside: House) -> MachineThatWaits:
+        return MachineThatWaits(inside, LATER_S, fails_at=STATION)
+
+    machine = house.do(join)
+    page = enter(**LOOKS[look])
+    card = page.locator(f"#held-{TASK}")
+    expect(card).to_contain_text(DOCK[look])
+    expect(card).to_contain_text(STATION)
+    buttons = card.locator(".vehicle-acts button")
+    expect(buttons).to_have_count(2)
+    screenshot(page, f"failing-dock-{look}")
+    press_and_hold(page, buttons.first if in_order else buttons.last)
+    expect(card).to_have_count(0)
+    kind = MachineCommandKind.LOAD_MISSING if in_order else MachineCommandKind.LOAD_THERE
     assert [(command.kind, command.task) for command in machine.heard] == [(kind, TASK)]

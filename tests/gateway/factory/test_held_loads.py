@@ -47,8 +47,8 @@ def path_of(place: str) -> str:
     return f"/api/tasks/{task_of(place)}/load"
 
 
-def held(projection: Projection, place: str) -> None:
-    """A place waits for a person who looks for the housings that were to come."""
+def held(projection: Projection, place: str, *, fails_at: str = "") -> None:
+    """A place waits for a person who looks for the housings that were to come, or at the dock where vehicles fail."""
     work = Transport(item="housing", quantity=24, sources=("S3",), destination=place, ability="tote")
     tell(projection, place, opened(task_of(place), work=work), at_s=0.0)
     brief = TaskBrief(
@@ -60,6 +60,7 @@ def held(projection: Projection, place: str) -> None:
         destination=place,
         deadline_s=400.0,
         trouble=Reason.DISPUTED,
+        fails_at=fails_at,
     )
     if place == MACHINE:
         projection.fold(machine_heartbeat(place, 1, tasks=(brief,)))
@@ -68,7 +69,7 @@ def held(projection: Projection, place: str) -> None:
 
 
 def listening(
-    house: House, place: str, *, refusal: CommandRefusal | None = None
+    house: House, place: str, *, refusal: CommandRefusal | None = None, fails_at: str = ""
 ) -> list[tuple[MachineCommandKind, str]]:
     """A place takes part; the words that it will have heard."""
     heard: list[tuple[MachineCommandKind, str]] = []
@@ -81,7 +82,7 @@ def listening(
             house.bus.tell(place, sender, answer)
 
     house.bus.join(place, receive)
-    held(house.projection, place)
+    held(house.projection, place, fails_at=fails_at)
     return heard
 
 
@@ -137,3 +138,54 @@ async def test_what_says_nothing_is_not_sent(house: House, body: dict[str, Any])
     heard = listening(house, MACHINE)
     assert (await house.client.post(path_of(MACHINE), json=body)).status_code == 422
     assert heard == []
+
+
+# --- a dock where vehicle after vehicle fails ---
+
+FAR = "S4"
+"""A storage in another area than M1."""
+
+
+@pytest.mark.parametrize("fails_at", [MACHINE, STATION])
+def test_the_alert_names_the_place_where_vehicles_fail_and_no_vehicle(
+    projection: Projection, fails_at: str
+) -> None:
+    held(projection, MACHINE, fails_at=fails_at)
+    alert = the_alert(projection)
+    assert (alert.kind, alert.level, alert.agent) == ("dock_fails", "alarm", fails_at)
+    assert (alert.task, alert.response) == (task_of(MACHINE), "see_to_dock")
+    view = projection.tasks.view(task_of(MACHINE))
+    assert view is not None
+    assert view.trouble is not None
+    assert (view.fails_at, view.trouble.reason) == (fails_at, "dock_fails")
+    assert view.trouble.text.endswith("somebody has to look at the dock")
+
+
+async def test_who_is_responsible_for_the_failing_dock_sees_it_and_answers(house: House) -> None:
+    heard = listening(house, MACHINE, fails_at=FAR)
+    anna = await house.log_in("anna", PersonRole.OPERATOR, area_of(FAR))
+    the_alert(house.projection)
+    [alert] = (await anna.get("/api/alerts")).json()["items"]
+    assert (alert["kind"], alert["agent"]) == ("dock_fails", FAR)
+    answer = await anna.post(path_of(MACHINE), json={"there": False})
+    assert (answer.status_code, answer.json()["done"]) == (200, True)
+    assert heard == [(MachineCommandKind.LOAD_MISSING, task_of(MACHINE))]
+
+
+async def test_who_is_responsible_for_the_destination_alone_does_not_answer_for_a_dock_elsewhere(
+    house: House,
+) -> None:
+    heard = listening(house, MACHINE, fails_at=FAR)
+    ben = await house.log_in("ben", PersonRole.OPERATOR, area_of(MACHINE))
+    assert (await ben.post(path_of(MACHINE), json={"there": False})).status_code == 403
+    assert heard == []
+
+
+def test_the_alert_ends_with_the_answer(projection: Projection) -> None:
+    held(projection, MACHINE, fails_at=MACHINE)
+    projection.fold(machine_heartbeat(MACHINE, 2, tasks=()))
+    brief = TaskBrief(task_of(MACHINE), 3, "housing", 24, "", MACHINE, 400.0)
+    projection.fold(machine_heartbeat(MACHINE, 3, tasks=(brief,)))
+    view = projection.tasks.view(task_of(MACHINE))
+    assert view is not None
+    assert (view.trouble, view.fails_at) == (None, "")

@@ -132,3 +132,50 @@ def test_no_more_dropped_tasks_are_remembered_than_there_is_room_for() -> None:
         school.reliability.note_dropped("ATV9", f"T{number}", Reason.SILENT, 0.0)
     assert not school.reliability.has_dropped("ATV9", "T0")
     assert school.reliability.has_dropped("ATV9", f"T{DROPPED_KEPT + 9}")
+
+
+# --- what was not its fault ---
+
+
+def test_what_was_not_its_fault_is_taken_back_and_told() -> None:
+    school = School()
+    school.drops(reason=Reason.STALLED)
+    school.reliability.take_back("ATV9", "T1", 0.0)
+    assert school.surcharge_s() == 0.0
+    assert not school.reliability.has_dropped("ATV9", "T1")
+    assert [(each.reason, each.surcharge_s) for each in facts(school.out, ContractorRated)][1:] == [
+        (Reason.DISPUTED, 0.0)
+    ]
+
+
+def test_only_what_is_left_of_it_is_taken_back() -> None:
+    school = School()
+    school.drops(reason=Reason.STALLED)
+    school.reliability.note_dropped("ATV9", "T2", Reason.SILENT, HALF_LIFE_S)
+    school.reliability.take_back("ATV9", "T1", HALF_LIFE_S)
+    assert school.surcharge_s(HALF_LIFE_S) == DROPPED_S
+
+
+def test_a_task_that_it_has_dropped_twice_is_taken_back_whole_and_lifts_the_restriction() -> None:
+    school = School()
+    school.drops(2, reason=Reason.STALLED)
+    assert school.is_restricted()
+    school.reliability.take_back("ATV9", "T1", 0.0)
+    assert (school.surcharge_s(), school.is_restricted()) == (0.0, False)
+
+
+def test_nothing_is_taken_back_that_was_not_held_against_it() -> None:
+    school = School()
+    school.drops()
+    told = len(school.out)
+    school.reliability.take_back("ATV9", "T7", 0.0)
+    school.reliability.take_back("ATV1", "T1", 0.0)
+    assert (school.surcharge_s(), len(school.out)) == (DROPPED_S, told)
+
+
+def test_a_contract_kept_since_makes_no_credit_of_it() -> None:
+    school = School()
+    school.drops(reason=Reason.STALLED)
+    school.reliability.note_kept("ATV9", "T2", 0.0, 0.0)
+    school.reliability.take_back("ATV9", "T1", 0.0)
+    assert school.surcharge_s() == 0.0

@@ -166,6 +166,24 @@ def test_a_load_that_a_person_has_seen_there_is_delivered() -> None:
     assert says(rig, KIND.LOAD_THERE) is CommandRefusal.NOT_HELD
 
 
+def doubted(rig: MachineRig) -> set[str]:
+    """Who is charged more than others."""
+    return {atv for atv in ("ATV2", "ATV3") if rig.agent._flow.tasks.reliability.surcharge_s(atv, rig.now_s)}
+
+
+def test_who_has_brought_a_load_that_only_a_person_has_seen_is_not_doubted_any_more() -> None:
+    rig = held()
+    assert doubted(rig) == {"ATV2", "ATV3"}
+    says(rig, KIND.LOAD_THERE)
+    assert doubted(rig) == set()
+
+
+def test_who_has_told_of_a_load_that_a_person_does_not_find_is_still_doubted() -> None:
+    rig = held()
+    says(rig, KIND.LOAD_MISSING)
+    assert doubted(rig) == {"ATV2", "ATV3"}
+
+
 def test_a_load_that_is_missing_is_fetched_again_and_disputes_are_counted_anew() -> None:
     rig = held()
     assert says(rig, KIND.LOAD_MISSING) is None

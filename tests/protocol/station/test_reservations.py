@@ -125,6 +125,36 @@ def test_a_dock_that_does_not_get_ready_is_told_by_the_station() -> None:
     assert rig.heartbeats(StationHeartbeat)[-1].dock_wait is UNSET
 
 
+def asks_in_vain(rig: StationRig, atv: str, task: str, span_s: float) -> None:
+    """A vehicle asks every five seconds for a dock that does not open, and then has left for other work."""
+    rig.asks(task, 20)
+    until_s = rig.now_s + span_s
+    while rig.now_s < until_s:
+        rig.docks(atv, task, quantity=20)
+        rig.run(rig.now_s + 5.0)
+
+
+def test_a_dock_at_which_one_vehicle_after_the_other_gives_up_is_told_although_none_waits_for_long() -> None:
+    rig = where_the_dock_takes_time()
+    asks_in_vain(rig, "ATV2", "M8-2", 30.0)
+    rig.on_message("M8", StockFreed("M8-2"))
+    asks_in_vain(rig, "ATV3", "M8-3", 30.0)
+    rig.on_message("M8", StockFreed("M8-3"))
+    assert {beat.dock_wait for beat in rig.heartbeats(StationHeartbeat)} == {UNSET}
+    asks_in_vain(rig, "ATV4", "M8-4", 20.0)
+    [wait] = {beat.dock_wait for beat in rig.heartbeats(StationHeartbeat)} - {UNSET}
+    assert wait == DockWait(vehicle="ATV4", since_s=10.0)
+
+
+def test_a_dock_that_has_opened_in_between_is_given_its_time_again() -> None:
+    rig = where_the_dock_takes_time()
+    asks_in_vain(rig, "ATV2", "M8-2", 50.0)
+    rig.report(DockReady(vehicle="ATV2"))
+    rig.on_message("M8", StockFreed("M8-2"))
+    asks_in_vain(rig, "ATV3", "M8-3", 40.0)
+    assert {beat.dock_wait for beat in rig.heartbeats(StationHeartbeat)} == {UNSET}
+
+
 def test_a_station_that_begins_anew_while_its_dock_opens_keeps_what_is_promised() -> None:
     first = where_the_dock_takes_time()
     first.docks("ATV2", "M8-1")

@@ -143,10 +143,14 @@ ANOTHERS_KEY = "anothers_key"
 ROBS_PLACES = "robs_places"
 """Reason for the fact `BookRefused`, which has none of its own."""
 
+DOCK_FAILS = "dock_fails"
+"""Reason for a transport that its carriers could not load or unload (`TaskBrief.fails_at`)."""
+
 _WORDS: Mapping[str, str] = {
     ANOTHERS_KEY: "requests places without this vehicle's signature",
     ROBS_PLACES: "keeps a reservation table that was not copied: it takes places from vehicles without their word, "
     "or has a higher number than any reservation table can have",
+    DOCK_FAILS: "two vehicles in a row could not load or unload it: somebody has to look at the dock",
     **{reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())},
 }
 
@@ -203,7 +207,9 @@ def detail_of(detail: str) -> CauseView | None:
 
 def trouble_of(task: TaskBrief) -> CauseView | None:
     """Why a transport does not go on, by its coordinator's word."""
-    return None if task.trouble is None else told(CauseView(reason=task.trouble.value, detail=task.detail))
+    if task.trouble is None:
+        return None
+    return told(CauseView(reason=DOCK_FAILS if task.fails_at else task.trouble.value, detail=task.detail))
 
 
 def failures_of(fact: GoalWaits) -> CauseView:

@@ -392,7 +392,7 @@ class AreaVisibility:
     def _concerns(self, task: TaskView) -> bool:
         if task.kind != "transport":
             return False
-        places = {task.coordinator, task.source, task.destination}
+        places = {task.coordinator, task.source, task.destination, task.fails_at}
         return not self._places.isdisjoint(places) or (bool(task.primary) and self.has(task.primary))
 
     def _concerned(self, brief: BriefView) -> bool:

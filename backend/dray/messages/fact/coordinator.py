@@ -136,7 +136,7 @@ class ContractorRated(Fact, told_by=DOCKS, frozen=True):
     task: Id
     """The task that led to the rating."""
     reason: Reason
-    """`KEPT`, `LATE`, or why it was dropped."""
+    """`KEPT`, `LATE`, or why it was dropped; `DISPUTED` if that counts no more, since the place is at fault."""
     surcharge_s: Seconds
     """Surcharge on its bids from now on, with a half-life of half an hour."""
     restricted: bool

@@ -123,7 +123,8 @@ class MachineCommandKind(StrEnum):
     LOAD_THERE = "load_there"
     """The load of a held transport was found at its destination, or a doubtful load at its place."""
     LOAD_MISSING = "load_missing"
-    """The load of a held transport is not at its destination: have it fetched or made again. Or a doubtful load is not at its place."""
+    """The load of a held transport is not at its destination: have it fetched or made again. Where carriers fail: the dock is in
+    order, have it carried. Or a doubtful load is not at its place."""
     ARRIVED = "arrived"
     """Pieces have come, with a vehicle or by hand. This and the four below are *words*: reports to a machine whose body is people."""
     TAKEN = "taken"
@@ -142,7 +143,7 @@ class MachineCommandKind(StrEnum):
 
     @property
     def is_about_held(self) -> bool:
-        """Whether it is about the load of a held transport or a doubtful load; its grant must cover the place where that may lie."""
+        """Whether it is about a held transport or a doubtful load; its grant must cover the place where a person looks."""
         return self in (MachineCommandKind.LOAD_THERE, MachineCommandKind.LOAD_MISSING)
 
     @property

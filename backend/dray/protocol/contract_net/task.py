@@ -124,9 +124,11 @@ class OpenTask:
         "auction",
         "contract",
         "detail",
+        "disputed_by",
         "disputes",
         "due_s",
         "epoch",
+        "fails_at",
         "id",
         "least_epoch",
         "left",
@@ -170,10 +172,14 @@ class OpenTask:
         """The problem that its carrier reports."""
         self.disputes = 0
         """Handovers without a counted load since a person last looked."""
+        self.disputed_by: tuple[str, ...] = ()
+        """Their carriers, as far as this life knows."""
         self.left = False
         """While the task is held: its goods had left their machine."""
         self.perhaps_down: DepartureMemory | None = None
         """While the task is held: the load that its last carrier may have put down, and has forgotten."""
+        self.fails_at = ""
+        """While the task is held: the place where two carriers in a row could not load or unload it; empty for another reason."""
         self.stranded: StrandedGoods | None = None
         """Goods left on board of a failed carrier that no other carrier has yet."""
 
@@ -211,7 +217,7 @@ class OpenTask:
 
     @property
     def is_held(self) -> bool:
-        """Whether a person must look for the load before a vehicle carries it again."""
+        """Whether a person must look for the load, or at a dock, before a vehicle carries it again."""
         return self.state is TaskState.HELD
 
     @property
@@ -269,6 +275,7 @@ class OpenTask:
             trouble=self.trouble,
             detail=self.detail,
             stranded=UNSET if self.stranded is None else self.stranded,
+            fails_at=self.fails_at,
         )
 
     def memory(self) -> TaskMemory:
@@ -293,6 +300,7 @@ class OpenTask:
             disputes=self.disputes,
             held=self.is_held,
             perhaps_down=self.perhaps_down,
+            fails_at=self.fails_at,
         )
 
     @property

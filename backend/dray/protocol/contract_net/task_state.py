@@ -24,7 +24,8 @@ class TaskState(StrEnum):
     STRANDED = "stranded"
     """Its primary has failed with the goods on board: they wait for a person's decision (`takeover.stranded`)."""
     HELD = "held"
-    """Only a person can tell whether its load is there: no vehicle carries it before one has looked (`transports.held`)."""
+    """Only a person can tell whether its load is there, or what is wrong at a dock: no vehicle carries it before one has
+    looked (`transports.held`)."""
     COUNTED = "counted"
     """The coordinator has counted the load in its own buffer; the handover is still to come."""
     DELIVERED = "delivered"
@@ -46,7 +47,7 @@ TRANSITIONS: Transitions[TaskState] = {
         _S.UNASSIGNED: "failed, given back, forgotten, or without progress",
         _S.IN_TRANSIT: "goods have left",
         _S.COUNTED: "the load is counted",
-        _S.HELD: "its handover is disputed again, or its load is perhaps down",
+        _S.HELD: "its handover is disputed again, its load is perhaps down, or carriers fail at a dock",
         _S.DELIVERED: "handed over",
         _S.WITHDRAWN: "not needed any more, or lost",
     },
@@ -76,7 +77,7 @@ TRANSITIONS: Transitions[TaskState] = {
         _S.WITHDRAWN: "written off, or not needed any more",
     },
     _S.HELD: {
-        _S.UNASSIGNED: "a person says that the load is not there, or it is back",
+        _S.UNASSIGNED: "a person says that the load is not there, or that a dock is in order; or it is back",
         _S.DELIVERED: "a person says that it is there",
         _S.WITHDRAWN: "goods are not there, or it is not needed any more",
     },

@@ -9,8 +9,10 @@ Either way the epoch rises. The epoch is the fence: there is one carrier, even i
        +-- failed, and was silent already when the secondary began --> that one is asked, epoch + 1
        +-- failed without a secondary, restarted without it --> announced anew, epoch + 1
        +-- given back, no progress --> the secondary is asked, epoch + 1; else announced anew
+       +-- no progress at a dock, like the carrier before it --> held
 
 A carrier that lives without progress has failed too (`progress`). Its secondary does not see that, so it is asked.
+Where two carriers in a row stand at one dock in vain, the place is at fault (`dock_failures`): the task is held.
 
 Finished goods that have left their machine exist only once, and so does a thing without master data. No other
 vehicle can carry them, so their task waits for its carrier or for a person's decision (`left_aboard`). A load that
@@ -64,6 +66,10 @@ class Remedies(Protocol):
 
     def pass_on(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """Ask its secondary to carry it, with a higher epoch."""
+        ...
+
+    def hold(self, task: OpenTask, now_s: float, *, fails_at: str) -> None:
+        """Release its carrier; no vehicle carries it before a person has looked at the place where carriers fail."""
         ...
 
     def wait(self, task: OpenTask, trouble: Reason, now_s: float) -> None:
@@ -195,6 +201,12 @@ class Failover:
         """The primary has given a task back without need."""
         self._assessor.reliability.note_given_back(task.primary, task.id, reason, now_s)
 
+    def note_short(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> None:
+        """The primary has given a task back because it gets no load at a place that has promised it."""
+        is_held = reason is Reason.DOCK_HELD
+        if not (is_held and self._note_dock_failure(task, place, reason, now_s)):
+            self.note_given_back(task, reason, now_s)
+
     def give_back(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """The primary lives and gives a task back: it can be relieved."""
         if task.is_counted or task.is_loaded:
@@ -278,12 +290,36 @@ class Failover:
         if task.is_counted:
             self._remedies.conclude(task, now_s)
             return
-        self.blame(task, failure, now_s)
-        if not task.is_loaded:
-            self._remedies.pass_on(task, failure, now_s)
-        else:
+        fails_at = self._fails_at(task, heartbeat, now_s) if failure is Reason.STALLED else ""
+        if not fails_at:
+            self.blame(task, failure, now_s)
+        progress.blamed = True
+        if task.is_loaded:
             self.aboard.strand(task, now_s)
             task.trouble, task.detail = failure, ""
+        elif fails_at:
+            self._remedies.hold(task, now_s, fails_at=fails_at)
+        else:
+            self._remedies.pass_on(task, failure, now_s)
+
+    def _fails_at(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> str:
+        """The place where the primary has stalled as another carrier has before it; empty if no place is at fault."""
+        progress, brief, work = task.contract.progress, heartbeat.task, cast(Transport, task.work)
+        if progress is None or progress.blamed or brief is None:
+            return ""
+        if brief.phase is Phase.LOADING and self._remedies.source_answers(task, now_s):
+            place = task.contract.source
+        elif brief.phase is Phase.UNLOADING:
+            place = work.destination
+        else:
+            return ""
+        if not self._assessor.stands_in_vain(work, place, heartbeat):
+            return ""
+        return place if self._note_dock_failure(task, place, Reason.STALLED, now_s) else ""
+
+    def _note_dock_failure(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> bool:
+        """Note that the primary stood at a place in vain. Returns whether the place is at fault."""
+        return self._assessor.note_dock_failure(place, task.work_item, reason, task.primary, task.id, now_s)
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
         if task.state is TaskState.SUSPECTED or task.trouble:

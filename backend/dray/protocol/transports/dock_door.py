@@ -13,6 +13,7 @@ from dray.memory import DepartureMemory
 from dray.messages import Docked, DockHeld, DockOpened
 from dray.messages.heartbeat import DockWait
 from dray.plant import Plant
+from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
 from dray.protocol.transports.visits import Request, Stage, Visits
 
@@ -36,6 +37,9 @@ def ready_within_s(plant: Plant, place: str) -> float:
 ASKS_STILL_S = 30.0
 """Time (s) after which a vehicle that asks no more has left: it repeats its request every 5 s while the dock is shut."""
 
+ASKED_KEPT = 16
+"""Vehicles that have asked in vain one after the other, of which the waits are remembered: each waits for 15 s or more."""
+
 NOT_READY = "the dock is not ready yet"
 """Reason for a vehicle to wait until the controller has made the dock safe."""
 
@@ -50,6 +54,8 @@ class Door:
 
     def __init__(self, visits: Visits, patience_s: float, life: Life) -> None:
         self.visits, self._patience_s, self._life = visits, patience_s, life
+        self._asked: BoundedMap[str, tuple[float, float]] = BoundedMap(ASKED_KEPT)
+        """By vehicle that has asked since the dock last opened: since when, and when last (plant clock, s)."""
 
     def open(
         self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float, *, comes: bool
@@ -62,6 +68,7 @@ class Door:
             before = self.visits.asked.get(vehicle)
             since_s = now_s if before is None else before.since_s
             self.visits.ask(Request(asked, load, since_s, now_s))
+            self._asked[vehicle] = since_s, now_s
             self.hold(vehicle, asked, NOT_READY)
         else:
             self.visits.let_in(load)
@@ -72,16 +79,22 @@ class Door:
         return vehicle in self.visits.asked
 
     def wait(self, now_s: float) -> DockWait | UnsetType:
-        """The vehicle that has waited longest for the dock to open, if longer than `patience_s`."""
+        """The vehicle that has waited longest for the dock to open, if longer than `patience_s`.
+
+        The waits of vehicles that have gone away since the dock last opened count, too.
+        """
         asked = self.visits.asked
         vehicle = min(asked, key=lambda each: asked[each].since_s, default="")
-        if not vehicle or now_s - asked[vehicle].since_s <= self._patience_s:
+        if not vehicle:
             return UNSET
-        return DockWait(vehicle=vehicle, since_s=asked[vehicle].since_s)
+        gone = (span for each, span in self._asked.items() if each not in asked)
+        since_s = asked[vehicle].since_s - sum(last_s - first_s for first_s, last_s in gone)
+        return DockWait(vehicle=vehicle, since_s=since_s) if now_s - since_s > self._patience_s else UNSET
 
     def on_ready(self, vehicle: str, now_s: float) -> bool:
         """The body has opened the dock for a vehicle; returns whether that vehicle waited here."""
         self._forget_silent(now_s)
+        self._asked.clear()
         request = self.visits.forget_request(vehicle)
         if request is None:
             return False

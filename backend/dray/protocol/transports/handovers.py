@@ -142,6 +142,7 @@ class Handovers:
     def _count_dispute(self, task: OpenTask, goal: GateCount | None, now_s: float) -> None:
         """No piece of a load was counted: seek another carrier, or a person to look."""
         task.disputes += 1
+        task.disputed_by += (task.primary,)
         disputes = task.disputes
         if goal is not None and task.is_loaded:
             # Its next load is another task.
@@ -174,7 +175,7 @@ class Handovers:
         is_it = word.task == task.id and word.epoch < task.epoch and self._comes(task)
         is_whole = word.change >= cast(Transport, task.work).quantity
         other = task.contract.phase in GOODS_ABOARD or task.is_loaded or task.is_counted
-        is_disputed = task.is_held and task.perhaps_down is None
+        is_disputed = task.is_held and task.perhaps_down is None and not task.fails_at
         return is_it and is_whole and not other and not is_disputed
 
     def _comes(self, task: OpenTask) -> bool:

@@ -1,18 +1,23 @@
-"""Transports and doubtful loads of which only a person can tell whether the load is there.
+"""Transports and doubtful loads of which only a person can tell whether the load is there, or what is wrong at a dock.
 
     disputed        a handover was disputed twice: a third load might be lost like the first two
     perhaps down    the body does not count. An earlier life let the carrier in, and the carrier has forgotten the
                     task and has no such load on board (`Transports.reopen`)
+    fails at        two carriers in a row stood at one dock in vain: a third would, too (`dock_failures`)
 
-No vehicle carries the transport before a person who is responsible for the destination has looked:
+No vehicle carries the transport before a person who is responsible for the destination, or for the place where
+carriers fail, has looked:
 
     ASSIGNED, IN_TRANSIT --nothing was counted, again--> HELD --LOAD_THERE--> DELIVERED
                          --perhaps down---------------->  |
+    ASSIGNED             --fails at-------------------->  |
                                                           +--LOAD_MISSING--> announced anew, with disputes reset to 0;
                                                                              goods that had left their machine are made again
 
 LOAD_THERE books a load in that was perhaps put down, and its transport is delivered when the body has answered. The
-same follows from the carrier's own report, if it tells after all, before and after LOAD_MISSING.
+same follows from the carrier's own report, if it tells after all, before and after LOAD_MISSING. Where carriers fail,
+LOAD_MISSING says that a person has looked and that the dock is in order again; LOAD_THERE that people have brought the
+load by hand.
 It waits without a limit, over restarts too. A transport that is not needed any more ends as usual.
 
 A doubtful load (`doubts`) holds no transport. LOAD_THERE books it in, LOAD_MISSING leaves the books as they are.
@@ -35,6 +40,9 @@ from dray.protocol.transports.visits import Visits
 
 LOOK_FOR_LOAD = Problem(kind=ProblemKind.LOAD, needs_person=True)
 """The reason of the call."""
+
+LOOK_AT_DOCK = Problem(kind=ProblemKind.DOCK, needs_person=True)
+"""The reason of the call to a place where carriers fail."""
 
 
 class HeldTransports:
@@ -61,17 +69,24 @@ class HeldTransports:
         if command.kind is MachineCommandKind.LOAD_THERE and task.perhaps_down is not None:
             return self._book(task.perhaps_down)
         if command.kind is MachineCommandKind.LOAD_THERE:
+            # The place has not counted what lies there.
+            for carrier in () if task.fails_at else task.disputed_by:
+                self._tasks.reliability.take_back(carrier, task.id, now_s)
             self._tasks.conclude(task, now_s)
         else:
             self._tasks.resume(task, now_s)
         return None
 
     def place_m(self, task: str) -> tuple[float, float] | None:
-        """Where a load is looked for (x, y) in m: the destination of a held transport, or this place; None if neither."""
+        """Where a person looks (x, y) in m: at the destination of a held transport, where its carriers fail, or at this place for a
+        doubtful load; None if it is neither.
+        """
         held = self._held(task)
         if self._visits.doubts.get(task) is not None:
             return self._plant.position_of(self._visits.doubts.place)
-        return None if held is None else self._plant.position_of(cast(Transport, held.work).destination)
+        if held is None:
+            return None
+        return self._plant.position_of(held.fails_at or cast(Transport, held.work).destination)
 
     def names(self) -> tuple[str, ...]:
         """The held transports' ids, and the names of doubtful loads."""
@@ -106,7 +121,11 @@ class HeldTransports:
                 reason = f"{what} said to be there twice, and not counted"
                 if task.perhaps_down is not None:
                     reason = f"{what} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
-                calls.open(LOOK_FOR_LOAD, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
+                if task.fails_at:
+                    does = "unload" if task.fails_at == work.destination else "load"
+                    reason = f"two vehicles could not {does} {what} at {task.fails_at}"
+                about = LOOK_AT_DOCK if task.fails_at else LOOK_FOR_LOAD
+                calls.open(about, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
 
     def _book(self, load: DepartureMemory) -> CommandRefusal | None:
         """Book a load in; the body's answer ends its transport. A body that books shuts the dock for the load's vehicle."""

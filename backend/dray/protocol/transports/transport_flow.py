@@ -366,7 +366,7 @@ class TransportFlow:
             return
         if self.sourcing.holds(task.id, message.short):
             # The station's reservation, as far as is known, contradicts this.
-            self.tasks.failover.note_given_back(task, message.reason, now_s)
+            self.tasks.failover.note_short(task, message.short, message.reason, now_s)
         # Another vehicle would find no more: hire none before a station has it.
         self.withdraw(task, now_s)
 

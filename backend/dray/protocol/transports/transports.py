@@ -11,7 +11,7 @@ coordinator.
                               the secondary is asked before the announcement
 
 After two disputed handovers it is held, not announced again, until a person has looked (`held`). So it is when its
-carrier may have put the load down and has forgotten it.
+carrier may have put the load down and has forgotten it, and when two carriers in a row have failed at one dock.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ from dray.messages import (
     Work,
 )
 from dray.messages.fact import Outcome
+from dray.messages.heartbeat import GOODS_ABOARD
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules, prolonged_s
@@ -201,21 +202,32 @@ class Transports(Coordinator):
         task.trouble, task.detail = trouble, ""
         self._contracted(task, now_s)
 
-    def hold(self, task: OpenTask, now_s: float, perhaps_down: DepartureMemory | None = None) -> None:
-        """Release the carrier of a task; no vehicle carries it before a person has looked for its load.
+    def hold(
+        self,
+        task: OpenTask,
+        now_s: float,
+        *,
+        perhaps_down: DepartureMemory | None = None,
+        fails_at: str = "",
+    ) -> None:
+        """Release the carrier of a task; no vehicle carries it before a person has looked.
+
+        Its handover was disputed, unless one of the last two arguments is given.
 
         Args:
             task: the task.
             now_s: the present time.
-            perhaps_down: the load that its carrier may have put down and has forgotten; None if its handover was
-                disputed.
+            perhaps_down: the load that its carrier may have put down and has forgotten.
+            fails_at: the place where its carriers have failed.
         """
         left = task.is_loaded
         self.failover.aboard.forget(task)
         why = (Reason.NOT_COUNTED, Reason.DISPUTED) if perhaps_down is None else (Reason.FORGOTTEN,) * 2
+        if fails_at:
+            why = (Reason.STALLED,) * 2
         replaced, silent_s = self._supersede(task, task.epoch + 1, why[0], now_s)
         task.states.enter(TaskState.HELD)
-        task.left, task.perhaps_down = left, perhaps_down
+        task.left, task.perhaps_down, task.fails_at = left, perhaps_down, fails_at
         task.auction = self._auction(task.id, task.epoch, task.work, task.deadline_s)
         task.auction.cancel()
         self._life.cancel((PRIMARY_AUCTION, task.id))
@@ -224,11 +236,14 @@ class Transports(Coordinator):
         self._contracted(task, now_s)
 
     def resume(self, task: OpenTask, now_s: float) -> None:
-        """A person reports that a held task's load is missing: announce it anew; goods that had left are made again."""
+        """A person has looked, and a held task's load is not at its destination: announce it anew.
+
+        Goods that had left are made again.
+        """
         if task.recovered or task.left:
             self.give_up(task, now_s)
             return
-        task.disputes, task.perhaps_down = 0, None
+        task.disputes, task.disputed_by, task.perhaps_down, task.fails_at = 0, (), None, ""
         task.clear_trouble()
         task.states.enter(TaskState.UNASSIGNED)
         deadline_s = max(prolonged_s(task.due_s, task.opened_s, now_s), now_s + task.auction.span_s)
@@ -259,6 +274,8 @@ class Transports(Coordinator):
 
     def close(self, task: OpenTask, outcome: Outcome) -> None:
         """End a task; a delivered one is rated as kept or late."""
+        if outcome == "delivered":
+            self._assessor.docks.forget(cast(Transport, task.work).destination, task.work_item)
         if outcome == "delivered" and task.contract.progress is not None:
             now_s, late_s = task.contract.progress.heard_s, task.contract.progress.late_s
             self.reliability.note_kept(task.primary, task.id, late_s, now_s)
@@ -284,7 +301,7 @@ class Transports(Coordinator):
             auction.cancel()
             task.states.enter(TaskState.HELD)
             task.left, task.trouble = memory.loaded, Reason.DISPUTED
-            task.perhaps_down = memory.perhaps_down
+            task.perhaps_down, task.fails_at = memory.perhaps_down, memory.fails_at
         elif memory.primary:
             auction.cancel()
             self._restore_carrier(task, memory, now_s)
@@ -386,7 +403,10 @@ class Transports(Coordinator):
         """Note a contracted vehicle's heartbeat, and whether it names its contract."""
         for task in list(self._open.values()):
             if task.primary == heartbeat.atv:
+                was_aboard = task.contract.phase in GOODS_ABOARD
                 self.waits.note_phase(task, heartbeat, now_s)
+                if task.contract.phase in GOODS_ABOARD and not was_aboard:
+                    self._assessor.docks.forget(task.contract.source, task.work_item)
                 self.failover.on_heartbeat(task, heartbeat, now_s)
                 self._life.settle(now_s)
             elif task.secondary == heartbeat.atv:

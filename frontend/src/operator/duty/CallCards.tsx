@@ -11,8 +11,8 @@ import { world } from "../../stream/stream";
 import { doubtText } from "../goods/DoubtCards";
 import { doubtsOf } from "../goods/doubts";
 import { goodsText } from "../goods/GoodsCards";
-import { isHeld } from "../goods/held";
-import { heldText } from "../goods/HeldCards";
+import { isHeld } from "../../parts/held-task";
+import { heldText, lookText } from "../goods/HeldCards";
 import { moment, station } from "../state";
 import { distanceM } from "../area/region";
 import { answer, callFailed, duty, missed } from "./duty";
@@ -118,7 +118,7 @@ function wrongText({ goods, place, problem, reason }: CallView) {
     const doubt = world.value === null ? undefined : doubtsOf(world.value).find(({ load }) => load === goods);
     if (doubt !== undefined) return <b>{doubtText(doubt)}</b>;
     const task = world.value?.tasks.get(goods);
-    if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${t("held.look")}`}</b>;
+    if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${lookText(task)}`}</b>;
     return <b>{task?.stranded ? `${t(task.item === THING ? "goods.titleThing" : "goods.title", { atv: vehicleName(task.stranded.atv) })}: ${goodsText(task)}` : t("goods.called")}</b>;
   }
   return (

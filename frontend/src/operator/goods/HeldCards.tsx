@@ -11,7 +11,7 @@ import { ended } from "../session/session";
 import { names } from "../state";
 import { heldOf } from "./held";
 
-/** Loads that are perhaps there and not counted: somebody looks, and says what is there. Either is held, for nothing takes it back. */
+/** Loads that are perhaps there and not counted, and docks where vehicles fail: somebody looks, and says what is there. Either is held, for nothing takes it back. */
 export function HeldCards() {
   const tasks = heldOf(world.value?.tasks.values() ?? []);
   if (tasks.length === 0) return null;
@@ -31,18 +31,18 @@ function HeldCard({ task }: { task: TaskView }) {
     <li class="vehicle card machine-need need-help" id={`held-${id}`}>
       <div class="vehicle-body">
         <header>
-          <h2>{t("held.title", { place: placeOf(task.destination) })}</h2>
+          <h2>{titleText(task)}</h2>
           <Tag tone="warn">{id}</Tag>
         </header>
         <div class="vehicle-now">
           <p class="help-what">{heldText(task)}</p>
-          <p class="doing">{t("held.look")}</p>
+          <p class="doing">{lookText(task)}</p>
         </div>
         <div class="vehicle-acts">
-          {([true, false] as const).map((there) => (
+          {answersOf(task).map(({ there, what, more }) => (
             <HoldButton key={String(there)} class="button fault-gone" disabled={disabled} onHeld={() => void sayLoad(coordinator, id, there)}>
-              <b>{t(there ? "command.load_there" : "command.load_missing")}</b>
-              <small>{t(there ? "held.more.there" : "held.more.missing")}</small>
+              <b>{what}</b>
+              <small>{more}</small>
             </HoldButton>
           ))}
         </div>
@@ -52,7 +52,30 @@ function HeldCard({ task }: { task: TaskView }) {
   );
 }
 
+/** What somebody may have seen; at a dock where vehicles fail, the load is at its destination only if people have brought it. */
+function answersOf({ fails_at }: TaskView) {
+  if (fails_at !== "") {
+    return [
+      { there: false, what: t("held.dock.inOrder"), more: t("held.dock.more.inOrder") },
+      { there: true, what: t("held.dock.byHand"), more: t("held.dock.more.byHand") },
+    ];
+  }
+  return [
+    { there: true, what: t("command.load_there"), more: t("held.more.there") },
+    { there: false, what: t("command.load_missing"), more: t("held.more.missing") },
+  ];
+}
+
+function titleText({ destination, fails_at }: TaskView): string {
+  return fails_at === "" ? t("held.title", { place: placeOf(destination) }) : t("held.dock.title", { place: placeOf(fails_at) });
+}
+
 /** What is to be looked for, and where. */
-export function heldText({ destination: place, item, quantity }: TaskView): string {
-  return t("held.what", { quantity: format.count(quantity), item: names.value(item), place: placeOf(place) });
+export function heldText({ destination, fails_at, item, quantity }: TaskView): string {
+  const load = { quantity: format.count(quantity), item: names.value(item) };
+  return fails_at === "" ? t("held.what", { ...load, place: placeOf(destination) }) : t("held.dock.what", load);
+}
+
+export function lookText({ fails_at }: TaskView): string {
+  return t(fails_at === "" ? "held.look" : "held.dock.look");
 }

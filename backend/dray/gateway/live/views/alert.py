@@ -38,6 +38,7 @@ AlertKind = Literal[
     "machine_document",
     "machine_starved",
     "machine_blocked",
+    "dock_fails",
     "dock_not_ready",
     "stock_unknown",
     "load_doubtful",
@@ -124,8 +125,8 @@ class Condition(View, kw_only=True):
 
     kind: AlertKind
     agent: str = ""
-    """The machine, storage or vehicle concerned; for a transport, its carrier. Empty for an order and for the
-    plant as a whole."""
+    """The machine, storage or vehicle concerned; for a transport, its carrier, or the place where carriers fail.
+    Empty for an order and for the plant as a whole."""
     task: str = ""
     order: str = ""
     place: str = ""

@@ -39,7 +39,8 @@ class CauseView(View, kw_only=True):
 
     reason: str = ""
     """A `Reason` of the wire, or an `Implausible` for a statement that is not believed; `anothers_key` for a
-    forged name; `robs_places` for a bad replica of reservation tables."""
+    forged name; `robs_places` for a bad replica of reservation tables; `dock_fails` for a place where vehicle after
+    vehicle fails."""
     detail: str = ""
     """An agent's or person's own words."""
     machines: tuple[FailureView, ...] = ()

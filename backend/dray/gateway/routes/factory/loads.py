@@ -49,7 +49,7 @@ class LoadSeenRequest(BaseModel):
             CommandAnswer("gateway.1-7", done=True),
         ),
         **problems(
-            p403="The load was to go to a place that is not in the caller's areas",
+            p403="The place where somebody has to look is not in the caller's areas",
             p404="There is no such transport",
             p409="The name of the command was used for another one, or who coordinates the transport is shut out",
             p503="Too many commands wait for an answer",
@@ -67,9 +67,10 @@ async def load_seen(
     task: str,
     seen: LoadSeenRequest,
 ) -> Json:
-    """Report whether the load of a held transport (`trouble` is `disputed`) is there.
+    """Report on a held transport: whether its load is there (`trouble` is `disputed`), or that a dock is in order (`dock_fails`).
 
-    The transport then counts as delivered, or is announced anew.
+    The transport then counts as delivered, or is announced anew. After `dock_fails`, `there` is false once the dock
+    is in order, and true if people have brought the load by hand.
     """
     note.detail |= seen.model_dump(mode="json", exclude_none=True)
     note.waits = True
@@ -90,7 +91,7 @@ async def load_seen(
 
 
 def _area_rule(projection: Projection, caller: Principal, view: TaskView) -> None:
-    """Require that the load's destination is in the caller's areas.
+    """Require that the load's destination, or the place where vehicles fail, is in the caller's areas.
 
     Raises:
         Problem: 403, it is elsewhere.
@@ -98,8 +99,8 @@ def _area_rule(projection: Projection, caller: Principal, view: TaskView) -> Non
     plant = projection.site.plant
     if caller.areas is None:
         return
-    known = plant.has_place(view.destination)
-    near = plant.areas_near(*plant.position_of(view.destination), 0.0) if known else ()
+    place = view.fails_at or view.destination
+    near = plant.areas_near(*plant.position_of(place), 0.0) if plant.has_place(place) else ()
     if caller.areas.isdisjoint(near):
         areas = ", ".join(sorted(caller.areas)) or "none"
-        raise forbidden(f"{view.destination} is not in your areas ({areas})")
+        raise forbidden(f"{place} is not in your areas ({areas})")

@@ -5,10 +5,23 @@
 
 from __future__ import annotations
 
-from dray.messages import Accepted, Bid, Implausible, TakenOver, Work
+from dray.messages import (
+    Accepted,
+    AtvHeartbeat,
+    AtvStatus,
+    Bid,
+    Implausible,
+    Link,
+    Reason,
+    TakenOver,
+    Transport,
+    Work,
+)
 from dray.plant import Plant
 from dray.plant.restrictions import OPEN
+from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.contract_net.trust.disbelief import Disbelief
+from dray.protocol.contract_net.trust.dock_failures import DockFailures, Failure
 from dray.protocol.contract_net.trust.plausibility import Plausibility, clock_ahead_s, is_clock_wrong
 from dray.protocol.contract_net.trust.probation import SHORT_S, is_barred
 from dray.protocol.contract_net.trust.reliability import Reliability
@@ -26,12 +39,14 @@ class Assessor:
 
     Attributes:
         reliability: the ratings of contractors.
+        docks: docks at which carriers stood in vain.
     """
 
     def __init__(self, plant: Plant, life: Life) -> None:
         self._plant = plant
         self._plausibility = Plausibility(plant)
         self.reliability = Reliability(life)
+        self.docks = DockFailures()
         self.handling_max_s = self._plausibility.handling_max_s
         """The plant's longest loading or unloading (s)."""
         self._life = life
@@ -66,6 +81,31 @@ class Assessor:
     def surcharge_s(self, bidder: str, now_s: float) -> float:
         """Added to a bid before it is ranked (s)."""
         return self.reliability.surcharge_s(bidder, now_s)
+
+    def stands_in_vain(self, work: Transport, place: str, heartbeat: AtvHeartbeat) -> bool:
+        """Whether a carrier that has stalled says something of a place: it stands at that dock, and nothing is wrong with it.
+
+        A carrier without WLAN, in error, or stopped by a person is held up by that.
+        """
+        if place == work.handed_at or not self._plant.has_place(place):
+            return False
+        held_up = bool(heartbeat.problem) or heartbeat.help is not None or heartbeat.link is not Link.WLAN
+        is_well = heartbeat.status is AtvStatus.WORKING and not held_up
+        return is_well and heartbeat.node == dock_of(self._plant, work, place)
+
+    def note_dock_failure(
+        self, place: str, item: str, reason: Reason, carrier: str, task: str, now_s: float
+    ) -> bool:
+        """Note that a carrier stood at a place in vain. Returns whether the place is at fault, and no vehicle.
+
+        A restricted carrier accuses no place.
+        """
+        if self.reliability.is_restricted(carrier, now_s):
+            return False
+        before = self.docks.note(place, item, reason, Failure(carrier, task))
+        if before is not None:
+            self.reliability.take_back(before.carrier, before.task, now_s)
+        return before is not None
 
     def believed_s(self, work: Work, bid: Bid | None, promised_s: float, now_s: float) -> float:
         """Credible finish time of a contractor (see `Plausibility.believed_s`)."""

@@ -72,8 +72,8 @@ class Rating:
     __slots__ = ("_at_s", "_doubt", "dropped", "restricted")
 
     def __init__(self) -> None:
-        self.dropped: BoundedMap[str, None] = BoundedMap(DROPPED_KEPT)
-        """Tasks that it has dropped or given back."""
+        self.dropped: BoundedMap[str, tuple[float, float]] = BoundedMap(DROPPED_KEPT)
+        """By task that it has dropped or given back: the doubt for that, and its time (plant clock, s)."""
         self._doubt = 0.0
         self._at_s = 0.0
         self.restricted = False
@@ -86,6 +86,20 @@ class Rating:
         """Recompute the doubt and the restriction after a contract."""
         self._doubt, self._at_s = min(doubt, DOUBT_MAX), now_s
         self.look(now_s)
+
+    def note_dropped(self, task: str, blame: float, now_s: float) -> None:
+        """Remember the doubt for a dropped task, so that it can be taken back."""
+        self.dropped[task] = blame + self._left(task, now_s), now_s
+
+    def take_back(self, task: str, now_s: float) -> float:
+        """Forget that it has dropped a task. Returns what is left of the doubt for that."""
+        left = self._left(task, now_s)
+        self.dropped.pop(task, None)
+        return left
+
+    def _left(self, task: str, now_s: float) -> float:
+        blame, at_s = self.dropped.get(task, (0.0, now_s))
+        return float(blame * 0.5 ** (max(0.0, now_s - at_s) / HALF_LIFE_S))
 
     def look(self, now_s: float) -> None:
         """Lift the restriction if enough time has passed."""
@@ -131,13 +145,20 @@ class Reliability:
 
     def note_dropped(self, contractor: str, task: str, reason: Reason, now_s: float) -> None:
         """A contractor has lost an unfinished task."""
-        self._rate(contractor, task, 1.0, BLAME.get(reason, DROPPED_BLAME), reason, now_s).dropped[task] = (
-            None
-        )
+        blame = BLAME.get(reason, DROPPED_BLAME)
+        self._rate(contractor, task, 1.0, blame, reason, now_s).note_dropped(task, blame, now_s)
 
     def note_given_back(self, contractor: str, task: str, reason: Reason, now_s: float) -> None:
         """A contractor has given a contract back."""
-        self._rate(contractor, task, 1.0, GIVEN_BACK_BLAME, reason, now_s).dropped[task] = None
+        blame = GIVEN_BACK_BLAME
+        self._rate(contractor, task, 1.0, blame, reason, now_s).note_dropped(task, blame, now_s)
+
+    def take_back(self, contractor: str, task: str, now_s: float) -> None:
+        """It was not the contractor's fault that it has dropped a task."""
+        rating = self._ratings.get(contractor)
+        if rating is not None and task in rating.dropped:
+            less = rating.take_back(task, now_s)
+            self._rate(contractor, task, 1.0, -less, Reason.DISPUTED, now_s)
 
     def _rate(
         self,
@@ -152,7 +173,8 @@ class Reliability:
         rating = self._ratings.get(contractor)
         if rating is None:
             rating = self._ratings[contractor] = Rating()
-        rating.set(rating.doubt(now_s) * frac + more, now_s)
+        # A contract kept since may have removed part of a doubt that is taken back.
+        rating.set(max(rating.doubt(now_s) * frac + more, 0.0), now_s)
         surcharge_s = DROPPED_S * rating.doubt(now_s)
         if rating.doubt(now_s) < FORGOTTEN:
             del self._ratings[contractor]

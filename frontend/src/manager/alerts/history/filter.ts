@@ -7,7 +7,7 @@ import type { Asked } from "../../views";
 export const KINDS = [
   "plant_behind", "no_strategist", "part_lost", "machine_lost", "machine_error", "station_lost", "gate_lost", "gate_error", "atv_lost", "atv_awaited", "atv_unplaced", "atv_unheard", "call_nobody", "call_unanswered",
   "atv_help", "atv_error", "jam", "order_impossible", "order_waits", "order_late", "overloaded", "machine_shut_out", "station_shut_out",
-  "atv_shut_out", "strategist_lost", "machine_document", "machine_starved", "machine_blocked", "dock_not_ready", "stock_unknown", "load_doubtful", "handover_disputed", "clock_wrong", "word_disbelieved",
+  "atv_shut_out", "strategist_lost", "machine_document", "machine_starved", "machine_blocked", "dock_fails", "dock_not_ready", "stock_unknown", "load_doubtful", "handover_disputed", "clock_wrong", "word_disbelieved",
   "strangers", "goods_stranded", "task_trouble", "atv_waits", "atv_promised", "atv_stopped", "atv_battery", "access_point", "atv_mesh",
 ] as const;
 export const LEVELS = ["alarm", "warning"] as const;

@@ -110,7 +110,7 @@ function Bids({ task }: { task: TaskView }) {
         {why}
         {task.trouble !== null && <span class="tone-warn"> {t("why.trouble", { reason: causeText(task.trouble) })}</span>}
       </p>
-      {task.trouble?.reason === "disputed" && <LoadSeen key={task.id} task={task.id} />}
+      <LoadSeen key={task.id} task={task} />
       <ul class="bids">
         {bids.map((row) => (
           <BidLine key={row.bid.bidder} row={row} parts={parts} mostS={mostS} won={isWon(task)} />

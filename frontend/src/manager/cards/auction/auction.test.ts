@@ -23,7 +23,7 @@ const task = (more: Partial<TaskView>): TaskView => ({
   id: "M8-214", kind: "transport", coordinator: "M8", item: "housing", quantity: 60, sources: ["S4"], source: "S4",
   destination: "M8", order: "", goal: "", epoch: 1, round: 1, radius_m: 30, state: "contracted", phase: "", goods_aboard: false,
   primary: "", secondary: "", opened_at_s: 0, contracted_at_s: null, promised_at_s: null, deadline_at_s: 100,
-  closed_at_s: null, trouble: null, stranded: null, carriers: [], bids: [], refusals: [],
+  closed_at_s: null, trouble: null, fails_at: "", stranded: null, carriers: [], bids: [], refusals: [],
   why: NO_REASON, ...more,
 });
 

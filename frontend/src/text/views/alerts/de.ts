@@ -74,6 +74,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.machine_document": "Dokument unbrauchbar",
   "alertLog.is.machine_starved": "Maschine wartet auf Material",
   "alertLog.is.machine_blocked": "Ware wartet auf Abholung",
+  "alertLog.is.dock_fails": "Fahrzeuge scheitern am Dock",
   "alertLog.is.dock_not_ready": "Dock wird nicht bereit",
   "alertLog.is.stock_unknown": "Bestand unbekannt",
   "alertLog.is.load_doubtful": "Ladung ungewiss",

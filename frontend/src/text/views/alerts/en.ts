@@ -71,6 +71,7 @@ export const alerts = {
   "alertLog.is.machine_document": "Document not usable",
   "alertLog.is.machine_starved": "Machine waits for material",
   "alertLog.is.machine_blocked": "Goods wait to be fetched",
+  "alertLog.is.dock_fails": "Vehicles fail at the dock",
   "alertLog.is.dock_not_ready": "Dock does not get ready",
   "alertLog.is.stock_unknown": "Stock not known",
   "alertLog.is.load_doubtful": "Load in doubt",

@@ -74,6 +74,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.machine_document": "Documento inutilizable",
   "alertLog.is.machine_starved": "Máquina sin material",
   "alertLog.is.machine_blocked": "Mercancía por recoger",
+  "alertLog.is.dock_fails": "Fallos en el muelle",
   "alertLog.is.dock_not_ready": "Muelle no listo",
   "alertLog.is.stock_unknown": "Existencias desconocidas",
   "alertLog.is.load_doubtful": "Carga dudosa",

@@ -315,6 +315,9 @@ def of_transports(tasks: Iterable[TaskView], told: Iterable[Condition]) -> Itera
     for task in tasks:
         if task.trouble is None or task.kind != "transport" or task.stranded is not None:
             continue  # Goods left on board have their own alert.
+        if task.fails_at:
+            yield Condition(kind="dock_fails", agent=task.fails_at, task=task.id)
+            continue
         # Silence has no detail: a lost vehicle's alert says nothing of its transport.
         if not task.trouble.detail or (task.primary, task.trouble.detail) not in tells:
             yield Condition(

@@ -36,6 +36,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "machine_starved": ("warning", "see_to_supply"),
     "machine_document": ("warning", "put_document_right"),
     "machine_blocked": ("warning", "see_to_removal"),
+    "dock_fails": ("alarm", "see_to_dock"),
     "dock_not_ready": ("alarm", "see_to_dock"),
     "stock_unknown": ("alarm", "count_stock"),
     "load_doubtful": ("warning", "count_stock"),

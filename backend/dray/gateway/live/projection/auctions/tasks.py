@@ -232,8 +232,8 @@ class Tasks:
             self._recovered(task, brief, heartbeat)
             trouble = trouble_of(brief)
             stranded = stranded_of(brief, self._order_of(task.goal), self._to_wall_s)
-            if (trouble, stranded) != (task.trouble, task.stranded):
-                task.trouble, task.stranded = trouble, stranded
+            if (trouble, stranded, brief.fails_at) != (task.trouble, task.stranded, task.fails_at):
+                task.trouble, task.stranded, task.fails_at = trouble, stranded, brief.fails_at
                 self._mark(task.id)
 
     def view(self, task: str) -> TaskView | None:
@@ -423,7 +423,7 @@ class Tasks:
         task.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
         task.primary = fact.carrier or task.primary
         task.closed_at_s = self._to_wall_s(event.at_s)
-        task.phase, task.trouble, task.stranded = "", None, None
+        task.phase, task.trouble, task.stranded, task.fails_at = "", None, None, ""
         if fact.promised_s > 0:
             task.promised_at_s = self._to_wall_s(fact.promised_s)
         if task.kind == "transport":

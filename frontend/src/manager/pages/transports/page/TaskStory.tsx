@@ -160,7 +160,7 @@ function Waits({ story: { transport } }: { story: Story }) {
   return (
     <Card title={isHeld ? ofOrders("orderPage.waits") : t("called.vehicle")} class={isHeld ? "order-waits" : ""}>
       {task.trouble !== null && <p class="tone-warn">{causeText(task.trouble)}</p>}
-      {task.trouble?.reason === "disputed" && <LoadSeen key={task.id} task={task.id} />}
+      <LoadSeen key={task.id} task={task} />
       {stands && <WaitNote wait={stands} />}
       {why !== "" && <p class="muted">{why}</p>}
     </Card>

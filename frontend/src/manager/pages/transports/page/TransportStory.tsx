@@ -257,7 +257,7 @@ function Waits({ transport }: { transport: TransportAnswer }) {
       {lines.map((line) => (
         <p key={line} class="tone-warn">{line}</p>
       ))}
-      {task?.trouble?.reason === "disputed" && <LoadSeen key={task.id} task={task.id} />}
+      {task && <LoadSeen key={task.id} task={task} />}
       {stands && <WaitNote wait={stands} />}
       {more.map((line) => (
         <p key={line} class="muted">{line}</p>

@@ -1,0 +1,51 @@
+"""Docks at which one carrier after another stands in vain: then the place is at fault, and no vehicle.
+
+    first failure     held against the carrier, as any other: it may be its fault
+    second failure    by another carrier, of the same load at the same dock, with no load moved there in between:
+                      the place is at fault, and neither failure counts against its vehicle
+
+A carrier has failed if it stalls, and then a person is asked to look (`transports.held`); or if it gives back what a
+storage has promised, because the dock is held. Such a place knows by itself that its dock is not ready (`dock_door`).
+The two do not count together: a dock may be held because others stand there.
+
+One carrier alone, however often it fails, says nothing of a place: it may lie, or be broken. A restarted coordinator
+begins without prejudice, as in `reliability`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from dray.messages import Reason
+from dray.protocol.runtime.bounded_map import BoundedMap
+
+DOCKS_KEPT = 256
+"""Maximum remembered loads at docks: more than one coordinator has transports open. A forgotten one begins anew."""
+
+
+class Failure(NamedTuple):
+    """A carrier that stood at a dock in vain."""
+
+    carrier: str
+    task: str
+
+
+class DockFailures:
+    """What one coordinator's carriers have failed to load or to unload, by place and item."""
+
+    def __init__(self) -> None:
+        self._last: BoundedMap[tuple[str, str, Reason], Failure] = BoundedMap(DOCKS_KEPT)
+
+    def note(self, place: str, item: str, reason: Reason, failure: Failure) -> Failure | None:
+        """A carrier has failed, for `STALLED` or `DOCK_HELD`. Returns the failure of another one before it: the place is at fault; None if there is none."""
+        key = place, item, reason
+        before = self._last.pop(key, None)
+        if before is None or before.carrier == failure.carrier:
+            self._last[key] = failure
+            return None
+        return before
+
+    def forget(self, place: str, item: str) -> None:
+        """Such a load has moved at the dock."""
+        for reason in (Reason.STALLED, Reason.DOCK_HELD):
+            self._last.pop((place, item, reason), None)
