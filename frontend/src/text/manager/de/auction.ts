@@ -66,7 +66,7 @@ export const auction: Catalogue<typeof english> = {
   "reason.out_of_radius": "zu weit weg",
   "reason.no_way": "kein Weg dorthin",
   "reason.closed": "Weg gesperrt",
-  "reason.not_fit": "nicht fahrtüchtig",
+  "reason.not_fit": "nimmt zurzeit keine Arbeit",
   "reason.is_primary": "ist selbst primär",
 
   "why.withdrawn": "{coordinator} hat ihn zurückgezogen.",

@@ -66,7 +66,7 @@ export const auction: Catalogue<typeof english> = {
   "reason.out_of_radius": "demasiado lejos",
   "reason.no_way": "sin camino",
   "reason.closed": "camino cerrado",
-  "reason.not_fit": "no apto",
+  "reason.not_fit": "ahora no acepta trabajo",
   "reason.is_primary": "es el primario",
 
   "why.withdrawn": "{coordinator} lo ha retirado.",
