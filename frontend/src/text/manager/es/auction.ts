@@ -101,7 +101,7 @@ export const auction: Catalogue<typeof english> = {
   "why.takenForOwn": "ya estaba comprometido con otro transporte de {coordinator}",
 
   "answer.busy": "ya tenía otro trabajo",
-  "answer.queue": "había tomado ya otros objetivos",
+  "answer.queue": "había tomado ya otras órdenes de fabricación",
   "answer.silent": "no respondió",
   "answer.late": "ofertó cuando el plazo ya había cerrado",
   "answer.asked": "no ha respondido",
@@ -151,7 +151,7 @@ export const auction: Catalogue<typeof english> = {
   "refusal.command.not_handled": "eso ni se fabrica ni se usa aquí",
   "refusal.command.no_load": "ninguna carga de ese vehículo espera una palabra: alguien ya lo ha dicho",
   "refusal.command.dock_open": "un vehículo lo está cargando o descargando: cuente cuando se haya ido",
-  "refusal.command.not_admitted": "no se admiten tantas piezas de ese objetivo",
+  "refusal.command.not_admitted": "no se admiten tantas piezas de esa orden de fabricación",
   "refusal.command.not_stranded": "sus productos no esperan a nadie",
   "refusal.command.no_such_node": "ningún vehículo puede ir allí",
   "refusal.command.load_aboard": "lleva producto a bordo: quítelo primero",
