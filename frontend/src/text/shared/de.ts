@@ -29,9 +29,9 @@ export const de: Catalogue<typeof en> = {
 
   "machine.title": "Maschine",
   "machine.none": "Wählen Sie eine Maschine im Plan, oder suchen Sie sie beim Namen.",
-  "machine.goal": "Fertigungsauftrag",
+  "machine.goal": "Fertigt",
   "machine.goalOf": "{made} von {quantity}",
-  "machine.noGoal": "keines",
+  "machine.noGoal": "nichts",
   "machine.moreGoals.one": "und {n} weiterer Fertigungsauftrag",
   "machine.moreGoals.other": "und {n} weitere Fertigungsaufträge",
   "machine.needs": "Braucht",

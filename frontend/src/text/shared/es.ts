@@ -29,9 +29,9 @@ export const es: Catalogue<typeof en> = {
 
   "machine.title": "Máquina",
   "machine.none": "Elija una máquina en el plano o búsquela por su nombre.",
-  "machine.goal": "Orden de fabricación",
+  "machine.goal": "Fabrica",
   "machine.goalOf": "{made} de {quantity}",
-  "machine.noGoal": "ninguno",
+  "machine.noGoal": "nada",
   "machine.moreGoals.one": "y {n} orden de fabricación más",
   "machine.moreGoals.other": "y {n} órdenes de fabricación más",
   "machine.needs": "Necesita",
