@@ -1,7 +1,7 @@
 """Beginnings: when a plant's agents began without a memory, all at once, while the history was kept.
 
-That is every start of a simulated factory in one process: its floor is new. What earlier lives had left open ended then. Agents
-with journals continue their work, so no start of theirs is one.
+That is every start of a simulated factory, in one process or as a fleet: its floor is new. What earlier lives had left open ended then. Agents
+that start again beside others continue from their journals, so no start of theirs is one, and no gateway's.
 """
 
 from __future__ import annotations
