@@ -220,4 +220,4 @@ async def test_which_tables_there_are_is_told_and_changes_nothing(store: Store) 
 
 def test_the_migrations_are_found_and_have_one_head() -> None:
     assert (migrations_folder() / "env.py").is_file()
-    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0049"
+    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0050"

@@ -29,6 +29,7 @@ from dray.store.factory.plant_drafts import PlantDrafts
 from dray.store.factory.removals import Removals
 from dray.store.factory.report_targets import ReportTargets
 from dray.store.factory.takeovers import Takeovers
+from dray.store.history.beginnings import Beginning, Beginnings
 from dray.store.history.events import Events
 from dray.store.history.incarnations import Incarnations
 from dray.store.history.samples import Samples
@@ -42,6 +43,7 @@ from dray.store.orders.order_changes import OrderChanges
 from dray.store.orders.order_histories import OrderHistories
 from dray.store.orders.orders import Orders
 from dray.store.orders.products import Products
+from dray.store.orders.progress import progress
 from dray.store.orders.schedules import Schedules
 from dray.store.orders.tasks import Tasks
 from dray.store.orders.tracking_links import Links
@@ -87,6 +89,7 @@ class Work:
         self.shifts = Shifts(connection)
         self.keys = IdempotencyKeys(connection)
         self.incarnations = Incarnations(connection)
+        self.beginnings = Beginnings(connection)
         self.people = People(connection)
         self.sessions = Sessions(connection)
         self.login_links = LoginLinks(connection)
@@ -125,6 +128,29 @@ class Store:
         """The number for agents of this plant that start now; call it once per start."""
         async with self.write() as work:
             return await work.incarnations.next(plant)
+
+    async def begin_anew(self, plant: str, at_s: float) -> int:
+        """The number for all agents of this plant, which start now without a memory; call it once per such start.
+
+        Goals, tasks and transports that earlier lives have left open end, since no agent knows them. Their orders stay open: the
+        factory is asked for what has not arrived.
+
+        Args:
+            plant: the plant.
+            at_s: wall clock.
+        """
+        async with self.write() as work:
+            incarnation = await work.incarnations.next(plant)
+            await work.beginnings.add(Beginning(incarnation, at_s))
+            await work.tasks.end_open(at_s)
+            await work.transports.give_back_open(at_s)
+            await work.goals.end_open(at_s)
+            orders = await work.orders.open()
+            goals_of = await work.goals.of_orders(order.id for order in orders)
+            for order in orders:
+                reached = progress(order.quantities, goals_of[order.id], order.incarnation, order.delivered)
+                await work.orders.advance(order, reached, at_s)
+            return incarnation
 
     async def close(self) -> None:
         """Close the database; harmless when repeated."""

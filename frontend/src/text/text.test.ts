@@ -1,3 +1,4 @@
+import { readdirSync, readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
 import type { Table } from "./catalogue";
 import type { CauseView } from "../api/types";
@@ -199,6 +200,34 @@ describe("texts", () => {
 
 test.each([["en", operatorEn], ["de", operatorDe], ["es", operatorEs]])("a person off duty and a vehicle out of service are not the same word in %s", (_language, words) => {
   expect(words["duty.off"].toLowerCase()).not.toBe(words["command.take_out"].toLowerCase());
+});
+
+describe("one word for each thing", () => {
+  /** Keys of the texts in this language that have a word, in all files. */
+  const keysWith = (language: string, found: RegExp): string[] => {
+    const files = readdirSync(new URL(".", import.meta.url), { recursive: true, encoding: "utf8" });
+    const own = files.filter((file) => file.endsWith(`/${language}.ts`) || file.includes(`/${language}/`));
+    const lines = own.flatMap((file) => readFileSync(new URL(file, import.meta.url), "utf8").split("\n"));
+    return lines.flatMap((line) => {
+      const [, key = "", said = ""] = /^\s*"([^"]+)": "(.*)"/.exec(line) ?? [];
+      return found.test(said) ? [key] : [];
+    });
+  };
+
+  test("in German a goal is a Fertigungsauftrag, a target a Vorgabe, and only a destination a Ziel", () => {
+    expect(keysWith("de", /Fertigungsauftr/).length).toBeGreaterThan(20);
+    expect(keysWith("de", /Ziel(e|en|s)?\b/).sort()).toEqual(["called.refused.not_kept_here", "reason.why.not_counted"]);
+  });
+
+  test("in Spanish a goal is an orden de fabricación, and only a target an objetivo", () => {
+    expect(keysWith("es", /[oó]rden(es)? de fabricación/i).length).toBeGreaterThan(20);
+    const targets = keysWith("es", /objetivo|\bmetas?\b/i);
+    expect(targets.filter((key) => !/^(shift|targets|audit)\./.test(key))).toEqual([]);
+  });
+
+  test.each([["de", managerDe], ["es", managerEs]])("in %s the list of all tasks is not called one of transports", (_language, words) => {
+    expect(words["nav.tasks"]).not.toMatch(/^Transporte/);
+  });
 });
 
 describe("a page's language", () => {

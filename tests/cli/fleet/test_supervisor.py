@@ -13,6 +13,7 @@ from dray.cli.fleet.process_specs import specs_of
 from dray.cli.fleet.supervisor import FleetOptions, _common_environment
 from dray.plant import default_plant
 from dray.settings import Settings
+from dray.store import open_store
 
 Call = Callable[..., tuple[int, str, str]]
 
@@ -72,6 +73,28 @@ def test_controllers_need_what_is_not_always_installed(call: Call, monkeypatch: 
     code, _, err = call("fleet", "up", "--opcua")
     assert code == 2
     assert "dray[opcua]" in err
+
+
+def test_a_fleet_begins_without_a_memory_once_and_no_process_that_starts_later_does(tmp_path: Path) -> None:
+    """What the fleet before it left open has ended; what a gateway finds that starts again goes on."""
+    settings = Settings.load(database_url=f"sqlite:///{tmp_path / 'dray.db'}")
+    options = FleetOptions(
+        settings, default_plant(), tmp_path, speed=1.0, plain=True, demand=False, metrics=False
+    )
+
+    async def fleet_then_gateway() -> list[int]:
+        await _common_environment(options, tmp_path, port=8000)
+        store = await open_store(settings.database_url)
+        try:
+            later = await store.next_incarnation(options.plant.id)
+            async with store.read() as work:
+                begun = [each.incarnation for each in await work.beginnings.all()]
+        finally:
+            await store.close()
+        return [*begun, later]
+
+    assert asyncio.run(fleet_then_gateway()) == [1, 2]
+    assert asyncio.run(fleet_then_gateway()) == [1, 3, 4]
 
 
 def test_what_the_environment_says_of_one_process_is_not_said_of_a_fleet(

@@ -171,6 +171,8 @@ async def _common_environment(options: FleetOptions, folder: Path, port: int) ->
     store = await open_store(settings.database_url)
     try:
         trusted = (await authority_of(store)).public.hex()
+        # The floor is new, and the agents' memories were forgotten; a process that is started again later has its journal.
+        await store.begin_anew(options.plant.id, time.time())
     finally:
         await store.close()
     environment = {

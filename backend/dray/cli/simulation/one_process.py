@@ -120,7 +120,8 @@ async def run_service(
         service = with_stop_port(service, stops)
         store = await open_store(settings.database_url)
         try:
-            incarnation = await store.next_incarnation(service.plant.id)
+            # The floor is new, and no agent of it has a journal.
+            incarnation = await store.begin_anew(service.plant.id, wall.now_s())
             authority = await authority_of(store)
             tracing = stack.enter_context(traced(settings))
             life = _life(service, seed, incarnation, authority, tracing, broker, controllers, live, wall)

@@ -6,7 +6,7 @@ the order. Material is brought for machines, not for orders: its transports are 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Literal
 
 import msgspec
@@ -31,6 +31,7 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
 )
+from dray.store.history.beginnings import Beginning, end_of
 from dray.store.history.events import EventRow
 from dray.store.orders.progress import Goal
 
@@ -52,6 +53,7 @@ MomentKind = Literal[
     "delivered",
     "dropped",
     "returned",
+    "started_anew",
 ]
 
 
@@ -80,7 +82,8 @@ class WayOutView(View, kw_only=True):
     destination: str
     opened_at_s: float
     closed_at_s: float | None = None
-    outcome: Literal["", "delivered", "withdrawn"] = ""
+    outcome: Literal["", "delivered", "withdrawn", "started_anew"] = ""
+    """`started_anew`: the factory was started without a memory of it."""
     legs: tuple[LegView, ...] = ()
     thing: str = ""
     """People's name for it, if it has no master data."""
@@ -113,7 +116,8 @@ class OrderGoalView(View, kw_only=True):
     """Since when its machine makes it, as far as heard here; None while it does not."""
     behind: int = 0
     """Unfinished goals that its machine makes before it."""
-    ended: Literal["", "lost", "withdrawn"] = ""
+    ended: Literal["", "lost", "withdrawn", "started_anew"] = ""
+    """`started_anew`: the factory was started without a memory of it."""
     ended_at_s: float | None = None
     successor: str = ""
     """The goal that continues what was lost."""
@@ -152,7 +156,12 @@ _READ = msgspec.json.Decoder(AnyFact)
 
 
 def timeline(
-    rows: Iterable[EventRow], goals: Iterable[Goal], *, is_whole: bool = True, speed: float = 1.0
+    rows: Iterable[EventRow],
+    goals: Iterable[Goal],
+    *,
+    is_whole: bool = True,
+    speed: float = 1.0,
+    beginnings: Sequence[Beginning] = (),
 ) -> TimelineView:
     """The timeline from these events.
 
@@ -161,8 +170,9 @@ def timeline(
         goals: its goals in SQL.
         is_whole: whether there are no more events.
         speed: plant seconds per wall second.
+        beginnings: the starts of the factory without a memory, oldest first.
     """
-    told = _Timeline(goals, speed)
+    told = _Timeline(goals, speed, beginnings)
     # A simulated plant's clock restarts with every start, while its history is kept.
     in_order = sorted(
         rows, key=lambda each: (each.at_s, each.plant_s, each.agent, each.incarnation, each.number)
@@ -175,14 +185,17 @@ def timeline(
             told.on_moved(fact, row.at_s, row.plant_s)
         else:
             told.on(fact, row.at_s, row.agent)
+            told.note_end(fact, row.incarnation, row.at_s)
     return told.view(is_whole)
 
 
 class _Timeline:
     """The events folded so far."""
 
-    def __init__(self, goals: Iterable[Goal], speed: float) -> None:
-        self._speed = speed
+    def __init__(self, goals: Iterable[Goal], speed: float, beginnings: Sequence[Beginning]) -> None:
+        self._speed, self._beginnings = speed, beginnings
+        self._ends_s: dict[str, float] = {}
+        """Per goal and transport that a beginning of the factory has ended, unless it had ended before: when."""
         self._known = {goal.id: goal for goal in goals}
         self._goals: dict[str, OrderGoalView] = {}
         self._ways: dict[str, WayOutView] = {}
@@ -192,6 +205,37 @@ class _Timeline:
         self._moments: list[MomentView] = []
         self._arrived: dict[str, int] = {}
         """Per goal, pieces reported."""
+
+    def note_end(self, fact: AnyFact, incarnation: int, at_s: float) -> None:
+        """Note when what an agent's life has opened ended with that life."""
+        if isinstance(fact, TaskOpened | GoalContracted):
+            name = fact.task if isinstance(fact, TaskOpened) else fact.goal
+            ends_s = end_of(self._beginnings, incarnation, at_s)
+            if ends_s is not None:
+                self._ends_s.setdefault(name, ends_s)
+
+    def _end_former(self) -> None:
+        """End what a beginning of the factory has left of earlier lives."""
+        moments_s = {each.at_s for each in self._beginnings}
+        ended_s: set[float] = set()
+        for goal in self._goals.values():
+            known = self._known.get(goal.goal)
+            told_s = known.told_at_s if known is not None and known.over else None
+            ends_s = self._ends_s.get(goal.goal, told_s if told_s in moments_s else None)
+            if ends_s is not None and not goal.ended and goal.delivered < goal.quantity:
+                goal.ended, goal.ended_at_s = "started_anew", ends_s
+                goal.promised_at_s = goal.first_promised_at_s = None
+                ended_s.add(ends_s)
+        for task, way in self._ways.items():
+            ends_s = self._ends_s.get(task)
+            if ends_s is not None and way.closed_at_s is None:
+                way.outcome, way.closed_at_s = "started_anew", ends_s
+                self._end_legs(task, ends_s)
+                ended_s.add(ends_s)
+        for ends_s in ended_s:
+            self._say("started_anew", ends_s)
+        if ended_s:
+            self._moments.sort(key=lambda moment: moment.at_s)
 
     def view(self, is_whole: bool) -> TimelineView:
         for task, way in self._ways.items():
@@ -210,6 +254,7 @@ class _Timeline:
                     view.first_promised_at_s = known.promised_at_s
                 else:
                     view.promised_at_s, view.came_before = known.promised_at_s, 0
+        self._end_former()
         return TimelineView(
             goals=tuple(self._goals.values()),
             transports=tuple(self._ways.values()),
@@ -389,7 +434,10 @@ class _Timeline:
     def _on_close(self, fact: TaskClosed, at_s: float) -> None:
         way = self._ways[fact.task]
         way.closed_at_s, way.outcome = at_s, fact.outcome
-        for leg in self._legs.get(fact.task, ()):
+        self._end_legs(fact.task, at_s)
+
+    def _end_legs(self, task: str, at_s: float) -> None:
+        for leg in self._legs.get(task, ()):
             if leg.until_at_s is None:
                 leg.until_at_s = at_s
 

@@ -13,6 +13,7 @@ from dray.gateway.live.views.base import View
 from dray.gateway.orders.timeline import LegView, MomentKind, MomentView, WayOutView, timeline
 from dray.messages import TransportState
 from dray.messages.fact import AwardAnswered, CarrierChanged, PhaseEntered, TaskClosed, TaskOpened
+from dray.store.history.beginnings import Beginning
 from dray.store.history.events import EventRow
 from dray.store.orders.tasks import TaskRow
 from dray.store.orders.transports import TransportRow
@@ -35,7 +36,12 @@ class TransportTimeline(View, kw_only=True):
 
 
 def transport_timeline(
-    row: TransportRow, tasks: Sequence[TaskRow], rows: Iterable[EventRow], *, is_whole: bool = True
+    row: TransportRow,
+    tasks: Sequence[TaskRow],
+    rows: Iterable[EventRow],
+    *,
+    is_whole: bool = True,
+    beginnings: Sequence[Beginning] = (),
 ) -> TransportTimeline:
     """The timeline of a plain transport.
 
@@ -44,8 +50,9 @@ def transport_timeline(
         tasks: its tasks, one per announcement.
         rows: their events, in any order.
         is_whole: whether there are no more events.
+        beginnings: the starts of the factory without a memory, oldest first.
     """
-    told = timeline(rows, ())
+    told = timeline(rows, (), beginnings=beginnings)
     ways = {way.task: way for way in told.transports}
     forgotten = [task for task in tasks if task.id not in ways]
     attempts = [*ways.values(), *(_known(task) for task in forgotten)]
@@ -62,15 +69,22 @@ def transport_timeline(
     )
 
 
-def task_timeline(task: TaskRow, rows: Iterable[EventRow], *, is_whole: bool = True) -> TransportTimeline:
+def task_timeline(
+    task: TaskRow,
+    rows: Iterable[EventRow],
+    *,
+    is_whole: bool = True,
+    beginnings: Sequence[Beginning] = (),
+) -> TransportTimeline:
     """The timeline of a coordinator's own transport: material, or goods to be fetched from it.
 
     Args:
         task: the transport.
         rows: its events, in any order.
         is_whole: whether there are no more events.
+        beginnings: the starts of the factory without a memory, oldest first.
     """
-    told = timeline(rows, ())
+    told = timeline(rows, (), beginnings=beginnings)
     is_known = bool(told.transports)
     moments = [_of_task(task, "called", task.opened_at_s), *(told.moments if is_known else _kept(task))]
     if task.closed_at_s is not None:

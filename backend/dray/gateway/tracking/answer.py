@@ -38,7 +38,17 @@ class TrackAnswer(msgspec.Struct, frozen=True):
     late: Literal["", "maybe", "yes"]
     """Estimate against `due_at`."""
     reasons: tuple[
-        Literal["not_released", "no_machine", "repair", "handed_on", "material", "held_up", "overtaken"], ...
+        Literal[
+            "not_released",
+            "no_machine",
+            "repair",
+            "handed_on",
+            "material",
+            "held_up",
+            "overtaken",
+            "started_anew",
+        ],
+        ...,
     ]
     """Why it waits; empty when it goes on."""
     materials: tuple[str, ...]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import StrEnum
 
 import msgspec
@@ -15,6 +16,7 @@ from dray.gateway.tracking.track import Facts
 from dray.plant.model import MachineSpec
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
 from dray.store import Store
+from dray.store.history.beginnings import Beginning
 from dray.store.orders.orders import Order
 from dray.store.orders.progress import ENDED, Goal
 from dray.store.orders.tracking_links import Link
@@ -94,7 +96,11 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
     site = projection.site
     names = {**site.former, **{product.id: product.name for product in site.plant.file.products}}
     goals = tuple((await work.goals.of_orders([order.id]))[order.id])
-    times = await work.milestones.of_order(order.id)
+    former = ended_by_beginning(goals, await work.beginnings.all())
+    anew_s = max((goal.told_at_s or 0.0 for goal in former), default=0.0)
+    # Of an order that began once more from nothing, only what has happened since counts.
+    is_whole = any(goal.delivered and (goal.told_at_s or 0.0) <= anew_s for goal in goals)
+    times = await work.milestones.of_order(order.id, 0.0 if is_whole else anew_s)
     if order.status in ENDED:
         return Facts(order=order, now_s=now_s, names=names, goals=goals, times=times)
     speed = projection.speed
@@ -110,6 +116,7 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
         names=names,
         goals=goals,
         times=times,
+        former=frozenset(goal.id for goal in former),
         piece_times_s=await work.milestones.piece_times_s(ids),
         doings=doings,
         begun=projection.orders.begun(order.id),
@@ -137,6 +144,12 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
             task.trouble for task in projection.tasks.views() if task.goal in ids and task.kind == "transport"
         ),
     )
+
+
+def ended_by_beginning(goals: Iterable[Goal], beginnings: Iterable[Beginning]) -> tuple[Goal, ...]:
+    """Those goals that ended because the factory was started without a memory of them."""
+    moments_s = {each.at_s for each in beginnings}
+    return tuple(goal for goal in goals if goal.over and goal.told_at_s in moments_s)
 
 
 def _doing(goal: Goal, machine: MachineView | None, heard_s: float) -> Doing:

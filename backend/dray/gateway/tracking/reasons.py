@@ -27,6 +27,8 @@ class Reason(StrEnum):
     """Finished pieces are stuck on their way out."""
     OVERTAKEN = "overtaken"
     """More urgent work came before a part of it, and its machine has moved its promise."""
+    STARTED_ANEW = "started_anew"
+    """The factory was started without a memory of it, so what had not arrived is made once more."""
 
 
 class Doing(StrEnum):
@@ -50,6 +52,7 @@ def reasons(
     held_up: bool,
     lacks: bool,
     overtaken: bool,
+    started_anew: bool = False,
     doings: Sequence[Doing],
 ) -> tuple[Reason, ...]:
     """Why an open order waits; empty when it goes on.
@@ -61,6 +64,7 @@ def reasons(
         held_up: whether a transport of its goods has reported a halt.
         lacks: whether a machine with a part of it waits for material for that part.
         overtaken: whether a part of it waits for more urgent work that came after it.
+        started_anew: whether a part of it ended because the factory was started without a memory of it.
         doings: activities of the machines with unfinished parts.
     """
     if not released:
@@ -75,6 +79,7 @@ def reasons(
             (Reason.MATERIAL, (bool(at_it) or lacks) and Doing.MAKING not in at_it),
             (Reason.HELD_UP, held_up),
             (Reason.OVERTAKEN, overtaken),
+            (Reason.STARTED_ANEW, started_anew),
         )
     )
 

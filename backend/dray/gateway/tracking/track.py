@@ -47,6 +47,8 @@ class Facts(msgspec.Struct, frozen=True, kw_only=True):
     times: OrderTimes = OrderTimes()
     piece_times_s: dict[str, tuple[float, ...]] = {}
     """Per goal, times of its last pieces, oldest first."""
+    former: frozenset[str] = frozenset()
+    """Goals that ended because the factory was started without a memory of them."""
     doings: dict[str, Doing] = {}
     """Per goal, its machine's activity."""
     begun: bool = False
@@ -212,6 +214,7 @@ def _reasons(facts: Facts) -> tuple[Reason, ...]:
         lost=any(goal.lost for goal in facts.goals),
         held_up=facts.held_up,
         lacks=bool(_lacking(facts)),
+        started_anew=bool(facts.former),
         overtaken=any(_is_overtaken(facts, goal) for goal in _making(facts)),
         doings=[facts.doings.get(goal.id, Doing.SILENT) for goal in _making(facts)],
     )
@@ -229,7 +232,11 @@ def _stages(facts: Facts) -> tuple[Stage, ...]:
     arrived = any(item.delivered for item in order.items)
     told = [
         (StageName.PLACED, True, order.created_at_s),
-        (StageName.PLANNED, any(goal.incarnation for goal in facts.goals), times.planned_at_s),
+        (
+            StageName.PLANNED,
+            any(goal.incarnation and goal.id not in facts.former for goal in facts.goals),
+            times.planned_at_s,
+        ),
         (StageName.IN_PRODUCTION, made or facts.begun, times.first_piece_at_s),
         # The same as the order's status says to everybody else.
         (StageName.ON_ITS_WAY, arrived or order.status is OrderStatus.IN_DELIVERY, times.left_at_s),

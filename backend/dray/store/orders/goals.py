@@ -42,6 +42,19 @@ class Goals:
             [{("known" if name == "id" else name): value for name, value in row.items()} for row in rows],
         )
 
+    async def end_open(self, at_s: float) -> None:
+        """End all goals of which pieces have not arrived: their machines know them no more.
+
+        Args:
+            at_s: now (wall clock).
+        """
+        c = goals.c
+        await self._connection.execute(
+            update(goals)
+            .where(c.incarnation > 0, c.machine != "", c.delivered < c.quantity)
+            .values(machine="", quantity=0, promised_at_s=None, told_at_s=at_s)
+        )
+
     async def _select(self, condition: ColumnElement[bool]) -> dict[str, Goal]:
         rows = await self._connection.execute(select(goals).where(condition))
         return {row.id: Goal(**row._mapping) for row in rows}  # noqa: SLF001 - SQLAlchemy's public name

@@ -67,14 +67,19 @@ class Milestones:
     def __init__(self, connection: AsyncConnection) -> None:
         self._connection = connection
 
-    async def of_order(self, order_id: str) -> OrderTimes:
-        """The times of this order's milestones."""
+    async def of_order(self, order_id: str, since_s: float = 0.0) -> OrderTimes:
+        """The times of this order's milestones.
+
+        Args:
+            order_id: the order.
+            since_s: only those reached since then (wall clock).
+        """
         its_goals = select(goals.c.id).where(goals.c.order_id == order_id)
         opened = events.alias("opened")
         its_ways_out = select(opened.c.task).where(
             opened.c.kind == TaskOpened.__name__, opened.c.goal.in_(its_goals)
         )
-        first = select(func.min(events.c.at_s))
+        first = select(func.min(events.c.at_s)).where(events.c.at_s >= since_s)
         planned = first.where(events.c.kind == GoalContracted.__name__, events.c.order_id == order_id)
         made = first.where(events.c.kind == PieceMade.__name__, events.c.goal.in_(its_goals))
         left = first.where(
@@ -87,7 +92,8 @@ class Milestones:
         columns = [order_histories.c[name] for name in OrderTimes.__struct_fields__]
         with_it = select(*columns).where(order_histories.c.order_id == order_id)
         kept = (await self._connection.execute(with_it)).first() or (None, None, None)
-        return OrderTimes(*map(_earlier, logged, kept))
+        of_it = [at_s if at_s is not None and at_s >= since_s else None for at_s in kept]
+        return OrderTimes(*map(_earlier, logged, of_it))
 
     async def piece_times_s(self, of_goals: Collection[str]) -> dict[str, tuple[float, ...]]:
         """The times of the last pieces of each of these goals (wall clock), oldest first."""

@@ -26,6 +26,7 @@ from sqlalchemy import (
     or_,
     select,
     tuple_,
+    update,
 )
 from sqlalchemy.ext.asyncio import AsyncConnection
 
@@ -239,6 +240,19 @@ class Tasks:
         rows = list(known.values())
         await self._find_orders(rows)
         await self._put(rows)
+
+    async def end_open(self, at_s: float) -> None:
+        """End all open tasks: their coordinators know them no more.
+
+        Args:
+            at_s: now (wall clock).
+        """
+        c = tasks.c
+        await self._connection.execute(
+            update(tasks)
+            .where(c.closed_at_s.is_(None))
+            .values(state="withdrawn", closed_at_s=case((c.opened_at_s > at_s, c.opened_at_s), else_=at_s))
+        )
 
     async def _told_before(self, born: Iterable[str]) -> list[Event]:
         """Stored events of tasks whose opening has only come now, as after a fetch."""

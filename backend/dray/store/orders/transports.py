@@ -293,6 +293,26 @@ class Transports:
             update(transports).where(transports.c.id == values.pop("id")).values(**values)
         )
 
+    async def give_back_open(self, at_s: float) -> None:
+        """Take all open ones from their carriers: their destinations know them no more and are asked again.
+
+        Args:
+            at_s: now (wall clock).
+        """
+        c = transports.c
+        await self._connection.execute(
+            update(transports)
+            .where(c.status.in_(_OPEN), c.wait != HELD)
+            .values(
+                status=TransportState.WAITING.value,
+                task="",
+                carrier="",
+                expected_at_s=None,
+                wait="",
+                updated_at_s=at_s,
+            )
+        )
+
     async def follow(self, events: Iterable[Event], to_wall_s: ToWall) -> None:
         """Update the transports by their destinations' events."""
         told = [event for event in events if isinstance(event.fact, TransportProgressed)]

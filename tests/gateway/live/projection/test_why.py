@@ -202,6 +202,26 @@ def test_the_only_bidder_is_called_so_and_refusals_are_counted_by_reason(tell: T
     )
 
 
+def test_those_that_take_no_work_are_counted_by_what_keeps_them_from_it(tell: Teller) -> None:
+    reserve = "in the reserve: the floor has no room for more at work"
+    for name in ("ATV1", "ATV4"):
+        tell(refused(Refusal.NOT_FIT, detail=reserve), by=name)
+    for name, takes_s in (("ATV5", 91), ("ATV3", 120)):
+        detail = f"on probation, and this is not short: it would take {takes_s} s"
+        tell(refused(Refusal.NOT_FIT, detail=detail), by=name)
+    tell(refused(Refusal.NOT_FIT, detail="out of service"), by="ATV6")
+    tell(refused(Refusal.BUSY, detail="T2"), by="ATV7")
+    assert [(each.reason, each.agents, each.detail) for each in tell.why().refused] == [
+        ("not_fit", ("ATV1", "ATV4"), reserve),
+        ("not_fit", ("ATV3", "ATV5"), "on probation, and this is not short: it would take 120 s"),
+        ("busy", ("ATV7",), ""),
+        ("not_fit", ("ATV6",), "out of service"),
+    ]
+    assert tell.why().text == (
+        "Nobody has bid yet. 6 refused: 2 in the reserve, 2 on probation, and this is not short, 1 busy, 1 out of service."
+    )
+
+
 def test_who_refused_at_first_and_bid_later_is_no_refuser(tell: Teller) -> None:
     tell(refused(Refusal.DEADLINE), by="ATV2")
     tell(bid("ATV2", 54.8), answered("ATV2"))

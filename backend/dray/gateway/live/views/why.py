@@ -25,6 +25,8 @@ class RefusedView(View, kw_only=True):
 
     reason: str
     agents: tuple[str, ...]
+    detail: str = ""
+    """What keeps those that are `not_fit` from all work, in the words of one of them; empty for other reasons."""
 
 
 class WhyView(View, kw_only=True):

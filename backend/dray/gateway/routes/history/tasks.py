@@ -221,7 +221,8 @@ async def task_timeline_of(store: Provided[Store], caller: Caller, now_s: NowS, 
         rows = await work.events.of_tasks([task], KINDS, EVENTS_MOST + 1)
         references = await work.orders.references({row.order_id} if row.order_id else set())
         holds = await holds_of(work, (row,), now_s)
-    told = task_timeline(row, rows[:EVENTS_MOST], is_whole=len(rows) <= EVENTS_MOST)
+        beginnings = await work.beginnings.all()
+    told = task_timeline(row, rows[:EVENTS_MOST], is_whole=len(rows) <= EVENTS_MOST, beginnings=beginnings)
     record = _record(row, references.get(row.order_id), holds.get(row.id))
     attempts, moments = told.attempts, told.moments
     if not caller.may(Scope.ORDERS_READ):

@@ -158,11 +158,13 @@ async def order_timeline(
         kept = await work.order_histories.of_order(order)
         links = await work.links.to(order)
         estimates = await work.estimates.of_order(order)
+        beginnings = await work.beginnings.all()
     told = timeline(
         together(kept, rows[:EVENTS_MOST]),
         facts.goals,
         is_whole=len(rows) <= EVENTS_MOST,
         speed=projection.speed,
+        beginnings=beginnings,
     )
     for goal in told.goals:
         _add_present(goal, facts, projection)

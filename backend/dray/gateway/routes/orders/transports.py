@@ -328,7 +328,10 @@ async def transport_timeline_of(
         tasks = await work.tasks.of_transport(transport, ATTEMPTS_MOST)
         rows = await work.events.of_tasks([task.id for task in tasks], KINDS, EVENTS_MOST + 1)
         links = await work.transport_links.to(transport)
-    told = transport_timeline(row, tasks, rows[:EVENTS_MOST], is_whole=len(rows) <= EVENTS_MOST)
+        beginnings = await work.beginnings.all()
+    told = transport_timeline(
+        row, tasks, rows[:EVENTS_MOST], is_whole=len(rows) <= EVENTS_MOST, beginnings=beginnings
+    )
     return Json(
         TransportStory(
             attempts=told.attempts,

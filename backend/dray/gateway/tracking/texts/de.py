@@ -60,6 +60,7 @@ DE = Catalogue(
         "material": "Die Produktion wartet auf Material.",
         "held_up": "Fertige Stücke werden auf dem Weg hinaus aufgehalten.",
         "overtaken": "Dringendere Arbeit kommt vor diesem Auftrag; seine Zeit wurde deshalb verschoben.",
+        "started_anew": "Die Produktion wurde neu gestartet. Was noch nicht geliefert war, wird noch einmal gefertigt.",
     },
     why_material="Die Produktion wartet auf Material: {materials}.",
     parts_title="Was Sie bestellt haben",

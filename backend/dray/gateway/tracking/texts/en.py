@@ -46,6 +46,7 @@ EN = Catalogue(
         "material": "Production waits for material.",
         "held_up": "Finished pieces are held up on their way out.",
         "overtaken": "More urgent work came before this order, so its time was moved.",
+        "started_anew": "The factory was started anew. What had not been delivered is made once more.",
     },
     why_material="Production waits for material: {materials}.",
     parts_title="What you ordered",

@@ -46,6 +46,7 @@ ES = Catalogue(
         "material": "La producción espera material.",
         "held_up": "Hay piezas terminadas retenidas en su camino de salida.",
         "overtaken": "Ha llegado trabajo más urgente antes que este pedido, por eso se ha aplazado.",
+        "started_anew": "La fábrica se ha puesto en marcha de nuevo. Lo que no se había entregado se fabrica otra vez.",
     },
     why_material="La producción espera material: {materials}.",
     parts_title="Lo que ha pedido",

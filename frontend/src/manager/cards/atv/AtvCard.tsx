@@ -85,6 +85,9 @@ function AtvCard({ atv }: { atv: AtvView }) {
         speed={speed}
         problemText={problemText}
       />
+      <div class="recent-place">
+        <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
+      </div>
       <Facts>
         <FaultFacts agent={atv.id} />
         <UpdateFact agent={atv} />
@@ -111,7 +114,6 @@ function AtvCard({ atv }: { atv: AtvView }) {
         </Fact>
         <ClockFact clock={atv.clock} />
       </Facts>
-      <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
       <div class="stock-row battery">
         <span>{t("atv.battery")}</span>
         <Meter

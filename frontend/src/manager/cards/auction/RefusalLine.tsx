@@ -5,12 +5,15 @@ import { t, word } from "../../../text/manager";
 
 /** Who did not bid, and why. */
 export function RefusalLine({ refusal }: { refusal: RefusalView }) {
+  const { detail, reason } = refusal;
+  // What keeps it from all work says more than that something does.
+  const isDetail = reason === "not_fit" && detail !== "";
   return (
     <li class="bid bid-refused">
       <Link kind="atv" id={refusal.agent} />
       <span class="bid-note bid-reason">
-        {t("auction.refused", { reason: word("reason", refusal.reason) })}
-        {refusal.detail && <span class="faint"> · {failureText(refusal.detail)}</span>}
+        {t("auction.refused", { reason: isDetail ? failureText(detail) : word("reason", reason) })}
+        {detail !== "" && !isDetail && <span class="faint"> · {failureText(detail)}</span>}
       </span>
     </li>
   );

@@ -63,7 +63,7 @@ describe("an auction", () => {
 
   test("counts nobody as refusing who is busy and offers to watch: neither in the list nor in the sentence above it", () => {
     const bids = [bid("D", 1), bid("A", 2, 0, { role: "secondary" })];
-    const refused = [{ reason: "busy", agents: ["A", "B"] }];
+    const refused = [{ reason: "busy", agents: ["A", "B"], detail: "" }];
     const shown = task({
       primary: "D", bids, refusals: [refusal("A", "busy"), refusal("B", "busy")],
       why: { ...NO_REASON, kind: "only", agent: "D", total_s: 1, bidders: 1, left: 1, refused },

@@ -3,7 +3,7 @@
  * into the reader's language.
  */
 import type { PassedView, RefusedView, TaskView, WhyView } from "../../../api/types";
-import { reasonText } from "../../../text/failure";
+import { failureText, reasonText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
 import { ofFactoryTime } from "../../../text/plant-time";
 import { watchers } from "./auction";
@@ -23,7 +23,7 @@ export function whyText(task: Pick<TaskView, "why"> & Partial<Pick<TaskView, "bi
 
 /** The sentence says what is seen below it: who offers to watch is not among those that refused. */
 function withoutWatchers(why: WhyView, watching: ReadonlySet<string>): WhyView {
-  const refused = why.refused.map(({ agents, reason }) => ({ reason, agents: agents.filter((agent) => !watching.has(agent)) }));
+  const refused = why.refused.map((each) => ({ ...each, agents: each.agents.filter((agent) => !watching.has(agent)) }));
   return { ...why, refused: refused.filter(({ agents }) => agents.length > 0) };
 }
 
@@ -103,12 +103,15 @@ function refusedText(refused: readonly RefusedView[]): string {
   const count = refused.reduce((sum, { agents }) => sum + agents.length, 0);
   const first = refused[0];
   if (!first) return "";
-  if (count === 1) return t("why.refusedOne", { agent: first.agents[0] ?? "", reason: word("refusal", first.reason) });
-  if (refused.length === 1) return t("why.refusedAll", { count: format.count(count), reason: word("refusal", first.reason) });
-  const reasons = refused.map(({ agents, reason }) =>
-    t("why.refusedBy", { count: format.count(agents.length), reason: word("refusal", reason) }),
-  );
+  if (count === 1) return t("why.refusedOne", { agent: first.agents[0] ?? "", reason: refusalText(first) });
+  if (refused.length === 1) return t("why.refusedAll", { count: format.count(count), reason: refusalText(first) });
+  const reasons = refused.map((each) => t("why.refusedBy", { count: format.count(each.agents.length), reason: refusalText(each) }));
   return t("why.refused", { count: format.count(count), reasons: format.list(reasons) });
+}
+
+/** What keeps them from all work, without the particulars, which their own lines tell; or why they do not take this. */
+function refusalText({ detail, reason }: RefusedView): string {
+  return detail === "" ? word("refusal", reason) : (failureText(detail).split(":")[0] ?? "");
 }
 
 function anewText(why: WhyView): string {

@@ -27,10 +27,18 @@ describe("the sentence says what the gateway found", () => {
   });
 
   test("about the only one, with the refusals by reason", () => {
-    const refused = [{ reason: "busy", agents: ["ATV1", "ATV4"] }, { reason: "battery", agents: ["ATV6"] }];
+    const refused = [{ reason: "busy", agents: ["ATV1", "ATV4"], detail: "" }, { reason: "battery", agents: ["ATV6"], detail: "" }];
     expect(text({ kind: "only", agent: "ATV2", total_s: 54.8, bidders: 1, refused })).toBe(
       "ATV2 was chosen because nobody else bid (54.8 s). 3 refused: 2 busy, 1 with too little battery.",
     );
+  });
+
+  test("about those that take no work, each by what keeps it from that", () => {
+    const reserve = "in the reserve: the floor has no room for more at work";
+    const refused = [{ reason: "not_fit", agents: ["ATV1", "ATV4"], detail: reserve }, { reason: "not_fit", agents: ["ATV6"], detail: "out of service" }];
+    expect(text({ refused })).toBe("Nobody has bid yet. 3 refused: 2 in the reserve, 1 taken out of service.");
+    expect(text({ refused: refused.slice(0, 1) })).toBe("Nobody has bid yet. 2 refused: all of them in the reserve.");
+    expect(text({ refused: refused.slice(1) })).toBe("Nobody has bid yet. ATV6 refused: taken out of service.");
   });
 
   test("about a takeover, and whether it is confirmed", () => {
@@ -61,7 +69,7 @@ test("there are words for everything that the gateway has words for", () => {
   }
   for (const each of words("REFUSALS")) {
     const [reason = "", said = ""] = each.split(": ");
-    expect(text({ refused: [{ reason, agents: ["ATV1"] }] })).toContain(`refused: ${said}.`);
+    expect(text({ refused: [{ reason, agents: ["ATV1"], detail: "" }] })).toContain(`refused: ${said}.`);
   }
   for (const each of words("TIES")) {
     const [tie, said = ""] = each.split(": ");

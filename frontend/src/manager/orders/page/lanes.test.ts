@@ -101,6 +101,20 @@ describe("a carrier's bars", () => {
   });
 });
 
+describe("what a factory left open that was started anew", () => {
+  const ended = { ended: "started_anew", ended_at_s: 250, made: 4, begun_at_s: 150, last_at_s: 180, doing: "", doing_since_at_s: null } as const;
+
+  test("ends there, and promises nothing", () => {
+    expect(barsOfGoal(goal(ended), 900).at(-1)).toEqual({ kind: "waits", fromS: 180, toS: 250 });
+    expect(goalNote(goal(ended), 900)).toBe("4 of 10 made");
+  });
+
+  test("is told with its reason, and by nobody as handed over", () => {
+    const told = transportText(transport([leg({ until_at_s: 250 })], { outcome: "started_anew", closed_at_s: 250 }), 900);
+    expect(told).toMatch(/^ATV1 worked on it until .+ It ended when the factory was started anew\.$/);
+  });
+});
+
 test("transports stand under the goal whose pieces they carry", () => {
   const groups = groupsOf(story({ goals: [goal({}), goal({ goal: "O-1.2" })], transports: [transport([leg({})])] }), 300);
   expect(groups.map((group) => group.transports.length)).toEqual([1, 0]);

@@ -8,7 +8,7 @@ export type Moment = components["schemas"]["MomentView"];
 export type Wanted = "all" | "transports" | "problems";
 
 const OF_TRANSPORTS: ReadonlySet<Moment["kind"]> = new Set(["won", "fetched", "handed_over", "took_over", "announced_anew", "arrived"]);
-const PROBLEMS: ReadonlySet<Moment["kind"]> = new Set(["moved", "waits", "took_over", "announced_anew", "withdrawn", "dropped", "called_off", "cancelled"]);
+const PROBLEMS: ReadonlySet<Moment["kind"]> = new Set(["moved", "waits", "took_over", "announced_anew", "withdrawn", "dropped", "called_off", "cancelled", "started_anew"]);
 
 export function isWanted(moment: Moment, wanted: Wanted): boolean {
   if (wanted === "transports") return OF_TRANSPORTS.has(moment.kind);
@@ -47,13 +47,13 @@ export function transportText(transport: Transport, nowS: number): string {
       return t("leg.replaced", { carrier: leg.carrier, at: format.when(leg.until_at_s ?? leg.since_at_s, nowS), reason: word("reason.why", leg.replaced) });
     }
     if (leg.until_at_s !== null) {
-      const key = transport.outcome === "withdrawn" ? "leg.ended" : "leg.done";
+      const key = transport.outcome === "" || transport.outcome === "delivered" ? "leg.done" : "leg.ended";
       return t(key, { carrier: leg.carrier, at: format.when(leg.until_at_s, nowS), to: placeOf(transport.destination) });
     }
     if (leg.aboard_at_s !== null) return t("leg.carries", { carrier: leg.carrier, at: format.when(leg.aboard_at_s, nowS) });
     return t("leg.fetches", { carrier: leg.carrier, at: format.when(leg.since_at_s, nowS), from: placeOf(transport.source) });
   });
-  if (transport.outcome === "withdrawn") told.push(t("leg.withdrawn"));
+  if (transport.outcome === "withdrawn" || transport.outcome === "started_anew") told.push(t(`leg.${transport.outcome}`));
   else if (transport.closed_at_s === null && transport.legs.every((leg) => leg.until_at_s !== null)) told.push(t("leg.nobody"));
   return told.join(" ");
 }

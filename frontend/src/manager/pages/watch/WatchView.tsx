@@ -13,7 +13,7 @@ import { linkText } from "../../cards/atv/link";
 import { Search } from "../../parts/filters/Search";
 import { ShowLink } from "../../parts/ShowLink";
 import { names } from "../../state";
-import { type Filter, FILTERS, isFound, passes, type Watched, watches, type WatchState } from "./watch";
+import { type Filter, FILTERS, isExposed, isFound, passes, type Watched, watches, type WatchState } from "./watch";
 
 const filter = signal<Filter>("all");
 const words = signal("");
@@ -90,7 +90,7 @@ function Row({ watched }: { watched: Watched }) {
         ) : aboard ? (
           <span class="muted" title={t("watch.aboardHint")}>{t("watch.aboard")}</span>
         ) : (
-          <span class="tone-warn">{t("watch.nobody")}</span>
+          <span class={isExposed(watched) ? "tone-warn" : "muted"}>{t("watch.nobody")}</span>
         )}
       </td>
       <td>{secondary && <Age atv={secondary} />}</td>

@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { AtvView, TaskView } from "../../../api/types";
 import type { World } from "../../../stream/world";
 import { statusCounts } from "../../cards/factory/status";
-import { isFound, passes, watches } from "./watch";
+import { isExposed, isFound, passes, watches } from "./watch";
 
 const NOW_S = 100;
 const task = (id: string, primary: string, more: Partial<TaskView> = {}) =>
@@ -38,6 +38,12 @@ describe("who watches whom", () => {
     expect(shown.map(({ state, task: { primary } }) => [primary, state])).toEqual([
       ["ATV4", "silent"], ["ATV3", "overdue"], ["ATV2", "unwatched"], ["ATV6", "watched"], ["ATV10", "watched"],
     ]);
+  });
+
+  test("warns only where nobody would take over from who may have failed", () => {
+    expect(shown.filter(isExposed).map((each) => each.task.primary)).toEqual(["ATV4"]);
+    const aboard = watches(world([task("M8-7", "ATV4", { goods_aboard: true })], [atv("ATV4", 9)]), NOW_S);
+    expect(aboard.filter(isExposed)).toEqual([]);
   });
 
   test("can be filtered by what is wrong, and by name", () => {

@@ -39,6 +39,11 @@ function stateOf(task: TaskView, carrier: AtvView | null, nowS: number, speed: n
   return task.secondary === "" ? "unwatched" : "watched";
 }
 
+/** Whether its carrier may have failed and nobody is there to take over. While the carrier is heard, nothing is wrong without a watch. */
+export function isExposed({ aboard, state, task }: Watched): boolean {
+  return (state === "silent" || state === "overdue") && task.secondary === "" && !aboard;
+}
+
 export function passes({ state, task }: Watched, filter: Filter): boolean {
   switch (filter) {
     case "all":

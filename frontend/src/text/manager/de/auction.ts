@@ -66,7 +66,7 @@ export const auction: Catalogue<typeof english> = {
   "reason.out_of_radius": "zu weit weg",
   "reason.no_way": "kein Weg dorthin",
   "reason.closed": "Weg gesperrt",
-  "reason.not_fit": "nicht fahrtüchtig",
+  "reason.not_fit": "nimmt zurzeit keine Arbeit",
   "reason.is_primary": "ist selbst primär",
 
   "why.withdrawn": "{coordinator} hat ihn zurückgezogen.",
@@ -101,7 +101,7 @@ export const auction: Catalogue<typeof english> = {
   "why.takenForOwn": "war inzwischen für einen anderen Transport von {coordinator} vergeben",
 
   "answer.busy": "war da schon beschäftigt",
-  "answer.queue": "hatte inzwischen andere Ziele übernommen",
+  "answer.queue": "hatte inzwischen andere Fertigungsaufträge übernommen",
   "answer.silent": "hat nicht geantwortet",
   "answer.late": "bot erst, als die Frist vorbei war",
   "answer.asked": "hat noch nicht geantwortet",
@@ -154,7 +154,7 @@ export const auction: Catalogue<typeof english> = {
   "refusal.command.not_handled": "das wird hier weder gefertigt noch gebraucht",
   "refusal.command.no_load": "keine Ladung dieses Fahrzeugs wartet auf ein Wort: jemand hat sie schon gemeldet",
   "refusal.command.dock_open": "ein Fahrzeug lädt oder entlädt es gerade: zählen Sie, wenn es weg ist",
-  "refusal.command.not_admitted": "so viele Stücke dieses Ziels werden nicht angenommen",
+  "refusal.command.not_admitted": "so viele Stücke dieses Fertigungsauftrags werden nicht angenommen",
   "refusal.command.not_stranded": "seine Ware wartet auf niemanden",
   "refusal.command.no_such_node": "dorthin kann kein Fahrzeug",
   "refusal.command.load_aboard": "die Ware ist an Bord: erst abnehmen",

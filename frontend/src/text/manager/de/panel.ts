@@ -10,7 +10,7 @@ export const panel: Catalogue<typeof english> = {
   "nav.orders": "Aufträge",
   "nav.products": "Produkte",
   "nav.fleet": "Flotte",
-  "nav.tasks": "Transporte",
+  "nav.tasks": "Aufgaben",
   "nav.watch": "Wache",
   "nav.promises": "Zusagen",
   "nav.editor": "Editor",
@@ -159,7 +159,7 @@ export const panel: Catalogue<typeof english> = {
 
   "shutOut.open": "Ausschließen…",
   "shutOut.hint.atv": "Niemand hört {id} mehr: Es soll anhalten, und andere übernehmen seine Arbeit. Das gilt, bis jemand es wieder zulässt.",
-  "shutOut.hint.machine": "Niemand hört {id} mehr, und andere übernehmen ihre Ziele. Das gilt, bis jemand sie wieder zulässt.",
+  "shutOut.hint.machine": "Niemand hört {id} mehr, und andere übernehmen ihre Fertigungsaufträge. Das gilt, bis jemand sie wieder zulässt.",
   "shutOut.reason": "Grund",
   "shutOut.do": "{id} ausschließen",
   "shutOut.keep": "Abbrechen",

@@ -7,7 +7,7 @@ export const story: Catalogue<typeof en> = {
   "story.none": "Wählen Sie etwas auf der Karte oder in einer Liste: Alles, was dazugehört, wird zusammen gezeigt.",
   "story.unknown": "In diesem Werk heißt nichts {id}.",
   "story.transport": "Transport",
-  "story.production": "Ziel",
+  "story.production": "Fertigungsauftrag",
   "story.vehicle": "Fahrzeug",
   "story.standby": "Sekundär",
   "story.machine": "Maschine",

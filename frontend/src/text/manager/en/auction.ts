@@ -63,7 +63,7 @@ export const auction = {
   "reason.out_of_radius": "too far away",
   "reason.no_way": "no way there",
   "reason.closed": "way closed",
-  "reason.not_fit": "not fit",
+  "reason.not_fit": "takes no work at present",
   "reason.is_primary": "is the primary itself",
 
   "why.withdrawn": "{coordinator} has withdrawn it.",

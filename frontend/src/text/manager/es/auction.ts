@@ -66,7 +66,7 @@ export const auction: Catalogue<typeof english> = {
   "reason.out_of_radius": "demasiado lejos",
   "reason.no_way": "sin camino",
   "reason.closed": "camino cerrado",
-  "reason.not_fit": "no apto",
+  "reason.not_fit": "ahora no acepta trabajo",
   "reason.is_primary": "es el primario",
 
   "why.withdrawn": "{coordinator} lo ha retirado.",
@@ -101,7 +101,7 @@ export const auction: Catalogue<typeof english> = {
   "why.takenForOwn": "ya estaba comprometido con otro transporte de {coordinator}",
 
   "answer.busy": "ya tenía otro trabajo",
-  "answer.queue": "había tomado ya otros objetivos",
+  "answer.queue": "había tomado ya otras órdenes de fabricación",
   "answer.silent": "no respondió",
   "answer.late": "ofertó cuando el plazo ya había cerrado",
   "answer.asked": "no ha respondido",
@@ -154,7 +154,7 @@ export const auction: Catalogue<typeof english> = {
   "refusal.command.not_handled": "eso ni se fabrica ni se usa aquí",
   "refusal.command.no_load": "ninguna carga de ese vehículo espera una palabra: alguien ya lo ha dicho",
   "refusal.command.dock_open": "un vehículo lo está cargando o descargando: cuente cuando se haya ido",
-  "refusal.command.not_admitted": "no se admiten tantas piezas de ese objetivo",
+  "refusal.command.not_admitted": "no se admiten tantas piezas de esa orden de fabricación",
   "refusal.command.not_stranded": "sus productos no esperan a nadie",
   "refusal.command.no_such_node": "ningún vehículo puede ir allí",
   "refusal.command.load_aboard": "lleva producto a bordo: quítelo primero",

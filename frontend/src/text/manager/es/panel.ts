@@ -10,7 +10,7 @@ export const panel: Catalogue<typeof english> = {
   "nav.orders": "Pedidos",
   "nav.products": "Productos",
   "nav.fleet": "Flota",
-  "nav.tasks": "Transportes",
+  "nav.tasks": "Tareas",
   "nav.watch": "Vigilancia",
   "nav.promises": "Promesas",
   "nav.editor": "Editor",
@@ -159,7 +159,7 @@ export const panel: Catalogue<typeof english> = {
 
   "shutOut.open": "Excluir…",
   "shutOut.hint.atv": "Nadie escucha ya a {id}: se le pide que pare y otros asumen su trabajo. Vale hasta que alguien lo readmita.",
-  "shutOut.hint.machine": "Nadie escucha ya a {id}, y otras asumen sus objetivos. Vale hasta que alguien la readmita.",
+  "shutOut.hint.machine": "Nadie escucha ya a {id}, y otras asumen sus órdenes de fabricación. Vale hasta que alguien la readmita.",
   "shutOut.reason": "Motivo",
   "shutOut.do": "Excluir {id}",
   "shutOut.keep": "Cancelar",

@@ -7,7 +7,7 @@ export const story: Catalogue<typeof en> = {
   "story.none": "Elija algo en el plano o en una lista: se muestra junto todo lo que le pertenece.",
   "story.unknown": "En esta planta nada se llama {id}.",
   "story.transport": "Transporte",
-  "story.production": "Meta",
+  "story.production": "Orden de fabricación",
   "story.vehicle": "Vehículo",
   "story.standby": "Secundario",
   "story.machine": "Máquina",

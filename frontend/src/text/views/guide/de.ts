@@ -43,5 +43,5 @@ export const guide: Catalogue<typeof en> = {
   "tour.2.head": "Warum dieses Fahrzeug?",
   "tour.2.text": "Niemand disponiert. Unter der Karte steht, wer für den gewählten Transport geboten hat, zu welchem Preis, und warum einer genommen wurde.",
   "tour.3.head": "Was Sie braucht.",
-  "tour.3.text": "Meldungen sagen, was nicht stimmt und was zu tun ist. Aufträge, Transporte und wer was getan hat stehen oben in den Listen, so weit sie zurückreichen.",
+  "tour.3.text": "Meldungen sagen, was nicht stimmt und was zu tun ist. Aufträge, Aufgaben und wer was getan hat stehen oben in den Listen, so weit sie zurückreichen.",
 };

@@ -43,5 +43,5 @@ export const guide: Catalogue<typeof en> = {
   "tour.2.head": "¿Por qué este vehículo?",
   "tour.2.text": "Nadie reparte el trabajo. Bajo el plano se ve quién ofertó por el transporte elegido, a qué precio y por qué se tomó uno.",
   "tour.3.head": "Lo que le necesita.",
-  "tour.3.text": "Los avisos dicen qué va mal y qué hacer. Pedidos, transportes y quién hizo qué están en las listas de arriba, hasta donde se guardan.",
+  "tour.3.text": "Los avisos dicen qué va mal y qué hacer. Pedidos, tareas y quién hizo qué están en las listas de arriba, hasta donde se guardan.",
 };

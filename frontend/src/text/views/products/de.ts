@@ -3,7 +3,7 @@ import type { Catalogue } from "../../catalogue";
 import type { products as en } from "./en";
 
 export const products: Catalogue<typeof en> = {
-  "products.hint": "Was hier bestellt werden kann. Eine Änderung ist eine neue Fassung: Ziele in Arbeit behalten ihre.",
+  "products.hint": "Was hier bestellt werden kann. Eine Änderung ist eine neue Fassung: Fertigungsaufträge in Arbeit behalten ihre.",
   "products.none": "Keine Produkte.",
   "products.loading": "Produkte werden gelesen",
   "products.unread": "Die Produkte konnten nicht gelesen werden: {reason}",

@@ -3,7 +3,7 @@ import type { Catalogue } from "../../catalogue";
 import type { products as en } from "./en";
 
 export const products: Catalogue<typeof en> = {
-  "products.hint": "Lo que se puede pedir aquí. Un cambio es otra revisión: los objetivos en curso conservan la suya.",
+  "products.hint": "Lo que se puede pedir aquí. Un cambio es otra revisión: las órdenes de fabricación en curso conservan la suya.",
   "products.none": "Ningún producto.",
   "products.loading": "Leyendo los productos",
   "products.unread": "No se pudieron leer los productos: {reason}",

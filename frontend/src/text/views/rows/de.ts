@@ -115,7 +115,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.needed_by_order": "Aufträge, die nicht beendet sind, brauchen es: {count} ({names}). Stornieren oder warten, bis sie beendet sind.",
   "rowFault.needed_by_transport": "Transporte, die nicht beendet sind, bringen es: {count} ({names}). Abbrechen oder warten, bis sie beendet sind.",
   "rowFault.needed_by_schedule": "Wiederkehrendes braucht es: {count} ({names}). Ändern oder entfernen.",
-  "rowFault.needed_by_machine": "Maschinen haben ein Ziel dafür oder machen es von sich aus: {count} ({names}). Warten, bis es gemacht ist.",
+  "rowFault.needed_by_machine": "Maschinen haben einen Fertigungsauftrag dafür oder machen es von sich aus: {count} ({names}). Warten, bis es gemacht ist.",
   "rowFault.needed_by_product": "Es ist Teil anderer Produkte: {count} ({names}). Auch diese ändern oder entfernen.",
   "rowFault.definition_too_large": "Mit Stückliste, Maschinen und Dokumenten ist das Produkt zu groß ({size} von {most} Byte). Weniger nennen oder kürzere Adressen.",
   "rowFault.missing": "Das fehlt. Ausfüllen.",

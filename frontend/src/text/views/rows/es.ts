@@ -115,7 +115,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.needed_by_order": "Lo necesitan pedidos sin terminar: {count} ({names}). Cancélelos o espere a que terminen.",
   "rowFault.needed_by_transport": "Lo llevan transportes sin terminar: {count} ({names}). Cancélelos o espere a que terminen.",
   "rowFault.needed_by_schedule": "Lo necesita trabajo que se repite: {count} ({names}). Cámbielo o elimínelo.",
-  "rowFault.needed_by_machine": "Hay máquinas con un objetivo para él, o que lo hacen por sí mismas: {count} ({names}). Espere a que esté hecho.",
+  "rowFault.needed_by_machine": "Hay máquinas con una orden de fabricación para él, o que lo hacen por sí mismas: {count} ({names}). Espere a que esté hecho.",
   "rowFault.needed_by_product": "Es parte de otros productos: {count} ({names}). Cambie o elimine también estos.",
   "rowFault.definition_too_large": "Con su lista de materiales, máquinas y documentos el producto es demasiado grande ({size} de {most} bytes). Indique menos o direcciones más cortas.",
   "rowFault.missing": "Falta este dato. Rellénelo.",

@@ -54,7 +54,7 @@ export const transports: Catalogue<typeof en> = {
   "called.wantedIs": "{vehicle}: {why}",
   "called.page.failed": "Der Transport konnte nicht gelesen werden: {reason}",
   "called.page.all": "Alle einfachen Transporte",
-  "called.task.all": "Alle Transporte",
+  "called.task.all": "Alle Aufgaben",
   "called.page.what": "{load}: {from} → {to}",
   "called.page.lanes": "Transport und Übergaben",
   "called.page.none": "Er ist noch keinem Fahrzeug angeboten worden.",

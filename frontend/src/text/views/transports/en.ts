@@ -52,7 +52,7 @@ export const transports = {
   "called.wantedIs": "{vehicle}: {why}",
   "called.page.failed": "The transport could not be read: {reason}",
   "called.page.all": "All plain transports",
-  "called.task.all": "All transports",
+  "called.task.all": "All tasks",
   "called.page.what": "{load}: {from} → {to}",
   "called.page.lanes": "Transport and hand-overs",
   "called.page.none": "It has not been offered to any vehicle yet.",

@@ -54,7 +54,7 @@ export const transports: Catalogue<typeof en> = {
   "called.wantedIs": "{vehicle}: {why}",
   "called.page.failed": "No se ha podido leer el transporte: {reason}",
   "called.page.all": "Todos los transportes sueltos",
-  "called.task.all": "Todos los transportes",
+  "called.task.all": "Todas las tareas",
   "called.page.what": "{load}: {from} → {to}",
   "called.page.lanes": "Transporte y entregas",
   "called.page.none": "Todavía no se ha ofrecido a ningún vehículo.",

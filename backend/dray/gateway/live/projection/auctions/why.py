@@ -7,8 +7,17 @@ either gave no contract when asked, or bid after the window and was never asked.
 
 from __future__ import annotations
 
-from dray.gateway.live.projection.auctions.why_text import why_text
-from dray.gateway.live.views import BidView, CarrierView, PassedView, RefusedView, TaskView, WhyView
+from dray.gateway.live.projection.auctions.why_text import brief, why_text
+from dray.gateway.live.views import (
+    BidView,
+    CarrierView,
+    PassedView,
+    RefusalView,
+    RefusedView,
+    TaskView,
+    WhyView,
+)
+from dray.messages import Refusal
 from dray.protocol.contract_net.auction_rules import rank
 
 TIE_S = 0.05
@@ -141,14 +150,26 @@ def _declined(bid: BidView) -> bool:
 
 
 def _refused(task: TaskView, epoch: int, bidders: set[str]) -> tuple[RefusedView, ...]:
-    """The last refusal of every agent without a bid, by reason; the most frequent reason first."""
+    """The last refusal of every agent without a bid, by reason; the most frequent reason first.
+
+    Those that take no work at all are told apart by what keeps them from it: a stop is another reason than the reserve.
+    """
     last = {
-        refusal.agent: refusal.reason
+        refusal.agent: refusal
         for refusal in task.refusals
         if refusal.role == "primary" and refusal.epoch == epoch and refusal.agent not in bidders
     }
-    agents: dict[str, list[str]] = {}
-    for agent, reason in last.items():
-        agents.setdefault(reason, []).append(agent)
-    ranked = sorted(agents.items(), key=lambda each: (-len(each[1]), each[0]))
-    return tuple(RefusedView(reason=reason, agents=tuple(sorted(names))) for reason, names in ranked)
+    groups: dict[tuple[str, str], list[RefusalView]] = {}
+    for agent in sorted(last):
+        refusal = last[agent]
+        cause = brief(refusal.detail) if refusal.reason == Refusal.NOT_FIT else ""
+        groups.setdefault((refusal.reason, cause), []).append(refusal)
+    ranked = sorted(groups.items(), key=lambda each: (-len(each[1]), each[0]))
+    return tuple(
+        RefusedView(
+            reason=reason,
+            agents=tuple(refusal.agent for refusal in group),
+            detail=group[0].detail if cause else "",
+        )
+        for (reason, cause), group in ranked
+    )

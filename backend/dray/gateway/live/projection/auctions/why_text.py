@@ -165,7 +165,14 @@ def _refused(refused: Sequence[RefusedView]) -> str:
     return f" {count} refused: {reasons}."
 
 
+def brief(detail: str) -> str:
+    """An agent's words without their particulars, which follow a colon."""
+    return detail.partition(":")[0]
+
+
 def _reason(refused: RefusedView) -> str:
+    if refused.detail:
+        return brief(refused.detail)
     return REFUSALS.get(refused.reason, refused.reason.replace("_", " "))
 
 
