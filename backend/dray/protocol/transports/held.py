@@ -78,8 +78,9 @@ class HeldTransports:
         return None
 
     def place_m(self, task: str) -> tuple[float, float] | None:
-        """Where a person looks (x, y) in m: at the destination of a held transport, where its carriers fail, or at this place for a
-        doubtful load; None if it is neither.
+        """Where a person looks (x, y) in m; None for what is not asked for.
+
+        That is the destination of a held transport, or where its carriers fail; this place for a doubtful load.
         """
         held = self._held(task)
         if self._visits.doubts.get(task) is not None:
