@@ -34,8 +34,8 @@ from zenoh.handlers import Callback
 from dray.adapters.crossing import Crossing
 from dray.adapters.security.letters import Letters, Place
 from dray.adapters.security.seals import Seals
+from dray.adapters.spares import Spares
 from dray.adapters.zenoh.shares import TALKATIVE, Shares, ShareSpentError
-from dray.adapters.zenoh.spares import Spares
 from dray.adapters.zenoh.stamp import Stamp, Tally, read_stamp, write_stamp
 from dray.adapters.zenoh.tokens import NO_LIFE, Token, Tokens
 from dray.codec import decode_with_context, encode

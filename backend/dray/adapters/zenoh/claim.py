@@ -13,8 +13,8 @@ from collections.abc import Callable
 
 import zenoh
 
+from dray.adapters.spares import Spares
 from dray.adapters.zenoh.bus import ZenohBus
-from dray.adapters.zenoh.spares import Spares
 from dray.adapters.zenoh.tokens import Tokens
 
 

@@ -19,9 +19,9 @@ from pathlib import Path
 import msgspec
 import zenoh
 
+from dray.adapters.spares import Spares
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.shares import Shares
-from dray.adapters.zenoh.spares import Spares
 from dray.adapters.zenoh.stamp import Tally
 from dray.messages import ShutOut
 

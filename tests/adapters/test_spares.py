@@ -10,14 +10,22 @@ from dataclasses import dataclass
 
 import pytest
 import zenoh
-from zenoh_kit import LEASE_S, PATIENCE_S, Row, free_address
+from floor_house import ATV, PLANT, SPEED, way_of
+from floor_house import Listener as FloorListener
+from zenoh_kit import LEASE_S, PATIENCE_S, Row, free_address, run_patiently
 
-from dray.adapters.zenoh import spares
+from dray.adapters import spares
+from dray.adapters.remote_body import RemoteBody
+from dray.adapters.remote_body.wire import body_key
+from dray.adapters.spares import Spares, other_form
 from dray.adapters.zenoh.bus import ZenohBus, ZenohSession
 from dray.adapters.zenoh.claim import Claim
 from dray.adapters.zenoh.links import Links
-from dray.adapters.zenoh.spares import Spares, other_form
+from dray.body import Drive, WayDone
 from dray.messages import Message, OrderTaken
+from dray_sim.bodies.floor import Floor
+from dray_sim.clock.loop import clock
+from dray_sim.remote import FloorServer
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,10 +33,16 @@ class ForgetfulLinks(Links):
     """Links of a router that has lost others' declarations of some keys."""
 
     subscriptions: tuple[str, ...] = ()
+    queryables: tuple[str, ...] = ()
     tokens: tuple[str, ...] = ()
 
     def config(self) -> zenoh.Config:
-        lost = {"declare_subscriber": self.subscriptions, "liveliness_token": self.tokens}
+        all_lost = {
+            "declare_subscriber": self.subscriptions,
+            "declare_queryable": self.queryables,
+            "liveliness_token": self.tokens,
+        }
+        lost = {message: keys for message, keys in all_lost.items() if keys}
         rules = [
             {
                 "id": message,
@@ -100,6 +114,29 @@ def test_a_router_that_has_lost_declarations_is_told_of_their_spares() -> None:
                             speaker.publish(SAID_ON[word], OrderTaken(order=word))
 
     asyncio.run(main())
+
+
+def test_a_body_is_found_and_used_over_routers_that_have_lost_both_sides_declarations() -> None:
+    async def main() -> None:
+        address, key = free_address(), body_key(PLANT.id, ATV)
+        floor_links = ForgetfulLinks(
+            listen=(address,), plain=True, lease_s=LEASE_S, subscriptions=(f"{key}/told",)
+        )
+        agent_links = ForgetfulLinks(
+            peers=(address,), plain=True, lease_s=LEASE_S, subscriptions=(f"{key}/do",), queryables=(key,)
+        )
+        with closing(floor_links.open()) as there, closing(agent_links.open()) as here:
+            server = FloorServer(there, PLANT.id, Floor(PLANT, clock(), seed=1))
+            serving = asyncio.create_task(server.run())
+            body = RemoteBody(here, PLANT.id, ATV, 1)
+            await body.connect()
+            listener, way = FloorListener(body), way_of(ATV)
+            body.instruct(Drive(order=1, nodes=way, released=len(way)))
+            await listener.until(WayDone)
+            serving.cancel()
+            server.end()
+
+    run_patiently(main(), SPEED)
 
 
 TURNS = 60
