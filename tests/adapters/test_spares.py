@@ -7,9 +7,11 @@ import json
 from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 
 import pytest
 import zenoh
+import zenoh_kit
 from floor_house import ATV, PLANT, SPEED, way_of
 from floor_house import Listener as FloorListener
 from zenoh_kit import LEASE_S, PATIENCE_S, Row, free_address, run_patiently
@@ -137,6 +139,27 @@ def test_a_body_is_found_and_used_over_routers_that_have_lost_both_sides_declara
             server.end()
 
     run_patiently(main(), SPEED)
+
+
+def test_the_test_kit_waits_for_the_spare_of_a_declaration_that_a_router_has_lost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(spares, "RENEWED_S", 0.3)
+    monkeypatch.setattr(zenoh_kit, "Links", partial(ForgetfulLinks, subscriptions=("p/agent/@A",)))
+
+    async def main() -> None:
+        row = Row(3)
+        here, _, there = row.buses
+        try:
+            listener, speaker = Listener(there), here.join("S", lambda *_: None, 1)
+            await row.settle()
+            speaker.send("A", OrderTaken(order="1"))
+            await row.settle()
+            assert listener.heard == ["1"]
+        finally:
+            row.close()
+
+    asyncio.run(main())
 
 
 TURNS = 60
