@@ -251,7 +251,7 @@ def test_who_holds_a_claim_does_not_lose_it_to_its_own_spare_and_a_later_one_doe
 
 
 @pytest.mark.usefixtures("quick")
-def test_the_first_spare_is_made_anew_in_every_second_turn_and_the_others_in_between(
+def test_the_first_spare_is_made_anew_in_every_turn_and_the_others_in_turn(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async def main() -> None:

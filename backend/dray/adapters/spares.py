@@ -19,7 +19,8 @@ import zenoh
 from zenoh.handlers import Callback, RingChannel
 
 RENEWED_S = 5.0
-"""Time between two turns, each of one spare (s). In a plant of 300 agents a process takes in 120 messages a second of these."""
+"""Time between two turns, each of two spares (s). In a plant of 300 agents a process takes in 240 messages a second of these,
+and three times as many with a simulated floor. One costs it 0.03 ms."""
 
 ANY = "/**"
 
@@ -42,7 +43,7 @@ def other_form(pattern: str) -> str:
 class Spares:
     """The spares of one session's declarations, by key. Each is first made in its first turn: who leaves sooner needs none.
 
-    Every second turn is the first spare's, as of an agent's own key: answers depend on it. The others share the rest.
+    Each turn is the first spare's, as of an agent's own key, because answers depend on it, and one other spare's.
 
     Turns are on the loop on which it was created. They end with the Zenoh session.
 
@@ -90,6 +91,10 @@ class Spares:
     def _keep(self, key: str, make: Callable[[], Declaration]) -> None:
         self._makes[key] = make
 
+    def _renew(self, key: str) -> None:
+        self._undeclare(key)
+        self._made[key] = self._makes[key]()
+
     def _undeclare(self, key: str) -> None:
         made = self._made.pop(key, None)
         if made is not None:
@@ -104,11 +109,10 @@ class Spares:
                 return
             if self._makes:
                 first, *others = self._makes
-                place, is_others = divmod(self._turns, 2)
+                self._renew(first)
+                if others:
+                    self._renew(others[self._turns % len(others)])
                 self._turns += 1
-                key = others[place % len(others)] if others and is_others else first
-                self._undeclare(key)
-                self._made[key] = self._makes[key]()
         self._turn_later()
 
 
