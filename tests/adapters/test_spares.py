@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import pytest
 import zenoh
@@ -198,6 +199,12 @@ def test_a_router_that_has_the_declarations_loses_and_doubles_nothing_when_their
     asyncio.run(main())
 
 
+def has_ear(publisher: zenoh.Publisher) -> bool:
+    """Whether any router wants what is said there."""
+    status: Any = publisher.matching_status  # Zenoh's stub says that it is a bool.
+    return bool(status.matching)
+
+
 @pytest.mark.usefixtures("quick")
 def test_what_is_withdrawn_is_not_made_again_and_takes_its_spare_with_it() -> None:
     async def main() -> None:
@@ -210,14 +217,14 @@ def test_what_is_withdrawn_is_not_made_again_and_takes_its_spare_with_it() -> No
                 while not {"p/k", "p/agent/@A"} <= set(listener.session._spares._made):
                     await row.settle()
                 await row.settle()
-                assert other.matching_status.matching
+                assert has_ear(other)
                 listener.session.unsubscribe("p/k")
                 await row.settle()
-                assert not other.matching_status.matching
-                assert own.matching_status.matching
+                assert not has_ear(other)
+                assert has_ear(own)
                 listener.session.leave()
                 await row.settle()
-                assert not own.matching_status.matching
+                assert not has_ear(own)
                 assert "A" not in await here.agents_present()
         finally:
             other.undeclare()

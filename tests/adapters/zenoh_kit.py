@@ -168,7 +168,8 @@ def _has_way(bus: ZenohBus, session: ZenohSession) -> bool:
     """Whether what is said here to the agent alone is passed on to it."""
     publisher = bus.inner.declare_publisher(bus.keys.addressed(session.agent))
     try:
-        return publisher.matching_status.matching
+        status: Any = publisher.matching_status  # Zenoh's stub says that it is a bool.
+        return bool(status.matching)
     finally:
         publisher.undeclare()
 
