@@ -6,7 +6,7 @@ import asyncio
 import selectors
 import socket
 import time
-from collections.abc import Callable, Coroutine, Iterable, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
@@ -87,9 +87,21 @@ class Row:
 
         Every computer says a marker, which goes the way of all that was said before it, until every other
         one has heard it; and then another one, for what the first has met on its way and others pass on.
+        A router may lose an agent's declaration all the same (`dray.adapters.spares`), and is told of its spare.
         """
         for _ in range(2):
             await self._say_round()
+        async with asyncio.timeout(PATIENCE_S):
+            while not all(_has_way(bus, session) for bus, session in self._strangers()):
+                await asyncio.sleep(AGAIN_S)
+                await self._say_round()
+
+    def _strangers(self) -> Iterator[tuple[ZenohBus, ZenohSession]]:
+        """Each computer with each agent of another one."""
+        for bus in self.buses:
+            for other in self.buses:
+                if other is not bus:
+                    yield from ((bus, session) for session in tuple(other._sessions.values()))
 
     async def _say_round(self) -> None:
         self._round += 1
@@ -150,6 +162,16 @@ class Row:
             self._marks.add((place, sender))
             if len(self._marks) == len(self.buses) ** 2:
                 self._complete.set()
+
+
+def _has_way(bus: ZenohBus, session: ZenohSession) -> bool:
+    """Whether what is said here to the agent alone is passed on to it."""
+    publisher = bus.inner.declare_publisher(bus.keys.addressed(session.agent))
+    try:
+        status: Any = publisher.matching_status  # Zenoh's stub says that it is a bool.
+        return bool(status.matching)
+    finally:
+        publisher.undeclare()
 
 
 def _has_met(bus: ZenohBus, session: ZenohSession) -> bool:

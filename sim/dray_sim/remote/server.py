@@ -28,6 +28,7 @@ from dray.adapters.remote_body.wire import (
     moved_key,
     to_part,
 )
+from dray.adapters.spares import Spares
 from dray.body import Report
 from dray.errors import PlantError
 from dray.ports import Body
@@ -113,9 +114,15 @@ class FloorServer:
         self._served = [
             self._serve(agent, body) for agent, body in floor.bodies.items() if agent not in others
         ]
-        session.declare_queryable(added_key(plant), _answering(self._crossing, self._receive))
-        session.declare_queryable(moved_key(plant), _answering(self._crossing, self._follow))
-        session.declare_queryable(pieces_key(plant), _answering(self._crossing, self._count))
+        self._spares = Spares(session)
+        answers = {
+            added_key(plant): self._receive,
+            moved_key(plant): self._follow,
+            pieces_key(plant): self._count,
+        }
+        for key, answer in answers.items():
+            session.declare_queryable(key, _answering(self._crossing, answer))
+            self._spares.of_queryable(key)
 
     async def run(self) -> None:
         """Tell how all bodies are, until cancelled."""
@@ -129,8 +136,9 @@ class FloorServer:
 
     def end(self) -> None:
         """Let no agent have a body any more; its session may be closed then."""
+        self._spares.end()
         for served in self._served:
-            served.let_go()
+            served.end()
 
     @property
     def traffic(self) -> Traffic:
@@ -210,6 +218,9 @@ class _Served:
         self.refused = 0
         session.declare_queryable(key, _answering(crossing, self._answer))
         session.declare_subscriber(f"{key}/do", Callback(self._on_sample, indirect=False))
+        self._spares = Spares(session)
+        self._spares.of_queryable(key)
+        self._spares.of_subscription(f"{key}/do")
         body.attach(self._report)
 
     @property
@@ -239,6 +250,11 @@ class _Served:
     def let_go(self) -> None:
         """Stop reporting and obeying, until the next life takes it over."""
         self._life = NO_LIFE
+
+    def end(self) -> None:
+        """Let go for good."""
+        self._spares.end()
+        self.let_go()
 
     def _report(self, report: Report) -> None:
         if self._exchange.full:

@@ -31,6 +31,16 @@ ITS_OWN = ("p/hb/atv/ATV1", "p/hb/atv/ATV2", "p/event/ATV1", "p/dwell-point/P1",
 """What a vehicle says, for another one too."""
 
 
+LETTERS = (
+    "p/agent/@strategist",
+    "p/agent/@strategist/**",
+    "p/*/@strategist",
+    "**/@strategist",
+    "**/@strategist/**",
+)
+"""Patterns of the letters to a wired process: its own one, that of its spare, and what a thief might try."""
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return issued(tmp_path_factory.mktemp("certificates"), AGENTS)
@@ -80,7 +90,7 @@ def test_what_is_a_wired_processs_own_comes_in_over_no_link_with_a_vehicle(
                 house.declare_subscriber("p/**", at_house.callback),
                 house.declare_subscriber("p/agent/@M1", at_house.callback),
                 house.liveliness().declare_subscriber("p/alive/**", tokens.callback, history=True),
-                there.declare_subscriber("p/agent/@strategist", at_guest.callback),
+                *(there.declare_subscriber(key, at_guest.callback) for key in LETTERS),
                 there.declare_subscriber("p/said/**", at_guest.callback),
             ]
             there_now = [there.liveliness().declare_token(f"p/alive/{name}/1/-") for name in ("M2", "ATV2")]

@@ -22,6 +22,7 @@ from dray.adapters.remote_body.wire import (
     from_part,
     to_part,
 )
+from dray.adapters.spares import Spares
 from dray.body import Instruction
 from dray.errors import UnavailableError
 
@@ -44,7 +45,10 @@ class RemoteBody(ExchangedBody):
         self._session, self._key, self._life = session, body_key(plant, agent), life
         self._crossing = Crossing(asyncio.get_running_loop())
         self.is_new = False
-        session.declare_subscriber(f"{self._key}/told", Callback(self._on_sample, indirect=False))
+        told = f"{self._key}/told"
+        session.declare_subscriber(told, Callback(self._on_sample, indirect=False))
+        self._spares = Spares(session)
+        self._spares.of_subscription(told)
 
     async def connect(self) -> None:
         """Take over the body, and learn its state.

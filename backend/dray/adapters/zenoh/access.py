@@ -48,7 +48,8 @@ class Apart:
         ]
         rules = {
             "words": ("put", words),
-            "ears": ("declare_subscriber", [keys.addressed(agent) for agent in self.wired]),
+            # All patterns of their letters, also those of spares. No wildcard matches the name.
+            "ears": ("declare_subscriber", [f"**/@{agent}/**" for agent in self.wired]),
             "tokens": ("liveliness_token", [f"{keys.alive}/{agent}/**" for agent in self.wired]),
         }
         return {

@@ -13,6 +13,8 @@ defines what is dropped when it is full.
 
 Messages that a link cannot take are lost at the sender or on the way, where they cannot be counted. So every message
 carries its number (`Stamp`), and its receiver counts the missing numbers.
+
+A router may lose another one's declaration, so every session has spares of its own ones (`Spares`).
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ from zenoh.handlers import Callback
 from dray.adapters.crossing import Crossing
 from dray.adapters.security.letters import Letters, Place
 from dray.adapters.security.seals import Seals
+from dray.adapters.spares import Spares
 from dray.adapters.zenoh.shares import TALKATIVE, Shares, ShareSpentError
 from dray.adapters.zenoh.stamp import Stamp, Tally, read_stamp, write_stamp
 from dray.adapters.zenoh.tokens import NO_LIFE, Token, Tokens
@@ -99,7 +102,8 @@ class ZenohSession:
         self._owners: dict[str, str] = {}
         """The pattern that receives a key, so that a second matching pattern does not deliver it twice."""
         self.life = life
-        self.token = bus.tokens.of(agent, life)
+        # For others the later one is this session's.
+        spare, self.token = bus.tokens.pair_of(agent, life)
         keys, inner = bus.keys, bus.inner
         own = keys.addressed(agent)
         self._own = inner.declare_subscriber(own, bus.on_zenohs_thread(partial(self._on_sample, own)))
@@ -107,6 +111,9 @@ class ZenohSession:
             bus.tokens.all_of(agent), bus.on_zenohs_thread(self._see_other), history=True
         )
         self._alive = inner.liveliness().declare_token(bus.tokens.key(self.token))
+        self._spares = Spares(inner)
+        self._spares.of_subscription(own)
+        self._spares.of_token(bus.tokens.key(spare))
 
     def publish(self, key: str, message: Message) -> None:
         """Publish to all subscribers of `key`."""
@@ -125,10 +132,12 @@ class ZenohSession:
             self._owners = {}
             heard = self._bus.on_zenohs_thread(partial(self._on_sample_of, key))
             self._subscribers[key] = self._bus.inner.declare_subscriber(key, heard)
+            self._spares.of_subscription(key)
 
     def unsubscribe(self, key: str) -> None:
         """Stop hearing it."""
         if key in self._patterns:
+            self._spares.withdraw(key)
             self._subscribers.pop(key).undeclare()
             del self._patterns[key]
             self._owners = {}
@@ -139,6 +148,7 @@ class ZenohSession:
         if self._left:
             return
         self._left = True
+        self._spares.end()
         self._alive.undeclare()
         self._others.undeclare()
         self._own.undeclare()

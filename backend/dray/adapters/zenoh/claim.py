@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 import zenoh
 
+from dray.adapters.spares import Spares
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.tokens import Tokens
 
@@ -32,15 +33,18 @@ class Claim:
     def __init__(self, bus: ZenohBus, name: str, lost: Callable[[], None]) -> None:
         self._bus, self._lost = bus, lost
         self._claims = Tokens(f"{bus.keys.plant}/claim", bus.seals, bus.refuse)
-        # Never twice the same.
-        self._own = self._claims.of(name, time.time_ns() // 1000)
+        # Never twice the same. The first claim counts, so the spare is the later one.
+        self._own, spare = self._claims.pair_of(name, time.time_ns() // 1000)
         see = bus.on_zenohs_thread(self._see)
         liveliness = bus.inner.liveliness()
         self._others = liveliness.declare_subscriber(self._claims.all_of(name), see, history=True)
         self._token = liveliness.declare_token(self._claims.key(self._own))
+        self._spares = Spares(bus.inner)
+        self._spares.of_token(self._claims.key(spare))
 
     def end(self) -> None:
         """Give up the claim."""
+        self._spares.end()
         self._token.undeclare()
         self._others.undeclare()
 

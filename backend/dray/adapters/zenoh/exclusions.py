@@ -19,6 +19,7 @@ from pathlib import Path
 import msgspec
 import zenoh
 
+from dray.adapters.spares import Spares
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.shares import Shares
 from dray.adapters.zenoh.stamp import Tally
@@ -46,9 +47,12 @@ class Exclusions:
         self._shares = Shares(Tally(), bus.speed)
         bus.shut_out = frozenset(self._list.agents)
         self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, bus.on_zenohs_thread(self._on_sample))
+        self._spares = Spares(bus.inner)
+        self._spares.of_subscription(bus.keys.shut_out)
 
     def end(self) -> None:
         """Take no more decisions; earlier ones hold as long as the bus is used."""
+        self._spares.end()
         self._ear.undeclare()
 
     def _on_sample(self, sample: zenoh.Sample) -> None:

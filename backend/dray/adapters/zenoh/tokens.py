@@ -75,6 +75,11 @@ class Tokens:
             return Token(agent, life, secrets.token_hex(_NONCE_BYTES))
         return Token(agent, life, self._seals.vouch(self._words(agent, life)))
 
+    def pair_of(self, agent: str, life: int) -> tuple[Token, Token]:
+        """Two tokens of an agent of this process in this life, as `of`. The second one sorts later."""
+        earlier, later = sorted((self.of(agent, life), self.of(agent, life)), key=lambda token: token.seal)
+        return earlier, later
+
     def key(self, token: Token) -> str:
         """A token's key."""
         return f"{self._words(token.agent, token.life)}/{token.seal}"
