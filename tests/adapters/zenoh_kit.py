@@ -166,7 +166,9 @@ class Row:
 
 def _has_way(bus: ZenohBus, session: ZenohSession) -> bool:
     """Whether what is said here to the agent alone is passed on to it."""
-    publisher = bus.inner.declare_publisher(bus.keys.addressed(session.agent))
+    if session._left:
+        return True
+    publisher = bus.inner.declare_publisher(session._own.key_expr)
     try:
         status: Any = publisher.matching_status  # Zenoh's stub says that it is a bool.
         return bool(status.matching)
