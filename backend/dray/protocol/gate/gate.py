@@ -120,7 +120,7 @@ class DeliveryGate(AgentBase):
         self._report_handlers = {
             GoodsArrived: self._on_arrived,
             GateProblem: self._on_problem,
-            WordTaken: lambda report, _now_s: self._words.on_taken(report),
+            WordTaken: self._word_taken,
         }
         self._alarm_handlers = {BEAT: self._beat, COUNT: self._counts.wake, HOLDER: self._holders.wake}
 
@@ -194,6 +194,9 @@ class DeliveryGate(AgentBase):
             self._words.pass_on(sender, command, self._places_m, now_s)
         else:
             self._granted.on_command(sender, command, self._places_m[0], now_s)
+
+    def _word_taken(self, report: WordTaken, _now_s: float) -> None:
+        self._words.on_taken(report)
 
     # --- goods ---
 
