@@ -85,9 +85,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         speed={speed}
         problemText={problemText}
       />
-      <div class="recent-place">
-        <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
-      </div>
+      <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
       <Facts>
         <FaultFacts agent={atv.id} />
         <UpdateFact agent={atv} />

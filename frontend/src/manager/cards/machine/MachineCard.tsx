@@ -52,9 +52,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
     >
       {machine?.shut_out && <ShutOutNote agent={spec.id} kind="machine" out={machine.shut_out} />}
       {machine?.problem && !machine.shut_out && <p class="problem">{failureText(machine.problem)}</p>}
-      <div class="recent-place">
-        <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
-      </div>
+      <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
       <Facts>
         <FaultFacts agent={spec.id} />
         {machine && <UpdateFact agent={machine} />}
