@@ -48,7 +48,7 @@ export function TopBar() {
   );
 }
 
-/** Whether this person is on duty, under what it is about: a state alone would read like a deed. It leads to where that is changed. */
+/** Whether this person is on duty, and the way to where that is changed: below the vehicles. */
 function ToDuty() {
   const state = duty.value?.state;
   if (state === undefined) return null;
@@ -63,8 +63,7 @@ function ToDuty() {
         card?.querySelector("button")?.focus({ preventScroll: true });
       }}
     >
-      <small>{t("duty.mine")}</small>
-      <b>{t(`duty.${state}`)}</b>
+      {t(`duty.${state}`)}
     </button>
   );
 }
