@@ -39,7 +39,7 @@ def house(sqlite_url: str) -> Iterator[OpenHouse]:
     ("language", "find", "said"),
     [
         ("en-GB", "Find", "3 that no order wants; the next goal takes them"),
-        *later(("de-DE", "Suchen", "3, die kein Auftrag braucht; das nächste Ziel nimmt sie")),
+        *later(("de-DE", "Suchen", "3, die kein Auftrag braucht; der nächste Fertigungsauftrag nimmt sie")),
     ],
 )
 def test_pieces_that_no_order_wants_are_told_at_their_machine(
