@@ -7,17 +7,16 @@ from alerts_kit import alerts, the_alert
 from gateway_kit import House
 from heartbeats import machine_heartbeat, station_heartbeat
 from msgspec.structs import replace
+from obedient_places import obedient
 
 from dray.gateway.access.principal import Role as PersonRole
 from dray.gateway.live.projection import Projection
 from dray.messages import (
-    CommandAnswered,
     CommandRefusal,
     DoubtfulLoad,
     MachineCommand,
     MachineCommandKind,
     MachineHeartbeat,
-    Message,
     StationHeartbeat,
 )
 from dray.plant import load_plant
@@ -52,22 +51,10 @@ def path_of(place: str) -> str:
     return f"/api/{'machines' if place == MACHINE else 'stations'}/{place}/commands"
 
 
-def listening(
-    house: House, place: str, *, refusal: CommandRefusal | None = None
-) -> list[tuple[MachineCommandKind, str]]:
+def listening(house: House, place: str, *, refusal: CommandRefusal | None = None) -> list[MachineCommand]:
     """A place takes part; the words that it will have heard."""
-    heard: list[tuple[MachineCommandKind, str]] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, MachineCommand):
-            assert message.grant is not None
-            heard.append((message.kind, message.task))
-            answer = CommandAnswered(command=message.command, done=refusal is None, reason=refusal)
-            house.bus.tell(place, sender, answer)
-
-    house.bus.join(place, receive)
     asks(house.projection, place, DOUBT)
-    return heard
+    return obedient(house, place, refusal=refusal)
 
 
 @places
@@ -112,7 +99,9 @@ async def test_an_operator_of_the_place_says_what_is_there(
     anna = await house.log_in("anna", PersonRole.OPERATOR, area_of(place))
     answer = await anna.post(path_of(place), json={"kind": kind.value, "task": NAME})
     assert (answer.status_code, answer.json()["done"]) == (200, True)
-    assert heard == [(kind, NAME)]
+    [command] = heard
+    assert (command.kind, command.task) == (kind, NAME)
+    assert command.grant is not None
 
 
 @places

@@ -11,15 +11,14 @@ from facts_kit import opened, tell
 from gateway_kit import House
 from heartbeats import machine_heartbeat, station_heartbeat
 from msgspec.structs import replace
+from obedient_places import obedient
 
 from dray.gateway.access.principal import Role as PersonRole
 from dray.gateway.live.projection import Projection
 from dray.messages import (
-    CommandAnswered,
     CommandRefusal,
     MachineCommand,
     MachineCommandKind,
-    Message,
     Reason,
     TaskBrief,
     Transport,
@@ -47,6 +46,12 @@ def path_of(place: str) -> str:
     return f"/api/tasks/{task_of(place)}/load"
 
 
+def words(heard: list[MachineCommand]) -> list[tuple[MachineCommandKind, str]]:
+    """What was said of which transport, with a grant."""
+    assert all(command.grant is not None for command in heard)
+    return [(command.kind, command.task) for command in heard]
+
+
 def held(projection: Projection, place: str, *, fails_at: str = "") -> None:
     """A place waits for a person who looks for the housings that were to come, or at the dock where vehicles fail."""
     work = Transport(item="housing", quantity=24, sources=("S3",), destination=place, ability="tote")
@@ -70,20 +75,10 @@ def held(projection: Projection, place: str, *, fails_at: str = "") -> None:
 
 def listening(
     house: House, place: str, *, refusal: CommandRefusal | None = None, fails_at: str = ""
-) -> list[tuple[MachineCommandKind, str]]:
+) -> list[MachineCommand]:
     """A place takes part; the words that it will have heard."""
-    heard: list[tuple[MachineCommandKind, str]] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, MachineCommand):
-            assert message.grant is not None
-            heard.append((message.kind, message.task))
-            answer = CommandAnswered(command=message.command, done=refusal is None, reason=refusal)
-            house.bus.tell(place, sender, answer)
-
-    house.bus.join(place, receive)
     held(house.projection, place, fails_at=fails_at)
-    return heard
+    return obedient(house, place, refusal=refusal)
 
 
 places = pytest.mark.parametrize("place", [MACHINE, STATION])
@@ -109,7 +104,7 @@ async def test_an_operator_of_the_place_says_what_is_there(house: House, place: 
     answer = await anna.post(path_of(place), json={"there": there})
     assert (answer.status_code, answer.json()["done"]) == (200, True)
     kind = MachineCommandKind.LOAD_THERE if there else MachineCommandKind.LOAD_MISSING
-    assert heard == [(kind, task_of(place))]
+    assert words(heard) == [(kind, task_of(place))]
     [row] = await house.audit(action="load.see")
     assert (row.who, row.target, row.result) == ("anna", task_of(place), "done")
 
@@ -169,7 +164,7 @@ async def test_who_is_responsible_for_the_failing_dock_sees_it_and_answers(house
     assert (alert["kind"], alert["agent"]) == ("dock_fails", FAR)
     answer = await anna.post(path_of(MACHINE), json={"there": False})
     assert (answer.status_code, answer.json()["done"]) == (200, True)
-    assert heard == [(MachineCommandKind.LOAD_MISSING, task_of(MACHINE))]
+    assert words(heard) == [(MachineCommandKind.LOAD_MISSING, task_of(MACHINE))]
 
 
 async def test_who_is_responsible_for_the_destination_alone_does_not_answer_for_a_dock_elsewhere(
