@@ -114,6 +114,14 @@ def stop_of(page: Page, atv: str) -> Locator:
     return page.locator(f"#stop-{atv}")
 
 
+def assert_touchable(*buttons: Locator) -> None:
+    """Each is large enough for a finger in a glove."""
+    for button in buttons:
+        box = button.bounding_box()
+        assert box is not None
+        assert min(box["width"], box["height"]) >= TOUCH_PX
+
+
 def press_and_hold(page: Page, button: Locator) -> None:
     button.scroll_into_view_if_needed()
     box = button.bounding_box()
