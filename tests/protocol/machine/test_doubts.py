@@ -27,7 +27,7 @@ from dray.messages import (
 )
 from dray.messages.fact import LoadDoubted
 from dray.protocol.transports.doubts import ASKS_AFTER_S
-from dray.protocol.transports.visits import UNHEARD_S
+from dray.protocol.transports.visit import UNHEARD_S
 
 KIND = MachineCommandKind
 PUMPS = "pump-p3"

@@ -43,7 +43,7 @@ from dray.protocol.runtime.life import Life
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import LISTEN_S
 from dray.protocol.traffic.traffic_map import TrafficMap
-from dray.protocol.transports.visits import UNHEARD_S
+from dray.protocol.transports.visit import UNHEARD_S
 
 DOCK, CART = "m7", "ATV2"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)

@@ -33,7 +33,8 @@ from dray.messages.keys import Keys
 from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.life import Life
 from dray.protocol.transports.transports import RECOVERY_WAIT_S
-from dray.protocol.transports.visits import UNHEARD_S, Visits
+from dray.protocol.transports.visit import UNHEARD_S
+from dray.protocol.transports.visits import Visits
 
 DOCK = LEVELS.node_of("LATHE1")
 OUT = Book(CART, "shaft", -6, task=TASK, epoch=1)

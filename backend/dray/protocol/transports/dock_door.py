@@ -15,7 +15,8 @@ from dray.messages.heartbeat import DockWait
 from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
-from dray.protocol.transports.visits import Request, Stage, Visits
+from dray.protocol.transports.visit import Stage
+from dray.protocol.transports.visits import Request, Visits
 
 SAFE_WITHIN_S = 60.0
 """Time to make an idle dock safe (s): shut a door, run a conveyor empty."""
