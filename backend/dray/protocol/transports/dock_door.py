@@ -164,8 +164,8 @@ class Door:
         if not load.task:
             is_of_it = counts or word is not None
         elif word is not None:
-            is_of_it = (load.task, load.epoch) == (word.task, word.epoch)
+            is_of_it = visit.is_for(word.task, word.epoch)
         else:
-            is_of_it = counts and load.item == report.item and (load.change > 0) is (report.change > 0)
+            is_of_it = counts and load.item == report.item and load.brings is (report.change > 0)
         if is_of_it:
             self.visits.note_done(report.vehicle, load.task)

@@ -39,6 +39,11 @@ class Stage(StrEnum):
     GONE = "gone"
     """It was heard elsewhere, and its coordinator is asked for its load."""
 
+    @property
+    def renewed(self) -> Stage:
+        """The stage of a vehicle that is here again, for the same load."""
+        return {Stage.LEAVING: Stage.INSIDE, Stage.GONE: Stage.WAITS}.get(self, self)
+
 
 class Sighting(NamedTuple):
     """What a vehicle's heartbeat tells of its visit."""
@@ -92,19 +97,27 @@ class Visit:
         self.named_in = 0
 
     @property
+    def brings(self) -> bool:
+        """Whether it may bring a load."""
+        return self.load.brings
+
+    @property
     def takes(self) -> bool:
         """Whether it may take a load; otherwise it may bring one, or nothing is to be booked."""
-        return self.load.change < 0
+        return self.load.takes
 
     @property
     def is_unnamed(self) -> bool:
         """Whether an earlier life let it in, and no notes say for what."""
         return not self.load.task
 
+    def is_for(self, task: str, epoch: int) -> bool:
+        """Whether it is a visit for an epoch of a task."""
+        return (self.load.task, self.load.epoch) == (task, epoch)
+
     def is_of(self, load: DepartureMemory) -> bool:
         """Whether it is a visit for this load, in this direction."""
-        is_it = (self.load.task, self.load.epoch) == (load.task, load.epoch)
-        return is_it and self.load.change * load.change >= 0
+        return self.is_for(load.task, load.epoch) and self.load.change * load.change >= 0
 
     def was_heard(self, now_s: float) -> bool:
         """Whether it was recently heard at its task."""
@@ -119,7 +132,7 @@ class Visit:
             now_s: the present time (plant clock, s).
         """
         task = heartbeat.task
-        names_task = task is not None and (task.task, task.epoch) == (self.load.task, self.load.epoch)
+        names_task = task is not None and self.is_for(task.task, task.epoch)
         if names_task:
             self.heard_s, self.named_in = now_s, heartbeat.incarnation
         return Sighting(
@@ -161,7 +174,7 @@ class Visit:
 
     def _may_tell_yet(self, seen: Sighting) -> bool:
         """Whether it may tell yet what it has brought, or that it has lost its memory here."""
-        return self.is_unnamed and self.load.change > 0 and seen.phase is None and seen.is_empty
+        return self.is_unnamed and self.brings and seen.phase is None and seen.is_empty
 
     # --- what it has moved when it has left ---
 
@@ -206,7 +219,7 @@ class Visit:
     def may_be_for(self, docked: Docked, *, unloads: bool) -> bool:
         """Whether an earlier life may have let it in for the load that is asked for: it may be loading it."""
         is_same = not docked.item or self.load.item in ("", docked.item)
-        return self.is_unnamed and self.load.change <= 0 and is_same and not unloads
+        return self.is_unnamed and is_same and not (self.brings or unloads)
 
     def has_moved_before(self, docked: Docked, *, unloads: bool, was_heard: bool) -> bool | None:
         """Whether it has moved its load before its vehicle asked for another one here; None if that is unknown."""

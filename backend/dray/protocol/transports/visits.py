@@ -1,4 +1,4 @@
-"""The vehicles at one dock (`transports.visit`): what they move is booked once, and the dock stays locked while one may be inside.
+"""The visits at one dock (`visit`): each load is booked once, and the dock stays locked while a vehicle may be inside.
 
 A transport is cancelled or taken over while its vehicle loads or unloads. A dock that makes itself safe (`answers`) must then
 stay locked: the vehicle's forks may be inside. A silent vehicle is assumed to be inside; one that people carried away is not.
@@ -111,7 +111,7 @@ class Visits:
         return said or any(visit.load.item in ("", item) for visit in visits)
 
     def waits_for(self, vehicle: str) -> bool:
-        """Whether the dock is shut once a vehicle has left, whose permission has ended or is for a returned load."""
+        """Whether the dock is shut once a vehicle has left: its permission has ended, or is for a load that it brings back."""
         visit = self._visits.get(vehicle)
         may_take = visit is not None and visit.takes and visit.stage in (Stage.WAITS, Stage.INSIDE)
         return visit is not None and visit.is_followed and not may_take
@@ -158,7 +158,7 @@ class Visits:
         if visit is None or not visit.is_of(load):
             visit = self._put(load, Stage.WAITS)
         visit.load = load
-        visit.stage = {Stage.LEAVING: Stage.INSIDE, Stage.GONE: Stage.WAITS}.get(visit.stage, visit.stage)
+        visit.stage = visit.stage.renewed
         visit.heard_s, visit.asked_s = now_s, -NEVER_S
         self._follow(visit)
 
@@ -192,7 +192,7 @@ class Visits:
             is_it = load is not None and (was_unnamed or visit.is_of(load))
             visit.load = load if load is not None and is_it else DepartureMemory(visit.load.vehicle)
         # Whether an earlier life let it in for this load to bring is unknown: book that in only on its own word.
-        visit.stage = Stage.WAITS if was_unnamed and visit.load.change > 0 else Stage.LEAVING
+        visit.stage = Stage.WAITS if was_unnamed and visit.brings else Stage.LEAVING
         self._follow(visit)
 
     def note_done(self, vehicle: str, task: str) -> None:
@@ -242,8 +242,8 @@ class Visits:
             Whether it must report again: it is here for another load, and a body shuts its dock when it books.
         """
         visit = self._visits.get(vehicle)
-        if visit is not None and visit.is_followed and visit.load.change > 0:
-            if (visit.load.task, visit.load.epoch) == (task, epoch):
+        if visit is not None and visit.is_followed and visit.brings:
+            if visit.is_for(task, epoch):
                 visit.believe()
                 # A vehicle brings at most what it was given.
                 visit.load = replace(visit.load, change=min(visit.load.change, quantity))
@@ -265,7 +265,7 @@ class Visits:
     def note_brought(self, vehicle: str) -> None:
         """What a vehicle has brought is in the books: it needs no more room, and there is nothing else to report."""
         visit = self._visits.get(vehicle)
-        if visit is not None and visit.load.change > 0 and self.counts:
+        if visit is not None and visit.brings and self.counts:
             visit.load = replace(visit.load, change=0)
             self._life.commit()
         self.forget_owed(vehicle)
@@ -285,7 +285,8 @@ class Visits:
             is_it = (visit.load.task, visit.load.coordinator) == (freed.task, sender)
             is_it &= freed.epoch in (0, visit.load.epoch)
             if is_it and visit.asked_s > -NEVER_S:
-                self._end(visit, moved=freed.fetched and (freed.known or None))
+                moved = True if freed.known else None
+                self._end(visit, moved=moved if freed.fetched else False)
                 return freed.fetched
         return False
 
@@ -350,7 +351,7 @@ class Visits:
                     visit.load, visit.stage = memory, Stage.WAITS
                 continue
             load = replace(memory, gone=False, permitted=False, let_in=True)
-            if memory.gone and memory.change > 0:
+            if memory.gone and memory.brings:
                 self._owed[memory.vehicle, memory.task, memory.epoch] = load
                 continue
             self._follow(self._put(load, stage_of(memory)))
@@ -383,7 +384,7 @@ class Visits:
             self._life.commit()
         if now_s - visit.asked_s >= AGAIN_S:
             visit.asked_s = now_s
-            self._life.send(load.coordinator, StockReserved(load.task, load.epoch, load.item, -load.change))
+            self._life.send(load.coordinator, StockReserved(load.task, load.epoch, load.item, load.quantity))
 
     def _mark(self, visit: Visit, *, ended: bool) -> None:
         """Note whether a vehicle names its task no more, over a restart too."""
@@ -419,15 +420,14 @@ class Visits:
         """Book a load, or owe it, and note a doubt. Returns whether it counts as moved: in doubt a load to take does."""
         load, was_let_in = visit.load, visit.stage is not Stage.WAITS
         has_moved = was_let_in and (visit.takes if moved is None else moved)
-        is_in_doubt = False
         if self.counts or not load.change:
-            pass  # Nothing is to be booked.
+            is_in_doubt = False  # Nothing is to be booked.
         elif has_moved:
             is_in_doubt = moved is None
             if not (load.task or load.epoch):
                 load = replace(load, epoch=self._life.incarnation)  # A body books each load of one name once.
             self._bookings.say(load)
-        elif load.change > 0 and not load.returns:
+        elif load.brings and not load.returns:
             is_in_doubt = moved is None or (moved and bool(load.task))
             self._owed[load.vehicle, load.task, load.epoch] = load
         else:
