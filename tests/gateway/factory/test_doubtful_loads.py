@@ -7,7 +7,7 @@ from alerts_kit import alerts, the_alert
 from gateway_kit import House
 from heartbeats import machine_heartbeat, station_heartbeat
 from msgspec.structs import replace
-from obedient_places import obedient
+from obedient_places import ELSEWHERE, FLOOR, MACHINE, area_of, obedient, places
 
 from dray.gateway.access.principal import Role as PersonRole
 from dray.gateway.live.projection import Projection
@@ -19,23 +19,11 @@ from dray.messages import (
     MachineHeartbeat,
     StationHeartbeat,
 )
-from dray.plant import load_plant
 
 pytestmark = pytest.mark.anyio
 
-FLOOR = load_plant("single-track")
-MACHINE, STATION = "M1", next(iter(FLOOR.storages))
 NAME = "M1.2-load-1"
 DOUBT = DoubtfulLoad(NAME, "ATV5", "housing", 24)
-
-places = pytest.mark.parametrize("place", [MACHINE, STATION])
-
-
-def area_of(place: str) -> str:
-    return min(FLOOR.areas_near(*FLOOR.position_of(place), 0.0))
-
-
-OTHER = next(area for area in FLOOR.areas if area not in {area_of(MACHINE), area_of(STATION)})
 
 
 def heartbeat(place: str, seq: int = 1) -> MachineHeartbeat | StationHeartbeat:
@@ -107,7 +95,7 @@ async def test_an_operator_of_the_place_says_what_is_there(
 @places
 async def test_somebody_elsewhere_may_not_and_nothing_is_said(house: House, place: str) -> None:
     heard = listening(house, place)
-    ben = await house.log_in("ben", PersonRole.OPERATOR, OTHER)
+    ben = await house.log_in("ben", PersonRole.OPERATOR, ELSEWHERE)
     answer = await ben.post(path_of(place), json={"kind": "load_there", "task": NAME})
     assert answer.status_code in {403, 404}
     assert heard == []

@@ -11,7 +11,7 @@ from facts_kit import opened, tell
 from gateway_kit import House
 from heartbeats import machine_heartbeat, station_heartbeat
 from msgspec.structs import replace
-from obedient_places import obedient
+from obedient_places import ELSEWHERE, MACHINE, STATION, area_of, obedient, places
 
 from dray.gateway.access.principal import Role as PersonRole
 from dray.gateway.live.projection import Projection
@@ -23,19 +23,8 @@ from dray.messages import (
     TaskBrief,
     Transport,
 )
-from dray.plant import load_plant
 
 pytestmark = pytest.mark.anyio
-
-FLOOR = load_plant("single-track")
-MACHINE, STATION = "M1", next(iter(FLOOR.storages))
-
-
-def area_of(place: str) -> str:
-    return min(FLOOR.areas_near(*FLOOR.position_of(place), 0.0))
-
-
-OTHER = next(area for area in FLOOR.areas if area not in {area_of(MACHINE), area_of(STATION)})
 
 
 def task_of(place: str) -> str:
@@ -81,9 +70,6 @@ def listening(
     return obedient(house, place, refusal=refusal)
 
 
-places = pytest.mark.parametrize("place", [MACHINE, STATION])
-
-
 @places
 def test_the_alert_names_the_transport_and_asks_for_somebody_who_looks(
     projection: Projection, place: str
@@ -111,7 +97,7 @@ async def test_an_operator_of_the_place_says_what_is_there(house: House, place: 
 
 async def test_somebody_elsewhere_may_not_and_nothing_is_said(house: House) -> None:
     heard = listening(house, MACHINE)
-    ben = await house.log_in("ben", PersonRole.OPERATOR, OTHER)
+    ben = await house.log_in("ben", PersonRole.OPERATOR, ELSEWHERE)
     answer = await ben.post(path_of(MACHINE), json={"there": True})
     assert answer.status_code in {403, 404}
     assert heard == []
