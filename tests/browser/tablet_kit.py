@@ -132,6 +132,17 @@ def press_and_hold(page: Page, button: Locator) -> None:
     page.mouse.up()
 
 
+def answer(page: Page, card: Locator, *, first: bool) -> None:
+    """Give one of the two answers to a card's question: a long touch does it, and a short one nothing."""
+    buttons = card.locator(".vehicle-acts button")
+    expect(buttons).to_have_count(2)
+    assert_touchable(*buttons.all())
+    chosen = buttons.first if first else buttons.last
+    chosen.tap()
+    press_and_hold(page, chosen)
+    expect(card).to_have_count(0)
+
+
 def settle(page: Page) -> None:
     """Wait until cards that have moved count touches again."""
     expect(page.locator(".vehicle.settling")).to_have_count(0)
