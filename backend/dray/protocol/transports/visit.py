@@ -67,12 +67,12 @@ class Sighting(NamedTuple):
 
     @property
     def is_loaded(self) -> bool:
-        """Whether it has loaded, by what is on board or by the phase of its task."""
+        """Whether it has loaded what its task is for."""
         return self.has_load or self.phase in GOODS_ABOARD
 
     @property
     def returns_load(self) -> bool:
-        """Whether it brings such a load back: its own, or what a life without notes has found on board."""
+        """Whether it brings such a load back: that of its task, or one that it has found on board."""
         return self.has_load and self.phase is Phase.RETURNING
 
 
@@ -154,9 +154,8 @@ class Visit:
             return True
         if not seen.is_here or self.stage is Stage.GONE:
             return False
-        return self._is_inside(seen) or (
-            self._may_go_on_loading(seen) if self.takes else self._may_tell_yet(seen)
-        )
+        may_stay = self._may_go_on_loading(seen) if self.takes else self._may_tell_yet(seen)
+        return may_stay or self._is_inside(seen)
 
     def _is_inside(self, seen: Sighting) -> bool:
         """Whether it loads, unloads or returns its load, or one that it has found on board."""
@@ -166,7 +165,7 @@ class Visit:
     def _may_go_on_loading(self, seen: Sighting) -> bool:
         """Whether its body may be loading although its agent, started again without notes, does not name the task.
 
-        A life that has named the task has ended it.
+        A life that has named the task has ended it. With the load on board it has loaded, if the dock was open.
         """
         if seen.life == self.named_in or (seen.has_load and self.stage is not Stage.WAITS):
             return False
@@ -197,11 +196,15 @@ class Visit:
     def _has_taken(self, seen: Sighting) -> bool | None:
         if seen.names_task:
             return seen.is_loaded
-        # It had ended its task before the dock was opened for it, and is away.
-        is_from_elsewhere = self.load.ended and not (seen.is_here or seen.was_heard)
-        if seen.has_load and self.stage is not Stage.GONE and not is_from_elsewhere:
+        # A vehicle that was heard elsewhere without such a load has it from there; so has one, perhaps, that had ended its task
+        # before the dock was opened for it.
+        is_from_here = self.stage is not Stage.GONE and (
+            seen.is_here or seen.was_heard or not self.load.ended
+        )
+        if seen.has_load and is_from_here:
             return True
-        return False if seen.was_heard or self.load.ended or self._stands_idle(seen) else None
+        has_ended = seen.was_heard or self.load.ended or self._stands_idle(seen)
+        return False if has_ended else None
 
     def _has_brought(self, seen: Sighting) -> bool | None:
         is_its_task = seen.names_task or (self.is_unnamed and seen.phase is not None)
