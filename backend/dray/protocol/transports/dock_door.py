@@ -161,7 +161,7 @@ class Door:
         if visit is None or visit.stage is not Stage.INSIDE:
             return
         load, counts = visit.load, self.visits.counts
-        if not load.task:
+        if visit.is_unnamed:
             is_of_it = counts or word is not None
         elif word is not None:
             is_of_it = visit.is_for(word.task, word.epoch)
