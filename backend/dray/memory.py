@@ -243,13 +243,14 @@ class StationMemory(Part, tag_field="kind", tag="station", rename={"visits": "le
 
 
 class DepartureMemory(Part, frozen=True):
-    """A vehicle that may be at a dock, and the pieces that it may have moved. `change` is positive for a drop, 0 for unknown."""
+    """A vehicle that may be at a dock, and the load that it may have moved."""
 
     vehicle: str
     task: str = ""
     epoch: int = 0
     item: str = ""
     change: int = 0
+    """Pieces that the place has more then: positive for a load to bring, negative for one to take, 0 for unknown."""
     let_in: bool = True
     """Whether the dock was opened for it; before that it cannot have put anything down."""
     returns: bool = False
@@ -262,6 +263,21 @@ class DepartureMemory(Part, frozen=True):
     """Of a load that it may take for another place; empty where none is known."""
     ended: bool = False
     """Whether it named the task no more before the dock was opened for it."""
+
+    @property
+    def brings(self) -> bool:
+        """Whether it is a load to bring."""
+        return self.change > 0
+
+    @property
+    def takes(self) -> bool:
+        """Whether it is a load to take."""
+        return self.change < 0
+
+    @property
+    def quantity(self) -> int:
+        """Pieces of the load."""
+        return abs(self.change)
 
     @property
     def only_waits(self) -> bool:

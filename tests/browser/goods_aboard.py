@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from gateway_kit import House
 from msgspec import UNSET
 from msgspec.structs import replace
@@ -9,7 +11,6 @@ from obedient_machine import STATION, ObedientMachine
 from wall_clock import NOW_S
 
 from dray.messages import (
-    MachineCommand,
     MachineCommandKind,
     Reason,
     Role,
@@ -39,7 +40,6 @@ class MachineWithGoods(ObedientMachine):
     """M8; see `ObedientMachine`."""
 
     def __init__(self, house: House, at_s: float) -> None:
-        self._goods = StrandedGoods(atv="ATV2", node="c2", until_s=at_s + 800.0)
         order = Order(
             id="O-1",
             status=OrderStatus.RELEASED,
@@ -55,7 +55,7 @@ class MachineWithGoods(ObedientMachine):
             TaskOpened(TASK, 1, Role.PRIMARY, 1, WORK, 20.0, at_s + 900.0, 2.0),
             AwardAnswered(TASK, 1, Role.PRIMARY, "ATV2", "accepted"),
         )
-        brief = TaskBrief(
+        self._brief = TaskBrief(
             task=TASK,
             epoch=1,
             item=WORK.item,
@@ -65,13 +65,17 @@ class MachineWithGoods(ObedientMachine):
             deadline_s=at_s + 300.0,
             primary="ATV2",
             trouble=Reason.SILENT,
-            stranded=self._goods,
+            stranded=StrandedGoods(atv="ATV2", node="c2", until_s=at_s + 800.0),
         )
-        super().__init__(house, at_s, told, brief)
+        super().__init__(house, at_s, *told)
 
-    def after(self, command: MachineCommand) -> TaskBrief:
-        """The goods are at hand for another vehicle, or written off."""
-        if command.kind is MachineCommandKind.FETCH_GOODS:
-            goods = replace(self._goods, handed_at=NODE)
-            return replace(self._brief, epoch=2, primary="ATV6", source=NODE, stranded=goods)
-        return replace(self._brief, stranded=UNSET, trouble=None)
+    def state(self) -> dict[str, Any]:
+        """The goods are on board, then at hand for another vehicle or written off."""
+        brief = self._brief
+        for command in self.heard:
+            if command.kind is MachineCommandKind.FETCH_GOODS:
+                goods = replace(brief.stranded, handed_at=NODE)
+                brief = replace(brief, epoch=2, primary="ATV6", source=NODE, stranded=goods)
+            else:
+                brief = replace(brief, stranded=UNSET, trouble=None)
+        return {"tasks": (brief,)}

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from gateway_kit import House
 from msgspec.structs import replace
 from obedient_machine import STATION, ObedientMachine
 
-from dray.messages import MachineCommand, Reason, Role, TaskBrief, Transport
+from dray.messages import Reason, Role, TaskBrief, Transport
 from dray.messages.fact import TaskOpened
 
 TASK = "M8-9"
@@ -18,7 +20,7 @@ class MachineThatWaits(ObedientMachine):
     """M8; see `ObedientMachine`. With `fails_at` vehicles could not load or unload the housings there."""
 
     def __init__(self, house: House, at_s: float, fails_at: str = "") -> None:
-        brief = TaskBrief(
+        self._brief = TaskBrief(
             task=TASK,
             epoch=3,
             item=WORK.item,
@@ -29,9 +31,9 @@ class MachineThatWaits(ObedientMachine):
             trouble=Reason.DISPUTED,
             fails_at=fails_at,
         )
-        opened = TaskOpened(TASK, 1, Role.PRIMARY, 1, WORK, 20.0, at_s + 900.0, 2.0)
-        super().__init__(house, at_s, (opened,), brief)
+        super().__init__(house, at_s, TaskOpened(TASK, 1, Role.PRIMARY, 1, WORK, 20.0, at_s + 900.0, 2.0))
 
-    def after(self, command: MachineCommand) -> TaskBrief:
+    def state(self) -> dict[str, Any]:
         """Whatever was seen, nobody is asked any more."""
-        return replace(self._brief, trouble=None, fails_at="")
+        brief = replace(self._brief, trouble=None, fails_at="") if self.heard else self._brief
+        return {"tasks": (brief,)}

@@ -114,6 +114,14 @@ def stop_of(page: Page, atv: str) -> Locator:
     return page.locator(f"#stop-{atv}")
 
 
+def assert_touchable(*buttons: Locator) -> None:
+    """Each is large enough for a finger in a glove."""
+    for button in buttons:
+        box = button.bounding_box()
+        assert box is not None
+        assert min(box["width"], box["height"]) >= TOUCH_PX
+
+
 def press_and_hold(page: Page, button: Locator) -> None:
     button.scroll_into_view_if_needed()
     box = button.bounding_box()
@@ -122,6 +130,17 @@ def press_and_hold(page: Page, button: Locator) -> None:
     page.mouse.down()
     page.wait_for_timeout(HOLD_MS)
     page.mouse.up()
+
+
+def answer(page: Page, card: Locator, *, first: bool) -> None:
+    """Give one of the two answers to a card's question: a long touch does it, and a short one nothing."""
+    buttons = card.locator(".vehicle-acts button")
+    expect(buttons).to_have_count(2)
+    assert_touchable(*buttons.all())
+    chosen = buttons.first if first else buttons.last
+    chosen.tap()
+    press_and_hold(page, chosen)
+    expect(card).to_have_count(0)
 
 
 def settle(page: Page) -> None:

@@ -5,6 +5,8 @@ In the end all are heard, and whoever is asked answers (`dock_world`).
 
 from __future__ import annotations
 
+from typing import Any
+
 from dock_world import CART, DockWorld
 from examples import examples
 from hypothesis import example, given, settings
@@ -28,6 +30,11 @@ STEPS = (
 )
 
 
+def story(*steps: str, takes: bool, counts: bool = False, is_own: bool = False) -> dict[str, Any]:
+    """An example at a dock that takes time to open."""
+    return {"steps": [*steps], "takes": takes, "answers": True, "counts": counts, "is_own": is_own}
+
+
 @given(
     steps=st.lists(st.sampled_from(STEPS), max_size=14),
     takes=st.booleans(),
@@ -35,39 +42,13 @@ STEPS = (
     counts=st.sampled_from((False, False, True)),
     is_own=st.booleans(),
 )
-@example(steps=["forgets", "machine_restarts"], takes=True, answers=True, counts=False, is_own=False)
-@example(steps=["forgets"], takes=True, answers=True, counts=True, is_own=False)
-@example(
-    steps=["is_ready", "tells", "machine_restarts", "tells", "gives_back"],
-    takes=False,
-    answers=True,
-    counts=False,
-    is_own=False,
-)
-@example(
-    steps=["is_ready", "moves", "machine_forgets", "tells"],
-    takes=False,
-    answers=True,
-    counts=False,
-    is_own=False,
-)
-@example(
-    steps=["is_ready", "moves", "machine_forgets", "leaves", "tells"],
-    takes=True,
-    answers=True,
-    counts=False,
-    is_own=False,
-)
-@example(
-    steps=["is_ready", "moves", "forgets", "machine_forgets", "tells"],
-    takes=False,
-    answers=True,
-    counts=False,
-    is_own=False,
-)
-@example(
-    steps=["machine_restarts", "gives_back", "leaves"], takes=True, answers=True, counts=False, is_own=True
-)
+@example(**story("forgets", "machine_restarts", takes=True))
+@example(**story("forgets", takes=True, counts=True))
+@example(**story("is_ready", "tells", "machine_restarts", "tells", "gives_back", takes=False))
+@example(**story("is_ready", "moves", "machine_forgets", "tells", takes=False))
+@example(**story("is_ready", "moves", "machine_forgets", "leaves", "tells", takes=True))
+@example(**story("is_ready", "moves", "forgets", "machine_forgets", "tells", takes=False))
+@example(**story("machine_restarts", "gives_back", "leaves", takes=True, is_own=True))
 @settings(max_examples=examples(300))
 def test_a_load_is_booked_once_and_the_dock_opens_again(
     steps: list[str], *, takes: bool, answers: bool, counts: bool, is_own: bool

@@ -13,10 +13,11 @@ import pytest
 from defaults import PLANT
 from effects import instructed
 from spoken import transport
+from vehicle_states import standing
 
-from dray.body import Drive, Drop, Pick, VehicleState, WayDone
+from dray.body import Drive, Drop, Pick, WayDone
 from dray.memory import Contract
-from dray.messages import DockHeld, DockOpened, HandoverAccepted, Phase, Pose, Superseded
+from dray.messages import DockHeld, DockOpened, HandoverAccepted, Phase, Superseded
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.drivers.driver import Driver
@@ -53,19 +54,7 @@ class Walk:
         self.driver = Driver(PLANT, "light", self.life)
         carried = transport(**work)
         at = "p3" if ahead is None else PLANT.node_of(carried.sources[0])
-        node = PLANT.nodes[at]
-        state = VehicleState(
-            pose=Pose(x_m=node.x_m, y_m=node.y_m, heading_rad=0.0),
-            node=at,
-            next_node=ahead or at,
-            next_node_s=0.0,
-            speed_mps=0.0,
-            battery_frac=0.9,
-            load="",
-            load_quantity=0,
-            held=False,
-            charging=False,
-        )
+        state = standing(PLANT, at, next_node=ahead or at)
         self.driver.sense(state)
         self.driver.take_control(state, 0.0)
         self.job = TransportJob(

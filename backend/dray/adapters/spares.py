@@ -1,10 +1,10 @@
 """Spares: second declarations for the same keys, each made anew from time to time.
 
-A router may lose another one's declaration, and then passes nothing on to it for as long as both run: when a link was closed
-and opened again, as after a kill or a pause of the computer, a router may miss a declaration, or keep a route without it, and
-Zenoh never repeats it (eclipse-zenoh/zenoh#1886). A declaration that is withdrawn and made again reaches every router. In the
-time between, messages would be lost. So the declaration itself stays, and a spare beside it is made anew. It matches the same
-keys in another form: `X/**` beside `X`. What comes by either reaches the process once, and is given to the callback of the
+A router may lose another one's declaration, and then passes nothing on to it for as long as both run. That happens when a link
+was closed and opened again, as after a kill or a pause of the computer: the router misses the declaration, or keeps a route
+without it, and Zenoh never repeats it (eclipse-zenoh/zenoh#1886). A declaration that is withdrawn and made again reaches every
+router, but messages in between would be lost. So the declaration itself stays, and a spare beside it is made anew. It matches
+the same keys in another form: `X/**` beside `X`. What comes by either reaches the process once, and goes to the callback of the
 declaration itself.
 """
 
@@ -23,6 +23,7 @@ RENEWED_S = 5.0
 and three times as many with a simulated floor. One costs it 0.03 ms."""
 
 ANY = "/**"
+"""The end of a pattern for all keys below."""
 
 
 class Declaration(Protocol):
@@ -41,11 +42,11 @@ def other_form(pattern: str) -> str:
 
 
 class Spares:
-    """The spares of one session's declarations, by key. Each is first made in its first turn: who leaves sooner needs none.
+    """The spares of one session's declarations, by key.
 
-    Each turn is the first spare's, as of an agent's own key, because answers depend on it, and one other spare's.
-
-    Turns are on the loop on which it was created. They end with the Zenoh session.
+    Each turn makes the first spare anew, as that of an agent's own key, because answers depend on it, and one of the others. None
+    is made before its first turn: who leaves sooner needs none. Turns are on the event loop that runs when it is created, and end
+    with the Zenoh session.
 
     Args:
         inner: Zenoh's session.
@@ -56,24 +57,27 @@ class Spares:
         self._lock = threading.Lock()
         """A process that ends withdraws the spares of all its threads."""
         self._makes: dict[str, Callable[[], Declaration]] = {}
+        """By key, what makes its spare."""
         self._made: dict[str, Declaration] = {}
+        """By key, the spare that is declared now."""
         self._turns = 0
+        """Turns so far; the other spares' turns go round by it."""
         self._ended = False
         self._turn_later()
 
     def of_subscription(self, key: str) -> None:
         """Keep a spare of a subscription."""
         # The channel is Zenoh's own: Python is not called for a message a second time.
-        self._keep(key, lambda: self._inner.declare_subscriber(other_form(key), RingChannel(1)))
+        self._makes[key] = lambda: self._inner.declare_subscriber(other_form(key), RingChannel(1))
 
     def of_queryable(self, key: str) -> None:
         """Keep a spare of a queryable."""
         silence = Callback(_leave_it, indirect=False)
-        self._keep(key, lambda: self._inner.declare_queryable(other_form(key), silence))
+        self._makes[key] = lambda: self._inner.declare_queryable(other_form(key), silence)
 
     def of_token(self, key: str) -> None:
         """Keep a liveliness token that is a spare of another one."""
-        self._keep(key, lambda: self._inner.liveliness().declare_token(key))
+        self._makes[key] = lambda: self._inner.liveliness().declare_token(key)
 
     def withdraw(self, key: str) -> None:
         """Withdraw a spare; it is not made again."""
@@ -87,9 +91,6 @@ class Spares:
             self._ended = True
             for key in tuple(self._made):
                 self._undeclare(key)
-
-    def _keep(self, key: str, make: Callable[[], Declaration]) -> None:
-        self._makes[key] = make
 
     def _renew(self, key: str) -> None:
         self._undeclare(key)

@@ -10,31 +10,22 @@ from typing import Any
 import msgspec
 import pytest
 import zenoh
+from vehicle_states import standing
 from zenoh.handlers import Callback
 from zenoh_kit import PATIENCE_S, free_address
 
 from dray.adapters.zenoh.links import Links
 from dray.adapters.zenoh.modem import Modem, address_of
 from dray.body import BodyState, Hold, Instruction, LinkNoticed, Report, VehicleState, WorkcellState
-from dray.messages import Link, Pose
+from dray.messages import Link
+from dray.plant import load_plant
 
 RADIO = "127.8.0.1"
 """Another address of this computer, for links of a second network."""
 
 RADIO_NETWORK = ip_network(f"{RADIO}/32")
 
-STANDING = VehicleState(
-    pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
-    node="a",
-    next_node="a",
-    next_node_s=0.0,
-    speed_mps=0.0,
-    battery_frac=0.5,
-    load="",
-    load_quantity=0,
-    held=False,
-    charging=False,
-)
+STANDING = standing(load_plant("single-track"), "p3")
 
 
 class BodyWithoutModem:

@@ -11,7 +11,7 @@ from gateway_kit import House
 from open_house import OpenHouse
 from playwright.sync_api import Locator, Page, expect
 from puppets import Puppet
-from tablet_kit import LOOKS, STATION, TOUCH_PX, Enter
+from tablet_kit import LOOKS, STATION, Enter, assert_touchable
 from variants import variants
 
 from dray.messages import (
@@ -115,10 +115,7 @@ def test_two_touches_bring_it_and_each_step_is_told(
     second = card.locator(".call-amounts button").first
     expect(second).to_have_text(amount)
     assert ordered(house) == []
-    for button in (tile(page, 0, "38"), second):
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert_touchable(tile(page, 0, "38"), second)
     card.scroll_into_view_if_needed()
     screenshot(page, f"calling-{look}")
 

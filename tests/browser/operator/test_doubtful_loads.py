@@ -12,7 +12,7 @@ from obedient_machine import STATION
 from open_house import OpenHouse
 from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
-from tablet_kit import LOOKS, TOUCH_PX, Enter, press_and_hold
+from tablet_kit import LOOKS, Enter, answer
 from variants import variants
 
 from dray.messages import MachineCommandKind
@@ -38,17 +38,7 @@ def test_whoever_has_counted_says_by_a_long_touch_what_is_there(
     card = page.locator(f"[id='doubt-{DOUBT.load}']")
     for said in (STATION, str(DOUBT.quantity), DOUBT.vehicle):
         expect(card).to_contain_text(said)
-    buttons = card.locator(".vehicle-acts button")
-    expect(buttons).to_have_count(2)
-    for button in buttons.all():
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
     screenshot(page, f"doubtful-load-{look}")
-    chosen = buttons.first if there else buttons.last
-    chosen.tap()
-    assert machine.heard == []
-    press_and_hold(page, chosen)
-    expect(card).to_have_count(0)
+    answer(page, card, first=there)
     kind = MachineCommandKind.LOAD_THERE if there else MachineCommandKind.LOAD_MISSING
     assert [(command.kind, command.task) for command in machine.heard] == [(kind, DOUBT.load)]

@@ -18,7 +18,7 @@ from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, Route, expect
 from puppets import LATER_S, Puppet
 from tablet_kit import LOOKS as SHAPES
-from tablet_kit import LYING, TOUCH_PX, UPRIGHT, Enter, beat, card, settle
+from tablet_kit import LYING, UPRIGHT, Enter, assert_touchable, beat, card, settle
 from variants import variants
 
 from dray.messages import (
@@ -119,10 +119,7 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     call = page.locator(".call")
     expect(call).to_contain_text(says["asks"])
     expect(call).to_contain_text("ATV2")
-    for button in call.get_by_role("button").all():
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert_touchable(*call.get_by_role("button").all())
     # One row of answers for a call, and not a second one on the vehicle's card.
     expect(page.locator(".call-answers")).to_have_count(1)
     expect(card(page, "ATV2").locator(".promises")).to_have_count(0)
@@ -216,10 +213,7 @@ def test_who_is_on_duty_is_called_to_goods_on_board_of_a_dead_vehicle(
     call = page.locator(".call")
     for said in (STATION, "ATV2", REFERENCE, "South middle"):
         expect(call).to_contain_text(said)
-    for button in call.get_by_role("button").all():
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert_touchable(*call.get_by_role("button").all())
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     screenshot(page, f"goods-call-{shape}-{theme}")
     call.get_by_role("button").first.tap()

@@ -11,7 +11,7 @@ from goods_aboard import NODE, REFERENCE, TASK, MachineWithGoods
 from open_house import OpenHouse
 from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
-from tablet_kit import LOOKS, TOUCH_PX, Enter, press_and_hold
+from tablet_kit import LOOKS, Enter, assert_touchable, press_and_hold
 from variants import variants
 
 from dray.messages import MachineCommandKind
@@ -35,10 +35,7 @@ def test_goods_of_a_dead_vehicle_are_handed_over_in_one_touch_and_written_off_by
     expect(card).to_contain_text(REFERENCE)
     buttons = card.locator(".vehicle-acts button")
     expect(buttons).to_have_count(2)
-    for button in buttons.all():
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert_touchable(*buttons.all())
     screenshot(page, f"goods-{look}")
 
     buttons.first.tap()

@@ -15,7 +15,7 @@ from obedient_machine import STATION
 from open_house import OpenHouse
 from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
-from tablet_kit import LOOKS, TOUCH_PX, Enter, press_and_hold
+from tablet_kit import LOOKS, Enter, answer
 from variants import variants
 
 from dray.messages import MachineCommandKind
@@ -41,18 +41,8 @@ def test_whoever_has_looked_says_by_a_long_touch_what_is_there(
     card = page.locator(f"#held-{TASK}")
     expect(card).to_contain_text(STATION)
     expect(card).to_contain_text("24")
-    buttons = card.locator(".vehicle-acts button")
-    expect(buttons).to_have_count(2)
-    for button in buttons.all():
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
     screenshot(page, f"held-load-{look}")
-    chosen = buttons.first if there else buttons.last
-    chosen.tap()
-    assert machine.heard == []
-    press_and_hold(page, chosen)
-    expect(card).to_have_count(0)
+    answer(page, card, first=there)
     kind = MachineCommandKind.LOAD_THERE if there else MachineCommandKind.LOAD_MISSING
     assert [(command.kind, command.task) for command in machine.heard] == [(kind, TASK)]
 
@@ -79,10 +69,7 @@ def test_whoever_has_looked_at_a_dock_where_vehicles_fail_says_so_by_a_long_touc
     card = page.locator(f"#held-{TASK}")
     expect(card).to_contain_text(DOCK[look])
     expect(card).to_contain_text(STATION)
-    buttons = card.locator(".vehicle-acts button")
-    expect(buttons).to_have_count(2)
     screenshot(page, f"failing-dock-{look}")
-    press_and_hold(page, buttons.first if in_order else buttons.last)
-    expect(card).to_have_count(0)
+    answer(page, card, first=in_order)
     kind = MachineCommandKind.LOAD_MISSING if in_order else MachineCommandKind.LOAD_THERE
     assert [(command.kind, command.task) for command in machine.heard] == [(kind, TASK)]

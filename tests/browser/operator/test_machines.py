@@ -13,7 +13,7 @@ from msgspec import UNSET
 from open_house import OpenHouse
 from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
-from tablet_kit import LOOKS, STATION, TOUCH_PX, Enter, press_and_hold
+from tablet_kit import LOOKS, STATION, Enter, assert_touchable, press_and_hold
 from variants import variants
 from wall_clock import NOW_S
 
@@ -117,10 +117,7 @@ def test_a_broken_machine_is_seen_to_by_a_person_and_taken_out_of_service(
     expect(card).to_contain_text("ATV2")
     expect(card).to_contain_text("ATV6")
     expect(card.locator(".fault-gone")).to_be_disabled()
-    for button in card.locator("button").all():
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert_touchable(*card.locator("button").all())
     screenshot(page, f"machine-help-{look}")
 
     card.locator(".promises button").nth(1).tap()

@@ -12,7 +12,7 @@ from open_house import OpenHouse
 from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
 from scanner import scan
-from tablet_kit import LOOKS, TOUCH_PX, Enter
+from tablet_kit import LOOKS, Enter, assert_touchable
 
 from dray.messages import (
     CommandAnswered,
@@ -221,10 +221,7 @@ def test_it_fits_and_is_large(
     page = enter(**({"area": GATE_AREA} if where == "gate" else {}), **LOOKS[look])
     card = page.locator(".words")
     card.locator(".words-load").click()
-    for button in card.get_by_role("button").all():
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert_touchable(*card.get_by_role("button").all())
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     card.scroll_into_view_if_needed()
     screenshot(page, f"words-{where}-{look}")

@@ -13,7 +13,7 @@ from open_house import OpenHouse
 from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
 from scanner import scan
-from tablet_kit import LOOKS, STATION, TOUCH_PX, Enter, forgive
+from tablet_kit import LOOKS, STATION, Enter, assert_touchable, forgive
 
 from dray.messages import (
     BufferLevel,
@@ -205,10 +205,7 @@ def test_it_fits_and_is_large(
     page = enter(**LOOKS[look])
     card = page.locator(".words")
     card.locator(".words-load").click()
-    for button in card.get_by_role("button").all():
-        box = button.bounding_box()
-        assert box is not None
-        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert_touchable(*card.get_by_role("button").all())
     around = [card.get_by_role("button", name=sign, exact=True).bounding_box() for sign in SIGNS[look]]
     assert len({box["y"] for box in around if box is not None}) == 1, "less and more stand in one row"
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

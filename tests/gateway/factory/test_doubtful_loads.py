@@ -7,36 +7,23 @@ from alerts_kit import alerts, the_alert
 from gateway_kit import House
 from heartbeats import machine_heartbeat, station_heartbeat
 from msgspec.structs import replace
+from obedient_places import ELSEWHERE, FLOOR, MACHINE, area_of, obedient, places
 
 from dray.gateway.access.principal import Role as PersonRole
 from dray.gateway.live.projection import Projection
 from dray.messages import (
-    CommandAnswered,
     CommandRefusal,
     DoubtfulLoad,
     MachineCommand,
     MachineCommandKind,
     MachineHeartbeat,
-    Message,
     StationHeartbeat,
 )
-from dray.plant import load_plant
 
 pytestmark = pytest.mark.anyio
 
-FLOOR = load_plant("single-track")
-MACHINE, STATION = "M1", next(iter(FLOOR.storages))
 NAME = "M1.2-load-1"
 DOUBT = DoubtfulLoad(NAME, "ATV5", "housing", 24)
-
-places = pytest.mark.parametrize("place", [MACHINE, STATION])
-
-
-def area_of(place: str) -> str:
-    return min(FLOOR.areas_near(*FLOOR.position_of(place), 0.0))
-
-
-OTHER = next(area for area in FLOOR.areas if area not in {area_of(MACHINE), area_of(STATION)})
 
 
 def heartbeat(place: str, seq: int = 1) -> MachineHeartbeat | StationHeartbeat:
@@ -52,22 +39,10 @@ def path_of(place: str) -> str:
     return f"/api/{'machines' if place == MACHINE else 'stations'}/{place}/commands"
 
 
-def listening(
-    house: House, place: str, *, refusal: CommandRefusal | None = None
-) -> list[tuple[MachineCommandKind, str]]:
+def listening(house: House, place: str, *, refusal: CommandRefusal | None = None) -> list[MachineCommand]:
     """A place takes part; the words that it will have heard."""
-    heard: list[tuple[MachineCommandKind, str]] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, MachineCommand):
-            assert message.grant is not None
-            heard.append((message.kind, message.task))
-            answer = CommandAnswered(command=message.command, done=refusal is None, reason=refusal)
-            house.bus.tell(place, sender, answer)
-
-    house.bus.join(place, receive)
     asks(house.projection, place, DOUBT)
-    return heard
+    return obedient(house, place, refusal=refusal)
 
 
 @places
@@ -112,13 +87,15 @@ async def test_an_operator_of_the_place_says_what_is_there(
     anna = await house.log_in("anna", PersonRole.OPERATOR, area_of(place))
     answer = await anna.post(path_of(place), json={"kind": kind.value, "task": NAME})
     assert (answer.status_code, answer.json()["done"]) == (200, True)
-    assert heard == [(kind, NAME)]
+    [command] = heard
+    assert (command.kind, command.task) == (kind, NAME)
+    assert command.grant is not None
 
 
 @places
 async def test_somebody_elsewhere_may_not_and_nothing_is_said(house: House, place: str) -> None:
     heard = listening(house, place)
-    ben = await house.log_in("ben", PersonRole.OPERATOR, OTHER)
+    ben = await house.log_in("ben", PersonRole.OPERATOR, ELSEWHERE)
     answer = await ben.post(path_of(place), json={"kind": "load_there", "task": NAME})
     assert answer.status_code in {403, 404}
     assert heard == []

@@ -12,6 +12,7 @@ from facts_kit import opened, tell, wall_s
 from gateway_kit import House
 from heartbeats import events, machine_heartbeat
 from msgspec import UNSET
+from obedient_places import obedient
 from wall_clock import NOW_S
 
 from dray.gateway.access.principal import Role as PersonRole
@@ -19,7 +20,6 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility
 from dray.messages import (
     CallState,
-    CommandAnswered,
     CommandRefusal,
     DutyStatus,
     HelpCall,
@@ -235,18 +235,9 @@ def test_who_may_not_read_orders_is_told_their_name_on_the_goods_and_nothing_els
 
 def machine_in(house: House, *, refusal: CommandRefusal | None = None) -> list[MachineCommand]:
     """The machine joins with goods left aboard; the commands that it will have heard."""
-    heard: list[MachineCommand] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, MachineCommand):
-            heard.append(message)
-            answer = CommandAnswered(command=message.command, done=refusal is None, reason=refusal)
-            house.bus.tell(MACHINE, sender, answer)
-
-    house.bus.join(MACHINE, receive)
     announced(house.projection)
     house.projection.fold(left_aboard())
-    return heard
+    return obedient(house, MACHINE, refusal=refusal)
 
 
 def said_in(row: AuditRow) -> dict[str, Any]:

@@ -11,32 +11,20 @@ from facts_kit import opened, tell
 from gateway_kit import House
 from heartbeats import machine_heartbeat, station_heartbeat
 from msgspec.structs import replace
+from obedient_places import ELSEWHERE, MACHINE, STATION, area_of, obedient, places
 
 from dray.gateway.access.principal import Role as PersonRole
 from dray.gateway.live.projection import Projection
 from dray.messages import (
-    CommandAnswered,
     CommandRefusal,
     MachineCommand,
     MachineCommandKind,
-    Message,
     Reason,
     TaskBrief,
     Transport,
 )
-from dray.plant import load_plant
 
 pytestmark = pytest.mark.anyio
-
-FLOOR = load_plant("single-track")
-MACHINE, STATION = "M1", next(iter(FLOOR.storages))
-
-
-def area_of(place: str) -> str:
-    return min(FLOOR.areas_near(*FLOOR.position_of(place), 0.0))
-
-
-OTHER = next(area for area in FLOOR.areas if area not in {area_of(MACHINE), area_of(STATION)})
 
 
 def task_of(place: str) -> str:
@@ -45,6 +33,12 @@ def task_of(place: str) -> str:
 
 def path_of(place: str) -> str:
     return f"/api/tasks/{task_of(place)}/load"
+
+
+def words(heard: list[MachineCommand]) -> list[tuple[MachineCommandKind, str]]:
+    """What was said of which transport, with a grant."""
+    assert all(command.grant is not None for command in heard)
+    return [(command.kind, command.task) for command in heard]
 
 
 def held(projection: Projection, place: str, *, fails_at: str = "") -> None:
@@ -70,23 +64,10 @@ def held(projection: Projection, place: str, *, fails_at: str = "") -> None:
 
 def listening(
     house: House, place: str, *, refusal: CommandRefusal | None = None, fails_at: str = ""
-) -> list[tuple[MachineCommandKind, str]]:
+) -> list[MachineCommand]:
     """A place takes part; the words that it will have heard."""
-    heard: list[tuple[MachineCommandKind, str]] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, MachineCommand):
-            assert message.grant is not None
-            heard.append((message.kind, message.task))
-            answer = CommandAnswered(command=message.command, done=refusal is None, reason=refusal)
-            house.bus.tell(place, sender, answer)
-
-    house.bus.join(place, receive)
     held(house.projection, place, fails_at=fails_at)
-    return heard
-
-
-places = pytest.mark.parametrize("place", [MACHINE, STATION])
+    return obedient(house, place, refusal=refusal)
 
 
 @places
@@ -109,14 +90,14 @@ async def test_an_operator_of_the_place_says_what_is_there(house: House, place: 
     answer = await anna.post(path_of(place), json={"there": there})
     assert (answer.status_code, answer.json()["done"]) == (200, True)
     kind = MachineCommandKind.LOAD_THERE if there else MachineCommandKind.LOAD_MISSING
-    assert heard == [(kind, task_of(place))]
+    assert words(heard) == [(kind, task_of(place))]
     [row] = await house.audit(action="load.see")
     assert (row.who, row.target, row.result) == ("anna", task_of(place), "done")
 
 
 async def test_somebody_elsewhere_may_not_and_nothing_is_said(house: House) -> None:
     heard = listening(house, MACHINE)
-    ben = await house.log_in("ben", PersonRole.OPERATOR, OTHER)
+    ben = await house.log_in("ben", PersonRole.OPERATOR, ELSEWHERE)
     answer = await ben.post(path_of(MACHINE), json={"there": True})
     assert answer.status_code in {403, 404}
     assert heard == []
@@ -169,7 +150,7 @@ async def test_who_is_responsible_for_the_failing_dock_sees_it_and_answers(house
     assert (alert["kind"], alert["agent"]) == ("dock_fails", FAR)
     answer = await anna.post(path_of(MACHINE), json={"there": False})
     assert (answer.status_code, answer.json()["done"]) == (200, True)
-    assert heard == [(MachineCommandKind.LOAD_MISSING, task_of(MACHINE))]
+    assert words(heard) == [(MachineCommandKind.LOAD_MISSING, task_of(MACHINE))]
 
 
 async def test_who_is_responsible_for_the_destination_alone_does_not_answer_for_a_dock_elsewhere(

@@ -8,6 +8,7 @@ import httpx
 import pytest
 from gateway_kit import AUTHORITY, House
 from heartbeats import machine_heartbeat
+from obedient_places import obedient
 
 from dray.adapters.security.signing import TrustedKeys
 from dray.messages import (
@@ -29,23 +30,10 @@ from dray.messages import (
 pytestmark = pytest.mark.anyio
 
 
-def obedient(
-    house: House, *, refusal: CommandRefusal | None = None, detail: str = ""
-) -> list[MachineCommand]:
-    """Let M1 join and obey every command, or refuse it; the commands that it will have heard."""
-    heard: list[MachineCommand] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, MachineCommand):
-            heard.append(message)
-            answer = CommandAnswered(
-                command=message.command, done=refusal is None, reason=refusal, detail=detail
-            )
-            house.bus.tell("M1", sender, answer)
-
-    house.bus.join("M1", receive)
+def m1(house: House, *, refusal: CommandRefusal | None = None, detail: str = "") -> list[MachineCommand]:
+    """M1 joins and obeys every command, or refuses it; the commands that it will have heard."""
     house.projection.fold(machine_heartbeat("M1"))
-    return heard
+    return obedient(house, "M1", refusal=refusal, detail=detail)
 
 
 WORD_FIELDS = ("item", "quantity", "vehicle", "sure")
@@ -81,7 +69,7 @@ async def ask(house: House, body: Any, machine: str = "M1") -> httpx.Response:
 async def test_a_command_is_granted_and_answered_with_the_machines_word(
     house: House, body: dict[str, Any]
 ) -> None:
-    heard = obedient(house)
+    heard = m1(house)
     answer = await ask(house, body)
     assert (answer.status_code, answer.json()["done"]) == (200, True)
     (command,) = heard
@@ -99,7 +87,7 @@ async def test_a_command_is_granted_and_answered_with_the_machines_word(
 
 
 async def test_a_refusal_is_told_with_its_reason(house: House) -> None:
-    obedient(house, refusal=CommandRefusal.FAULTY, detail="it is stuck")
+    m1(house, refusal=CommandRefusal.FAULTY, detail="it is stuck")
     answer = (await ask(house, {"kind": "clear_fault"})).json()
     assert (answer["done"], answer["reason"]) == (False, "faulty")
     assert answer["text"] == "its sensors still report a problem: it is stuck"
@@ -134,7 +122,7 @@ async def test_a_refusal_is_told_with_its_reason(house: House) -> None:
     ],
 )
 async def test_what_no_machine_can_do_is_not_sent(house: House, body: dict[str, Any]) -> None:
-    heard = obedient(house)
+    heard = m1(house)
     assert (await ask(house, body)).status_code == 422
     assert heard == []
 

@@ -10,6 +10,7 @@ from answers import problem
 from areas_kit import AREAS
 from gateway_kit import AUTHORITY, House
 from heartbeats import station_heartbeat
+from obedient_places import obedient
 from wall_clock import NOW_S
 
 from dray.adapters.security.signing import TrustedKeys
@@ -18,10 +19,7 @@ from dray.gateway.factory.commands import WORDS_TRIES
 from dray.gateway.live.views import AlertView
 from dray.gateway.live.visibility import AreaVisibility
 from dray.messages import (
-    CommandAnswered,
     CommandRefusal,
-    MachineCommand,
-    Message,
     PeopleAsBody,
     UnconfirmedLoad,
     signed_words,
@@ -40,24 +38,8 @@ async def ask(house: House, body: dict[str, Any], station: str = "S1") -> httpx.
     return await house.client.post(f"/api/stations/{station}/commands", json=body)
 
 
-def obedient(
-    house: House, refused: CommandRefusal | None = None, station: str = "S1"
-) -> list[MachineCommand]:
-    """A station takes what it is told, or refuses it."""
-    heard: list[MachineCommand] = []
-
-    def receive(sender: str, message: Message) -> None:
-        if isinstance(message, MachineCommand):
-            heard.append(message)
-            answer = CommandAnswered(message.command, refused is None, refused, "12" if refused else "")
-            house.bus.tell(station, sender, answer)
-
-    house.bus.join(station, receive)
-    return heard
-
-
 async def test_a_word_is_passed_on_with_a_grant_and_answered(house: House) -> None:
-    heard = obedient(house)
+    heard = obedient(house, "S1")
     answer = await ask(house, ARRIVED)
     assert (answer.status_code, answer.json()["done"]) == (200, True)
     [said] = heard
@@ -67,7 +49,7 @@ async def test_a_word_is_passed_on_with_a_grant_and_answered(house: House) -> No
 
 
 async def test_a_number_that_is_not_believed_is_told_with_the_expected_one(house: House) -> None:
-    obedient(house, CommandRefusal.UNLIKELY)
+    obedient(house, "S1", refusal=CommandRefusal.UNLIKELY, detail="12")
     told = (await ask(house, ARRIVED | {"quantity": 120})).json()
     assert (told["done"], told["reason"], told["detail"]) == (False, "unlikely", "12")
 
@@ -78,7 +60,7 @@ async def test_a_number_that_is_not_believed_is_told_with_the_expected_one(house
 async def test_what_becomes_of_a_thing_on_board_of_a_failed_vehicle_is_passed_on(
     house: House, body: dict[str, Any], node: str
 ) -> None:
-    heard = obedient(house)
+    heard = obedient(house, "S1")
     answer = await ask(house, body | {"task": "T-9-1"})
     assert (answer.status_code, answer.json()["done"]) == (200, True)
     [said] = heard
@@ -112,7 +94,7 @@ async def test_what_becomes_of_a_thing_on_board_of_a_failed_vehicle_is_passed_on
     ],
 )
 async def test_what_no_station_can_be_told_is_not_sent(house: House, body: dict[str, Any]) -> None:
-    heard = obedient(house)
+    heard = obedient(house, "S1")
     assert (await ask(house, body)).status_code == 422
     assert heard == []
 
@@ -140,7 +122,7 @@ async def test_a_machine_and_nobody_are_no_stations(house: House) -> None:
 async def test_an_operator_says_what_has_happened_in_its_own_area_alone(
     house: House, area: str, station: str, status: int
 ) -> None:
-    heard = obedient(house, station=station)
+    heard = obedient(house, station)
     client = await house.log_in("operator", Role.OPERATOR, area)
     answer = await client.post(f"/api/stations/{station}/commands", json=ARRIVED)
     assert answer.status_code == status, answer.text
@@ -150,7 +132,7 @@ async def test_an_operator_says_what_has_happened_in_its_own_area_alone(
 
 @pytest.mark.parametrize("station", ["S1", GATE])
 async def test_a_station_that_is_shut_out_is_told_nothing(house: House, station: str) -> None:
-    heard = obedient(house, station=station)
+    heard = obedient(house, station)
     assert (
         await house.client.post(f"/api/agents/{station}/shut-out", json={"reason": "odd"})
     ).status_code == 200
@@ -164,7 +146,7 @@ async def test_a_station_that_is_shut_out_is_told_nothing(house: House, station:
 async def test_a_word_to_the_gate_is_shown_where_a_delivery_warehouse_lies_and_nowhere_else(
     house: House,
 ) -> None:
-    obedient(house, station=GATE)
+    obedient(house, GATE)
     assert (await ask(house, ARRIVED, GATE)).status_code == 200
     both = await house.log_in("both", Role.OPERATOR, AT_GATE, ELSEWHERE)
     assert (await both.post(f"/api/stations/{GATE}/commands", json=ARRIVED)).status_code == 200
@@ -222,7 +204,7 @@ async def test_loads_that_wait_for_a_word_are_told_where_the_body_is_people(hous
 
 
 async def test_nobody_says_more_words_to_a_place_than_anybody_can_count(house: House) -> None:
-    heard = obedient(house)
+    heard = obedient(house, "S1")
     for number in range(WORDS_TRIES):
         assert (await ask(house, ARRIVED | {"command": f"word-{number}"})).status_code == 200
     refused = await ask(house, ARRIVED | {"command": "one-more"})

@@ -16,6 +16,7 @@ from effects import T, award_number, instructed, published, sent
 from msgspec import UNSET
 from seals import trusts_seals
 from spoken import accepted, bid
+from vehicle_states import standing
 
 from dray.body import (
     ActionDone,
@@ -47,7 +48,6 @@ from dray.messages import (
     Confirmed,
     MachineHeartbeat,
     Message,
-    Pose,
     Production,
     Role,
     UnconfirmedLoad,
@@ -168,18 +168,13 @@ class VehicleRig(Rig):
         return self.heard_by_stations(effects)
 
     def sense(self) -> VehicleState:
-        spot = PLANT.nodes[self.node]
-        return VehicleState(
-            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
-            node=self.node,
-            next_node=self.node,
-            next_node_s=0.0,
-            speed_mps=0.0,
+        return standing(
+            PLANT,
+            self.node,
             battery_frac=self.battery_frac,
             load=self.load[0],
             load_quantity=self.load[1],
             held=self.held,
-            charging=False,
             problem=self.problem,
             about_problem=self.about,
         )

@@ -7,8 +7,9 @@ from typing import Any
 from defaults import PLANT
 from effects import facts, instructed, sent
 from spoken import transport
+from vehicle_states import standing
 
-from dray.body import Drive, Drop, Pick, VehicleState, WayDone
+from dray.body import Drive, Drop, Pick, WayDone
 from dray.memory import Contract
 from dray.messages import (
     Docked,
@@ -16,7 +17,6 @@ from dray.messages import (
     DockOpened,
     Message,
     Phase,
-    Pose,
     Superseded,
 )
 from dray.messages.fact import PhaseEntered
@@ -45,20 +45,7 @@ class Trip:
         self.out = self.life.effects
         self.now_s = 0.0
         self.driver = Driver(PLANT, "light", self.life)
-        spot = PLANT.nodes[node]
-        state = VehicleState(
-            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
-            node=node,
-            next_node=node,
-            next_node_s=0.0,
-            speed_mps=0.0,
-            battery_frac=0.9,
-            load="",
-            load_quantity=0,
-            held=False,
-            charging=False,
-        )
-        self.driver.sense(state)
+        self.driver.sense(standing(PLANT, node))
         self.job = TransportJob(
             Contract(
                 task="M8-1",

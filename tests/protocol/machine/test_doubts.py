@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from effects import committed, facts, instructed, published, sent
+from effects import facts, instructed, published, sent
 from m7 import NO_HOUSINGS, handover
 from msgspec.structs import replace
+from next_life import next_life
 from rigs import BlindRig, MachineRig
 from seals import granted
 from spoken import rhb
@@ -26,7 +27,7 @@ from dray.messages import (
 )
 from dray.messages.fact import LoadDoubted
 from dray.protocol.transports.doubts import ASKS_AFTER_S
-from dray.protocol.transports.visits import UNHEARD_S
+from dray.protocol.transports.visit import UNHEARD_S
 
 KIND = MachineCommandKind
 PUMPS = "pump-p3"
@@ -175,9 +176,7 @@ def test_the_next_life_asks_on_and_tells_no_history_twice(begin: object) -> None
     assert callable(begin)
     before = begin()
     told = before.heartbeats(MachineHeartbeat)[-1].doubts
-    rig = BlindRig("M7", before.stock, incarnation=3)
-    rig.memory, rig.now_s, rig.answers, rig.seq = committed(before.all), before.now_s, True, before.seq
-    rig.start()
+    rig = next_life(before)
     rig.run(rig.now_s + 2 * TICKS_S)
     assert (rig.heartbeats(MachineHeartbeat)[0].doubts, facts(rig.all, LoadDoubted)) == (told, [])
     assert says(rig, KIND.LOAD_THERE) is None

@@ -42,9 +42,9 @@ def alone() -> tuple[Door, Visits, list[Effect]]:
     """The door of a dock that makes itself safe, without an agent; who is waited for at it, and its effects."""
     life = Life()
     subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life)
-    door, departures = dock_parts("m7", subscriptions, life)
-    door.visits.answers = True
-    return door, departures, life.effects
+    door, visits = dock_parts("m7", subscriptions, life)
+    visits.answers = True
+    return door, visits, life.effects
 
 
 HOUSINGS_CAME = StockChanged(item="housing", change=24, seq=1, vehicle="ATV2")
@@ -303,13 +303,13 @@ def test_what_is_handed_over_is_on_order_no_longer() -> None:
 
 
 def test_a_dock_at_which_a_vehicle_is_waited_for_stays_open_however_often_it_is_not_wanted() -> None:
-    door, departures, out = alone()
+    door, visits, out = alone()
     door.open("ATV2", docked(), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV2", 5.0)
     door.shut("ATV2", "M7-1")
     door.shut("ATV2", "M7-1")
     assert instructed(out, CloseDock) == []
-    departures.on_carried_away("ATV2")
+    visits.on_carried_away("ATV2")
     assert instructed(out, CloseDock) == [CloseDock("ATV2")]
 
 
@@ -317,35 +317,35 @@ def test_a_dock_at_which_a_vehicle_is_waited_for_stays_open_however_often_it_is_
 def test_a_load_of_before_that_is_answered_late_is_not_the_one_that_a_vehicle_is_let_in_for(
     answered: str, waits: bool
 ) -> None:
-    door, departures, _ = alone()
+    door, visits, _ = alone()
     door.visits.answers, door.visits.counts = False, False
     door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
     door.note_moved(HOUSINGS_CAME, DepartureMemory("ATV2", answered, 1, "housing", 24))
     door.shut("ATV2", "M7-2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
-    assert departures.waits_for("ATV2") is waits
+    assert visits.waits_for("ATV2") is waits
 
 
 def test_an_answer_to_no_word_tells_nothing_of_whom_a_body_that_does_not_count_has_let_in() -> None:
-    door, departures, _ = alone()
+    door, visits, _ = alone()
     door.visits.answers, door.visits.counts = False, False
     door.open("ATV2", docked(), "housing", 24, 0.0, comes=True)
     door.note_moved(HOUSINGS_CAME)
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
-    assert departures.waits_for("ATV2")
+    assert visits.waits_for("ATV2")
 
 
 def test_the_end_of_another_transport_shuts_no_dock_in_which_its_vehicle_stands_for_this_one() -> None:
-    door, departures, out = alone()
+    door, visits, out = alone()
     door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV2", 5.0)
     # It had another one before, whose loss is noticed only now.
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     door.shut("ATV2", "M7-1")  # As what others have fetched, and as what is booked.
     door.close("ATV2", "M7-1")
-    assert (instructed(out, CloseDock), departures.waits_for("ATV2")) == ([], False)
+    assert (instructed(out, CloseDock), visits.waits_for("ATV2")) == ([], False)
     this_one = DepartureMemory("ATV2", "M7-2", 1, "housing", 24)
     door.shut("ATV2", "M7-2", this_one)
-    assert (instructed(out, CloseDock), departures.memories()) == ([], (this_one,))
+    assert (instructed(out, CloseDock), visits.memories()) == ([], (this_one,))
 
 
 def test_a_vehicle_that_waits_for_the_dock_does_so_whatever_ends_besides() -> None:
@@ -383,24 +383,21 @@ def test_where_the_dock_opens_at_once_the_end_of_another_transport_shuts_it_neit
 def test_what_a_body_has_counted_of_another_transport_leaves_a_vehicle_inside(
     moved: StockChanged, waits: bool
 ) -> None:
-    door, departures, _ = alone()
+    door, visits, _ = alone()
     door.open("ATV2", docked("M7-2"), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV2", 5.0)
     door.note_moved(moved)
     door.shut("ATV2", "M7-2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
-    assert departures.waits_for("ATV2") is waits
+    assert visits.waits_for("ATV2") is waits
 
 
 def test_who_has_left_after_an_old_transport_still_waits_for_what_it_has_asked_for_since() -> None:
-    life = Life()
-    subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, life)
-    door, departures = dock_parts("m7", subscriptions, life)
-    door.visits.answers = True
+    door, visits, _ = alone()
     door.open("ATV2", docked("M7-1"), "housing", 24, 0.0, comes=True)
     door.on_ready("ATV2", 5.0)
     door.open("ATV2", docked("M7-2"), "housing", 24, 8.0, comes=True)
     door.shut("ATV2", "M7-1", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
-    departures.on_vehicle(rhb("ATV2", 1, 9.0, task="M7-2"), 9.0)
-    assert (departures.waits_for("ATV2"), door.is_opening("ATV2")) == (False, True)
-    departures.on_carried_away("ATV2")
+    visits.on_vehicle(rhb("ATV2", 1, 9.0, task="M7-2"), 9.0)
+    assert (visits.waits_for("ATV2"), door.is_opening("ATV2")) == (False, True)
+    visits.on_carried_away("ATV2")
     assert not door.is_opening("ATV2")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import cast
 
+import pytest
 from defaults import PLANT
 from effects import award_number, facts, published, sent
-from m7 import NO_HOUSINGS, transports
+from m7 import NO_HOUSINGS, docked, handover, m7, supplied_by, transports
 from msgspec.structs import replace
 from rigs import MachineRig
 from spoken import accepted, bid, production, rhb
@@ -250,3 +251,54 @@ def test_a_silent_station_is_no_excuse_for_ever() -> None:
     rig = hired("S2")
     loading(rig, int(EXCUSED_MAX_S) + 300, answers=False)
     assert [fact.replaced for fact in facts(rig.all, CarrierChanged)][:1] == ["ATV2"]
+
+
+# --- a station that asks whether its load was fetched ---
+
+
+@pytest.mark.parametrize(
+    ("epoch", "known"),
+    [(1, True), (0, False), (2, False)],
+    ids=["its epoch", "the epoch of an earlier carrier", "the epoch of one who took over unheard"],
+)
+def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched_or_may_have_been(
+    epoch: int, *, known: bool
+) -> None:
+    rig = supplied_by("ATV2")
+    rig.on_message("ATV2", docked())
+    rig.on_message("ATV2", handover())
+    said = rig.on_message("S1", StockReserved("M7-1", epoch, "housing", 24))
+    assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=True, known=known)]
+
+
+def test_a_coordinator_whose_task_goes_on_says_that_an_earlier_carrier_may_have_fetched_the_load() -> None:
+    rig = supplied_by("ATV2")
+    rig.on_message("ATV2", Resigned("M7-1", 1, Role.PRIMARY, Reason.HAS_WORK))
+    for _ in range(2):
+        said = rig.on_message("S1", StockReserved("M7-1", 1, "housing", 24))
+        assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=True, epoch=1)]
+    assert sent(rig.on_message("S1", StockReserved("M7-1", 2, "housing", 24)), StockFreed) == []
+
+
+def test_a_coordinator_that_has_withdrawn_a_load_which_somebody_carries_does_not_say_that_it_lies_there() -> (
+    None
+):
+    rig = supplied_by("ATV2")
+    said = rig.on_message("ATV2", Resigned("M7-1", 1, Role.PRIMARY, Reason.DOCK_HELD, short="S1"))
+    freed = sent(said, StockFreed)
+    assert freed
+    assert all(each.fetched for each in freed if each.task == "M7-1")
+
+
+def test_a_coordinator_that_remembers_nothing_does_not_say_that_the_load_lies_there() -> None:
+    rig = supplied_by("ATV2")
+    said = rig.on_message("S1", StockReserved("M7-99", 1, "housing", 24))
+    assert sent(said, StockFreed, to="S1") == [StockFreed("M7-99", fetched=True)]
+
+
+def test_a_load_for_which_nobody_was_ever_bound_lies_there_still() -> None:
+    rig = m7(NO_HOUSINGS, goal=24)
+    for station in ("S1", "S2", "S6", "S7"):
+        rig.on_message(station, StockShort("M7-1", 1, "housing", 0))
+    said = rig.on_message("S1", StockReserved("M7-1", 1, "housing", 24))
+    assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1")]

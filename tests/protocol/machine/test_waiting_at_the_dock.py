@@ -4,30 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import msgspec
 import pytest
 from effects import committed, instructed, published, sent
+from lathe1 import TASK, before_a_shut_dock, opens
 from m7 import FULL, NO_HOUSINGS, docked, hiring
 from msgspec.structs import replace
+from next_life import next_life
 from rigs import BlindRig, MachineRig
 from spoken import production, rhb
 
 from dray.body import Book, CloseDock, DockReady, OpenDock
-from dray.memory import WHOLE, MachineMemory, Memory
+from dray.memory import WHOLE, DepartureMemory, MachineMemory, Memory, visits_of
 from dray.messages import (
-    Docked,
     DockHeld,
     DockOpened,
     HelpCall,
-    StockAsked,
     StockFreed,
     TaskAnnounced,
     Transport,
 )
-from dray.plant.file.file import shipped_plant
 from dray.protocol.liveness.failure_detector import UNNAMED_S
 
 CART = "ATV2"
-LEVELS = shipped_plant("levels")
 SHUT = [CloseDock(vehicle=CART)]
 
 
@@ -54,33 +53,10 @@ def waiting(rig: MachineRig, task: str) -> MachineRig:
     return rig
 
 
-def fetching_for_another() -> MachineRig:
-    """ATV2 stands at LATHE1 for six shafts for PRESS1, and waits for the dock to open. The body does not count."""
-    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=LEVELS)
-    rig.answers = True
-    rig.start()
-    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
-    rig.on_message(CART, Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
-    return rig
-
-
 def lot(rig: MachineRig) -> str:
     """The transport of the pumps."""
     works = [each for each in published(rig.all, TaskAnnounced) if isinstance(each.work, Transport)]
     return next(each.task for each in works if each.work.item == "pump-p3")
-
-
-def next_life(
-    before: MachineRig, *, opened: tuple[str, ...] = (CART,), memory: Memory | None = None
-) -> MachineRig:
-    """The machine's agent is started again; the body opens the dock for these still."""
-    machine = before.agent.id
-    plant = {} if machine == "M7" else {"plant": LEVELS}
-    rig = BlindRig(machine, before.stock, incarnation=before.agent.incarnation + 1, **plant)
-    rig.answers, rig.opened, rig.now_s = True, opened, before.now_s
-    rig.memory = (committed(before.all) or before.memory) if memory is None else memory
-    rig.start()
-    return rig
 
 
 def works_elsewhere(rig: MachineRig) -> None:
@@ -109,7 +85,7 @@ def test_goods_that_its_vehicle_only_waited_for_are_not_booked_out_by_a_later_li
     rig = fetching()
     task = lot(rig)
     for _ in range(lives):
-        rig = next_life(rig)
+        rig = next_life(rig, opened=(CART,))
     # The body opens it only now, and nobody waits any more.
     assert not sent(rig.report(DockReady(vehicle=CART)), DockOpened)
     works_elsewhere(rig)
@@ -130,7 +106,7 @@ def test_goods_are_booked_out_in_doubt_if_their_vehicle_was_let_in_or_older_note
 ) -> None:
     first = fetching()
     begins(first)
-    rig = next_life(first, memory=notes(committed(first.all)))
+    rig = next_life(first, opened=(CART,), memory=notes(committed(first.all)))
     works_elsewhere(rig)
     assert instructed(rig.all, Book) == [Book(CART, "pump-p3", -24, task=lot(first), epoch=1)]
 
@@ -139,13 +115,13 @@ def test_goods_are_booked_out_in_doubt_if_their_vehicle_was_let_in_or_older_note
 def test_a_coordinator_without_notes_is_believed_only_about_a_vehicle_that_was_let_in(
     *, was_let_in: bool
 ) -> None:
-    first = fetching_for_another()
+    first = before_a_shut_dock(cart=CART)
     if was_let_in:
-        assert sent(first.report(DockReady(vehicle=CART)), DockOpened, to=CART)
-    rig = next_life(first)
+        opens(first, CART)
+    rig = next_life(first, opened=(CART,))
     works_elsewhere(rig)
-    rig.on_message("PRESS1", StockFreed("PRESS1-1", fetched=True))
-    taken = [Book(CART, "shaft", -6, task="PRESS1-1", epoch=1)]
+    rig.on_message("PRESS1", StockFreed(TASK, fetched=True))
+    taken = [Book(CART, "shaft", -6, task=TASK, epoch=1)]
     assert SHUT[0] in instructed(rig.all, CloseDock)
     assert instructed(rig.all, Book) == (taken if was_let_in else [])
 
@@ -160,7 +136,7 @@ def test_it_is_noted_that_a_vehicle_is_let_in_before_it_hears_that() -> None:
 
 
 def test_nobody_is_asked_for_a_load_whose_vehicle_only_waited_to_bring_it() -> None:
-    rig = next_life(bringing())
+    rig = next_life(bringing(), opened=(CART,))
     works_elsewhere(rig)
     assert is_sought(rig, "M7-1")
     assert (instructed(rig.all, Book), published(rig.all, HelpCall)) == ([], [])
@@ -168,12 +144,39 @@ def test_nobody_is_asked_for_a_load_whose_vehicle_only_waited_to_bring_it() -> N
 
 def test_who_waits_still_is_let_in_by_the_next_life() -> None:
     first = fetching()
-    rig = waiting(next_life(first), lot(first))
+    rig = waiting(next_life(first, opened=(CART,)), lot(first))
     assert sent(rig.report(DockReady(vehicle=CART)), DockOpened, to=CART)
-    works_elsewhere(later := next_life(rig))
+    works_elsewhere(later := next_life(rig, opened=(CART,)))
     assert instructed(later.all, Book) == [Book(CART, "pump-p3", -24, task=lot(first), epoch=1)]
 
 
 def test_who_waited_is_unknown_once_the_body_opens_for_it_no_more() -> None:
-    rig = next_life(fetching(), opened=())
+    rig = next_life(fetching())
     assert not rig.agent._flow.visits.is_here(CART)
+
+
+def test_what_an_older_version_has_noted_of_loads_to_take_and_of_vehicles_that_leave_is_read() -> None:
+    taken = {"task": "P-1", "epoch": 1, "item": "shaft", "quantity": 6, "coordinator": "P", "vehicle": "ATV1"}
+    written = {
+        "kind": "machine",
+        "let_in": [
+            taken | {"opened": 2},
+            taken | {"vehicle": "ATV2", "opened": 3, "ended": True, "gone": True},
+        ],
+        "leaving": [
+            {"vehicle": "ATV1"},
+            {"vehicle": "ATV3", "task": "M7-1", "epoch": 1, "item": "housing", "change": 24},
+            {"vehicle": "ATV2", "task": "M7-2", "epoch": 1, "item": "housing", "change": 24, "gone": True},
+        ],
+    }
+    note = msgspec.convert(written, MachineMemory)
+    assert visits_of(note) == (
+        DepartureMemory("ATV1", "P-1", 2, "shaft", -6, coordinator="P"),
+        DepartureMemory(
+            "ATV2", "P-1", 3, "shaft", -6, gone=True, permitted=True, coordinator="P", ended=True
+        ),
+        DepartureMemory("ATV3", "M7-1", 1, "housing", 24),
+        DepartureMemory("ATV2", "M7-2", 1, "housing", 24, gone=True),
+    )
+    again = msgspec.convert(msgspec.to_builtins(MachineMemory(visits=visits_of(note))), MachineMemory)
+    assert visits_of(again) == visits_of(note)

@@ -24,7 +24,7 @@ from dray.messages import (
 from dray.messages.fact import LoadDoubted
 from dray.protocol.station.station import Station
 from dray.protocol.transports.doubts import ASKS_AFTER_S
-from dray.protocol.transports.visits import UNHEARD_S
+from dray.protocol.transports.visit import UNHEARD_S
 
 KIND = MachineCommandKind
 NAME = "S1-load-1"

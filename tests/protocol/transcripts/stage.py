@@ -13,6 +13,7 @@ from typing import Any
 
 import msgspec
 import plentiful
+from vehicle_states import standing
 
 from dray.body import (
     ActionDone,
@@ -27,7 +28,7 @@ from dray.body import (
     WayDone,
     WorkcellState,
 )
-from dray.messages import AtvHeartbeat, Message, Pose
+from dray.messages import AtvHeartbeat, Message
 from dray.plant import Plant, load_plant
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import (
@@ -76,18 +77,12 @@ class ScriptedVehicle:
 
     def sense(self) -> VehicleState:
         self._move()
-        spot = self._stage.plant.nodes[self._node]
-        return VehicleState(
-            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
-            node=self._node,
-            next_node=self._node,
-            next_node_s=0.0,
-            speed_mps=0.0,
+        return standing(
+            self._stage.plant,
+            self._node,
             battery_frac=self._battery_frac,
             load=self._load[0],
             load_quantity=self._load[1],
-            held=False,
-            charging=False,
         )
 
     def instruct(self, instruction: object) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from defaults import PLANT
 from effects import instructed
+from vehicle_states import standing
 
-from dray.body import ActionFailed, Drive, LimitSpeed, NodePassed, VehicleState, WayDone
-from dray.messages import Pose
+from dray.body import ActionFailed, Drive, LimitSpeed, NodePassed, WayDone
 from dray.protocol.runtime.life import Life
 from dray.protocol.vehicle.drivers.driver import Driver
 
@@ -24,20 +24,7 @@ class Seat:
         self.sense(node)
 
     def sense(self, node: str, speed_mps: float = 0.0) -> None:
-        spot = PLANT.nodes[node]
-        state = VehicleState(
-            pose=Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
-            node=node,
-            next_node=node,
-            next_node_s=0.0,
-            speed_mps=speed_mps,
-            battery_frac=0.9,
-            load="",
-            load_quantity=0,
-            held=False,
-            charging=False,
-        )
-        self.driver.sense(state)
+        self.driver.sense(standing(PLANT, node, speed_mps=speed_mps))
 
     @property
     def drives(self) -> list[Drive]:

@@ -95,7 +95,10 @@ class Coordinator:
         return self._closed.get(task)
 
     def knows(self, task: str, epoch: int) -> bool:
-        """Whether an epoch of a task is, or was, this coordinator's. The earlier ones of a recovered task are lost with the notes."""
+        """Whether it can tell what has become of a task in an epoch.
+
+        Of a task that it learned of from a carrier, after it had lost its notes, it knows no epoch before that carrier's.
+        """
         known = self._open.get(task) or self._closed.get(task)
         return known is not None and not (known.recovered and epoch < known.epoch)
 

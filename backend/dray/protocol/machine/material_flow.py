@@ -104,10 +104,13 @@ class MaterialFlow(TransportFlow):
         self.visits.doubts.restore(memory.doubts)
         self.bookings.restore(memory.booked)
         for load in () if self.visits.counts else visits:
-            if load.task and load.change < 0 and (load.permitted or load.coordinator):
-                item, pieces, epoch, vehicle = load.item, -load.change, load.epoch, load.vehicle
-                fetched = ReservationMemory(load.task, epoch, item, pieces, load.coordinator, vehicle, epoch)
-                self._book.restore(fetched, (vehicle,), now_s)
+            if load.task and load.takes and (load.permitted or load.coordinator):
+                fetched = ReservationMemory(
+                    *(load.task, load.epoch, load.item, load.quantity, load.coordinator),
+                    vehicle=load.vehicle,
+                    opened=load.epoch,
+                )
+                self._book.restore(fetched, (load.vehicle,), now_s)
 
     def shut_unknown(self, opened: Iterable[str]) -> None:
         """Shut the dock for vehicles of an earlier life that are unknown now."""
@@ -198,7 +201,7 @@ class MaterialFlow(TransportFlow):
         self, report: StockChanged, word: DepartureMemory | None, is_news: bool, now_s: float
     ) -> None:
         """Goods were made, have left, or were found; `word`: the agent's report that the body answers."""
-        if report.counted or (word is not None and word.change > 0):
+        if report.counted or (word is not None and word.brings):
             self.goods.recount(now_s)
         elif report.vehicle and report.change < 0 and self._book.take(report.vehicle, report.item):
             self._goals.take_spare(report.item, -report.change)

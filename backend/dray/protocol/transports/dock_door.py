@@ -15,7 +15,8 @@ from dray.messages.heartbeat import DockWait
 from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
-from dray.protocol.transports.visits import Request, Stage, Visits
+from dray.protocol.transports.visit import Stage
+from dray.protocol.transports.visits import Request, Visits
 
 SAFE_WITHIN_S = 60.0
 """Time to make an idle dock safe (s): shut a door, run a conveyor empty."""
@@ -160,11 +161,11 @@ class Door:
         if visit is None or visit.stage is not Stage.INSIDE:
             return
         load, counts = visit.load, self.visits.counts
-        if not load.task:
+        if visit.is_unnamed:
             is_of_it = counts or word is not None
         elif word is not None:
-            is_of_it = (load.task, load.epoch) == (word.task, word.epoch)
+            is_of_it = visit.is_for(word.task, word.epoch)
         else:
-            is_of_it = counts and load.item == report.item and (load.change > 0) is (report.change > 0)
+            is_of_it = counts and load.item == report.item and load.brings is (report.change > 0)
         if is_of_it:
             self.visits.note_done(report.vehicle, load.task)

@@ -1,7 +1,7 @@
-"""Loads of which nobody can tell whether they lie at this place. Neither is in the books (`transports.visits`).
+"""Loads of which nobody can tell whether they lie at this place (`visits`). They are not in the books.
 
-    to take     booked out in doubt: its vehicle may have taken it
-    to bring    not booked in: its vehicle may have put it down
+    to take     it was booked out in doubt; its vehicle may not have taken it
+    to bring    it was not booked in; its vehicle may have put it down
 
     waits --ASKS_AFTER_S--> asked --a person has found it--> booked in
       |                       |
@@ -14,6 +14,7 @@ person is asked for what its controller measures (`dray.body.StorageState.measur
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import islice
 
 from msgspec.structs import replace
 
@@ -45,9 +46,10 @@ class Doubts:
         self._since_s: dict[str, float] = {}
         """By name: since when this life has waited for its vehicle (plant clock, s)."""
         self._count = 0
+        """Doubts of this life so far, for their names."""
 
     def __iter__(self) -> Iterator[DoubtMemory]:
-        """Those of which a person is asked, the oldest first."""
+        """Those for which a person is asked, the oldest first."""
         return (doubt for doubt in self._doubts.values() if doubt.asked)
 
     @property
@@ -55,14 +57,15 @@ class Doubts:
         return self._life.agent
 
     def get(self, name: str) -> DepartureMemory | None:
-        """The load of which a person is asked under this name; None for none."""
+        """The load for which a person is asked under this name; None for none."""
         doubt = self._doubts.get(name)
         return doubt.load if doubt is not None and doubt.asked else None
 
     def note(self, load: DepartureMemory) -> None:
         """Nobody can tell of a load. Repeating this is harmless."""
-        known = any(_is_same(doubt.load, load) for doubt in self._doubts.values())
-        if known or not load.change or load.item in self.measured or load.item in ("", THING):
+        if not load.change or load.item in ("", THING) or load.item in self.measured:
+            return  # A person could count nothing, or need not.
+        if any(_is_same(doubt.load, load) for doubt in self._doubts.values()):
             return
         self._count += 1
         name = f"{self.place}{self._life.mark}-load-{self._count}"
@@ -77,19 +80,16 @@ class Doubts:
                 continue
             self._doubts[name] = replace(doubt, asked=True)
             load = doubt.load
-            quantity, brought = abs(load.change), load.change > 0
-            self._life.record(LoadDoubted(name, load.vehicle, load.item, quantity, brought, load.task))
+            fact = LoadDoubted(name, load.vehicle, load.item, load.quantity, load.brings, load.task)
+            self._life.record(fact)
             self._life.commit()
 
     def told(self) -> tuple[DoubtfulLoad, ...]:
-        """For the heartbeat."""
-        asked = [
-            DoubtfulLoad(
-                each.name, each.load.vehicle, each.load.item, abs(each.load.change), each.load.change > 0
-            )
-            for each in self
-        ]
-        return tuple(asked[:DOUBTS_TOLD])
+        """For the heartbeat, at most `DOUBTS_TOLD`."""
+        return tuple(
+            DoubtfulLoad(name, load.vehicle, load.item, load.quantity, load.brings)
+            for name, load in ((doubt.name, doubt.load) for doubt in islice(self, DOUBTS_TOLD))
+        )
 
     # --- the end of a doubt ---
 
@@ -104,7 +104,7 @@ class Doubts:
             self.settle(name)
 
     def on_counted(self, item: str, vehicle: str = "") -> None:
-        """People have counted an item, or said what a vehicle has moved of it."""
+        """People have counted an item, or have said what one vehicle has moved of it."""
         for name, doubt in list(self._doubts.items()):
             if doubt.load.item == item and vehicle in ("", doubt.load.vehicle):
                 self.settle(name)

@@ -112,21 +112,13 @@ class HeldTransports:
         """Call a person for each of them. Repeating this is harmless."""
         for doubt in self._visits.doubts:
             load = doubt.load
-            done = "put down" if load.change > 0 else "not taken"
-            reason = f"{abs(load.change)} {load.item} perhaps {done} by {load.vehicle}: count, they are not in the books"
+            done = "put down" if load.brings else "not taken"
+            reason = f"{load.quantity} {load.item} perhaps {done} by {load.vehicle}: count, they are not in the books"
             calls.open(LOOK_FOR_LOAD, reason, now_s, goods=doubt.name, place_m=self.place_m(doubt.name))
         for task in self._tasks:
             if task.is_held:
-                work = cast(Transport, task.work)
-                what = f"{work.quantity} {work.item} for {work.destination}"
-                reason = f"{what} said to be there twice, and not counted"
-                if task.perhaps_down is not None:
-                    reason = f"{what} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
-                if task.fails_at:
-                    does = "unload" if task.fails_at == work.destination else "load"
-                    reason = f"two vehicles could not {does} {what} at {task.fails_at}"
                 about = LOOK_AT_DOCK if task.fails_at else LOOK_FOR_LOAD
-                calls.open(about, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
+                calls.open(about, _reason(task), now_s, goods=task.id, place_m=self.place_m(task.id))
 
     def _book(self, load: DepartureMemory) -> CommandRefusal | None:
         """Book a load in; the body's answer ends its transport. A body that books shuts the dock for the load's vehicle."""
@@ -144,16 +136,27 @@ class HeldTransports:
             return CommandRefusal.NOT_HELD
         if self._visits.may_move(load.item) or self._visits.is_here(load.vehicle):
             return CommandRefusal.DOCK_OPEN
-        if command.kind is MachineCommandKind.LOAD_THERE and load.change > 0 and load.task:
+        if command.kind is MachineCommandKind.LOAD_THERE:
             self._visits.forget_owed(load.vehicle, load.task, load.epoch)
+            if not (load.brings and load.task):
+                # A body books each load of one name once, and may have booked this one out.
+                load = replace(load, task=command.task, epoch=1, change=load.quantity)
             self._bookings.say(load)
-        elif command.kind is MachineCommandKind.LOAD_THERE:
-            self._visits.forget_owed(load.vehicle, load.task, load.epoch)
-            # A body books each load of one name once, and may have booked this one out.
-            self._bookings.say(replace(load, task=command.task, epoch=1, change=abs(load.change)))
         doubts.settle(command.task)
         return None
 
     def _held(self, name: str) -> OpenTask | None:
         task = self._tasks.get(name)
         return task if task is not None and task.is_held else None
+
+
+def _reason(task: OpenTask) -> str:
+    """Why a person is called for a held transport."""
+    work = cast(Transport, task.work)
+    what = f"{work.quantity} {work.item} for {work.destination}"
+    if task.fails_at:
+        does = "unload" if task.fails_at == work.destination else "load"
+        return f"two vehicles could not {does} {what} at {task.fails_at}"
+    if task.perhaps_down is not None:
+        return f"{what} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
+    return f"{what} said to be there twice, and not counted"

@@ -1,15 +1,12 @@
-import { Tag } from "../../parts/Tag";
-import { freshness, world } from "../../stream/stream";
-import { isPast } from "../../stream/freshness";
+import { world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t } from "../../text/operator";
 import { placeOf } from "../../text/place";
 import { HoldButton } from "../cards/HoldButton";
-import { CommandLine } from "../commands/CommandLine";
 import { sayCounted } from "../commands/given";
-import { ended } from "../session/session";
 import { names } from "../state";
 import { type Doubt, doubtsOf } from "./doubts";
+import { isMute, LoadCard } from "./LoadCard";
 
 /** Loads of which nobody can tell: somebody counts, and says what is there. Either is held, for nothing takes it back. */
 export function DoubtCards() {
@@ -26,30 +23,23 @@ export function DoubtCards() {
 
 function DoubtCard({ doubt }: { doubt: Doubt }) {
   const { item, level, load, place, quantity } = doubt;
-  const disabled = ended.value !== null || isPast(freshness.value) || freshness.value === "connecting";
   const pieces = { level: format.count(level), more: format.count(level + quantity) };
   return (
-    <li class="vehicle card machine-need need-help" id={`doubt-${load}`}>
-      <div class="vehicle-body">
-        <header>
-          <h2>{t("doubt.title", { item: names.value(item), place: placeOf(place) })}</h2>
-          <Tag tone="warn">{place}</Tag>
-        </header>
-        <div class="vehicle-now">
-          <p class="help-what">{doubtText(doubt)}</p>
-          <p class="doing">{t("doubt.count", pieces)}</p>
-        </div>
-        <div class="vehicle-acts">
-          {([true, false] as const).map((there) => (
-            <HoldButton key={String(there)} class="button fault-gone" disabled={disabled} onHeld={() => void sayCounted(doubt, there)}>
-              <b>{t(there ? "command.load_there" : "command.load_missing")}</b>
-              <small>{t(there ? "doubt.more.there" : "doubt.more.missing")}</small>
-            </HoldButton>
-          ))}
-        </div>
-        <CommandLine atv={place} stopped={false} />
-      </div>
-    </li>
+    <LoadCard
+      id={`doubt-${load}`}
+      title={t("doubt.title", { item: names.value(item), place: placeOf(place) })}
+      tag={place}
+      what={doubtText(doubt)}
+      look={t("doubt.count", pieces)}
+      asker={place}
+    >
+      {([true, false] as const).map((there) => (
+        <HoldButton key={String(there)} class="button fault-gone" disabled={isMute()} onHeld={() => void sayCounted(doubt, there)}>
+          <b>{t(there ? "command.load_there" : "command.load_missing")}</b>
+          <small>{t(there ? "doubt.more.there" : "doubt.more.missing")}</small>
+        </HoldButton>
+      ))}
+    </LoadCard>
   );
 }
 

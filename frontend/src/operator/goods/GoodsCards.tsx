@@ -1,16 +1,13 @@
 import { useEffect } from "preact/hooks";
 import type { TaskView } from "../../api/types";
-import { Tag } from "../../parts/Tag";
-import { freshness, world } from "../../stream/stream";
-import { isPast } from "../../stream/freshness";
+import { world } from "../../stream/stream";
 import { THING } from "../../plant/names";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t } from "../../text/operator";
-import { CommandLine } from "../commands/CommandLine";
 import { giveMachine, giveStation } from "../commands/given";
 import { HoldButton } from "../cards/HoldButton";
-import { ended } from "../session/session";
 import { moment, names, plant } from "../state";
+import { isMute, LoadCard } from "./LoadCard";
 import { strandedOf } from "./stranded";
 
 /** Goods on board of failed vehicles: somebody hands them over, or writes them off; that is held, for nothing takes it back. */
@@ -38,44 +35,38 @@ function GoodsCard({ task }: { task: TaskView }) {
     const toStation = plant.value?.machines.every((machine) => machine.id !== coordinator) ?? false;
     void (toStation ? giveStation : giveMachine)(coordinator, { kind, task: id });
   };
-  const disabled = ended.value !== null || isPast(freshness.value) || freshness.value === "connecting";
+  const disabled = isMute();
   const said = stranded.handed_at;
   const until = format.due(stranded.until_at_s, moment.value.nowS);
   return (
-    <li class="vehicle card machine-need need-help" id={`goods-${id}`}>
-      <div class="vehicle-body">
-        <header>
-          <h2>{t(isThing ? "goods.titleThing" : "goods.title", { atv: vehicleName(stranded.atv) })}</h2>
-          <Tag tone="warn">{id}</Tag>
-        </header>
-        <div class="vehicle-now">
-          <p class="help-what">{goodsText(task)}</p>
-          <p class="doing">{said === "" ? t(isThing ? "goods.waitsThing" : "goods.waits", { at: until }) : t("goods.fetched", { node: said })}</p>
-        </div>
-        <div class="vehicle-acts">
-          {said === "" && (
-            <button
-              type="button"
-              class="button fault-gone primary"
-              disabled={disabled}
-              onClick={() => { say("fetch_goods"); }}
-            >
-              <b>{t("command.fetch_goods")}</b>
-              <small>{t("goods.more.fetch_goods")}</small>
-            </button>
-          )}
-          <HoldButton
-            class="button fault-gone"
-            disabled={disabled}
-            onHeld={() => { say("write_off"); }}
-          >
-            <b>{t("command.write_off")}</b>
-            <small>{t(isThing ? "goods.more.writeOffThing" : "goods.more.write_off")}</small>
-          </HoldButton>
-        </div>
-        <CommandLine atv={coordinator} stopped={false} />
-      </div>
-    </li>
+    <LoadCard
+      id={`goods-${id}`}
+      title={t(isThing ? "goods.titleThing" : "goods.title", { atv: vehicleName(stranded.atv) })}
+      tag={id}
+      what={goodsText(task)}
+      look={said === "" ? t(isThing ? "goods.waitsThing" : "goods.waits", { at: until }) : t("goods.fetched", { node: said })}
+      asker={coordinator}
+    >
+      {said === "" && (
+        <button
+          type="button"
+          class="button fault-gone primary"
+          disabled={disabled}
+          onClick={() => { say("fetch_goods"); }}
+        >
+          <b>{t("command.fetch_goods")}</b>
+          <small>{t("goods.more.fetch_goods")}</small>
+        </button>
+      )}
+      <HoldButton
+        class="button fault-gone"
+        disabled={disabled}
+        onHeld={() => { say("write_off"); }}
+      >
+        <b>{t("command.write_off")}</b>
+        <small>{t(isThing ? "goods.more.writeOffThing" : "goods.more.write_off")}</small>
+      </HoldButton>
+    </LoadCard>
   );
 }
 

@@ -1,15 +1,12 @@
 import type { TaskView } from "../../api/types";
-import { Tag } from "../../parts/Tag";
-import { freshness, world } from "../../stream/stream";
-import { isPast } from "../../stream/freshness";
+import { world } from "../../stream/stream";
 import { format, t } from "../../text/operator";
 import { placeOf } from "../../text/place";
-import { CommandLine } from "../commands/CommandLine";
 import { sayLoad } from "../commands/given";
 import { HoldButton } from "../cards/HoldButton";
-import { ended } from "../session/session";
 import { names } from "../state";
 import { heldOf } from "./held";
+import { isMute, LoadCard } from "./LoadCard";
 
 /** Loads that are perhaps there and not counted, and docks where vehicles fail: somebody looks, and says what is there. Either is held, for nothing takes it back. */
 export function HeldCards() {
@@ -26,29 +23,15 @@ export function HeldCards() {
 
 function HeldCard({ task }: { task: TaskView }) {
   const { coordinator, id } = task;
-  const disabled = ended.value !== null || isPast(freshness.value) || freshness.value === "connecting";
   return (
-    <li class="vehicle card machine-need need-help" id={`held-${id}`}>
-      <div class="vehicle-body">
-        <header>
-          <h2>{titleText(task)}</h2>
-          <Tag tone="warn">{id}</Tag>
-        </header>
-        <div class="vehicle-now">
-          <p class="help-what">{heldText(task)}</p>
-          <p class="doing">{lookText(task)}</p>
-        </div>
-        <div class="vehicle-acts">
-          {answersOf(task).map(({ there, what, more }) => (
-            <HoldButton key={String(there)} class="button fault-gone" disabled={disabled} onHeld={() => void sayLoad(coordinator, id, there)}>
-              <b>{what}</b>
-              <small>{more}</small>
-            </HoldButton>
-          ))}
-        </div>
-        <CommandLine atv={coordinator} stopped={false} />
-      </div>
-    </li>
+    <LoadCard id={`held-${id}`} title={titleText(task)} tag={id} what={heldText(task)} look={lookText(task)} asker={coordinator}>
+      {answersOf(task).map(({ there, what, more }) => (
+        <HoldButton key={String(there)} class="button fault-gone" disabled={isMute()} onHeld={() => void sayLoad(coordinator, id, there)}>
+          <b>{what}</b>
+          <small>{more}</small>
+        </HoldButton>
+      ))}
+    </LoadCard>
   );
 }
 

@@ -23,6 +23,10 @@ DOCKS_KEPT = 256
 """Maximum remembered loads at docks: more than one coordinator has transports open. A forgotten one begins anew."""
 
 
+REASONS = (Reason.STALLED, Reason.DOCK_HELD)
+"""Reasons for which a carrier stands in vain."""
+
+
 class Failure(NamedTuple):
     """A carrier that stood at a dock in vain."""
 
@@ -35,9 +39,14 @@ class DockFailures:
 
     def __init__(self) -> None:
         self._last: BoundedMap[tuple[str, str, Reason], Failure] = BoundedMap(DOCKS_KEPT)
+        """The last failure, by place, item and reason (`REASONS`)."""
 
     def note(self, place: str, item: str, reason: Reason, failure: Failure) -> Failure | None:
-        """A carrier has failed, for `STALLED` or `DOCK_HELD`. Returns the failure of another one before it: the place is at fault; None if there is none."""
+        """A carrier has failed to load or to unload an item.
+
+        Returns:
+            The failure of another carrier before it, by which the place is at fault. None if there is none.
+        """
         key = place, item, reason
         before = self._last.pop(key, None)
         if before is None or before.carrier == failure.carrier:
@@ -47,5 +56,5 @@ class DockFailures:
 
     def forget(self, place: str, item: str) -> None:
         """Such a load has moved at the dock."""
-        for reason in (Reason.STALLED, Reason.DOCK_HELD):
+        for reason in REASONS:
             self._last.pop((place, item, reason), None)
