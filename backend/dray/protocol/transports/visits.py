@@ -417,13 +417,18 @@ class Visits:
     def on_word(self, load: DepartureMemory, node: str) -> None:
         """A vehicle says at a node what it moves: taken for the load for which an earlier life without notes let it in here.
 
-        What the body remembers as a load to take keeps the name under which it is booked.
+        What the body remembers as a load to take keeps the name under which it is booked. Of what the body remembers as
+        a load to bring, the vehicle brings no other item and no more pieces.
         """
         visit = self._visits.get(load.vehicle)
         if visit is None or not visit.is_followed or visit.load.task or visit.takes:
             return
+        remembered = visit.load
+        if remembered.change and (load.change < 0 or load.item != remembered.item):
+            return
         if node == self._node and not self.counts:
-            visit.load, visit.stage = load, Stage.LEAVING
+            change = min(load.change, remembered.change) if remembered.change else load.change
+            visit.load, visit.stage = replace(load, change=change), Stage.LEAVING
             self._life.commit()
 
     def on_carried_away(self, vehicle: str) -> None:
