@@ -8,7 +8,8 @@
       +-----------------------+--a person has not found it, has counted the item, or its vehicle has told--> over
 
 A vehicle that remembers tells within seconds, so nobody is asked before. A body that counts leaves no doubt, and no
-person is asked for what its controller measures (`dray.body.StorageState.measured`).
+person is asked for what its controller measures (`dray.body.StorageState.measured`). A vehicle that leaves one load after
+another in doubt may lie: people have to look before the dock opens for it again, to load or to bring something back.
 """
 
 from __future__ import annotations
@@ -29,6 +30,9 @@ ASKS_AFTER_S = 30.0
 
 DOUBTS_KEPT = 64
 """Maximum doubts of one place; above that the oldest is forgotten."""
+
+DOUBTS_OF_ONE = 4
+"""Doubts about one vehicle's loads from which on it is let in no more by its own word. An honest one loses its journal here rarely."""
 
 
 class Doubts:
@@ -58,6 +62,10 @@ class Doubts:
         """The load of which a person is asked under this name; None for none."""
         doubt = self._doubts.get(name)
         return doubt.load if doubt is not None and doubt.asked else None
+
+    def has_too_many(self, vehicle: str) -> bool:
+        """Whether people have to look before a vehicle is let in again."""
+        return sum(doubt.load.vehicle == vehicle for doubt in self._doubts.values()) >= DOUBTS_OF_ONE
 
     def note(self, load: DepartureMemory) -> None:
         """Nobody can tell of a load. Repeating this is harmless."""
