@@ -170,7 +170,7 @@ def test_the_second_vehicle_that_loads_in_vain_is_followed_by_a_person_and_by_no
     assert (brief.primary, brief.trouble, brief.fails_at) == ("", Reason.DISPUTED, "M7")
     call = calls(rig, task)[-1]
     assert (call.problem.kind, call.problem.needs_person) == (ProblemKind.DOCK, True)
-    assert call.reason == f"two vehicles could not load {LOT} pump-p3 for {brief.destination} at M7"
+    assert call.reason == f"ATV2 and ATV3 could not load {LOT} pump-p3 for {brief.destination} at M7"
     assert (call.x_m, call.y_m) == PLANT.position_of("M7")
 
 
@@ -256,7 +256,7 @@ def test_the_next_life_of_the_machine_still_waits_for_the_word() -> None:
     rig.run(rig.now_s + AGES_S)
     assert rounds(rig, task) == 0
     assert told(rig, task).fails_at == "M7"
-    assert calls(rig, task)
+    assert calls(rig, task)[-1].reason.startswith("two vehicles could not load")
     assert says(rig, KIND.LOAD_MISSING, task) is None
     rig.run(rig.now_s + 1.0)
     assert rounds(rig, task)
@@ -299,6 +299,31 @@ def test_another_load_at_the_same_dock_is_another_matter() -> None:
     fails(rig, "ATV2", "M7-1", Phase.UNLOADING)
     fails(rig, "ATV3", "M7-2", Phase.UNLOADING)
     assert [each.id for each in rig.agent._flow.tasks if each.is_held] == []
+
+
+def both_fail(rig: MachineRig, task: str, place: str, phase: Phase = Phase.LOADING) -> None:
+    for atv in ("ATV2", "ATV3"):
+        fails(rig, atv, task, phase, place)
+
+
+def test_two_insiders_have_one_place_looked_at_and_pay_at_every_further_one() -> None:
+    rig = watching(m7(NO_HOUSINGS | {"impeller": 0}, goal=LOT))
+    both_fail(rig, "M7-1", "S1")
+    assert told(rig, "M7-1").fails_at == "S1"
+    assert surcharges(rig) == {}
+    both_fail(rig, "M7-2", "M7", Phase.UNLOADING)
+    both_fail(rig, "M7-2", "M7", Phase.UNLOADING)
+    assert [each.id for each in rig.agent._flow.tasks if each.is_held] == ["M7-1"]
+    reliability = rig.agent._flow.tasks.reliability
+    assert all(reliability.is_restricted(atv, rig.now_s) for atv in ("ATV2", "ATV3"))
+
+
+def test_once_a_person_has_looked_the_same_two_may_find_another_place_that_fails() -> None:
+    rig = watching(m7(NO_HOUSINGS | {"impeller": 0}, goal=LOT))
+    both_fail(rig, "M7-1", "S1")
+    assert says(rig, KIND.LOAD_MISSING, "M7-1") is None
+    both_fail(rig, "M7-2", "M7", Phase.UNLOADING)
+    assert told(rig, "M7-2").fails_at == "M7"
 
 
 HELD_UP: dict[str, dict[str, Any]] = {

@@ -173,7 +173,7 @@ class OpenTask:
         self.disputes = 0
         """Handovers without a counted load since a person last looked."""
         self.disputed_by: tuple[str, ...] = ()
-        """Their carriers, as far as this life knows."""
+        """Their carriers, or those that have failed at `fails_at`, as far as this life knows."""
         self.left = False
         """While the task is held: its goods had left their machine."""
         self.perhaps_down: DepartureMemory | None = None

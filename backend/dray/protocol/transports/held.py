@@ -124,7 +124,8 @@ class HeldTransports:
                     reason = f"{what} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
                 if task.fails_at:
                     does = "unload" if task.fails_at == work.destination else "load"
-                    reason = f"two vehicles could not {does} {what} at {task.fails_at}"
+                    who = " and ".join(task.disputed_by) or "two vehicles"  # An earlier life knew them.
+                    reason = f"{who} could not {does} {what} at {task.fails_at}"
                 about = LOOK_AT_DOCK if task.fails_at else LOOK_FOR_LOAD
                 calls.open(about, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
 

@@ -98,9 +98,9 @@ class Assessor:
     ) -> bool:
         """Note that a carrier stood at a place in vain. Returns whether the place is at fault, and no vehicle.
 
-        A restricted carrier accuses no place.
+        A restricted carrier accuses no place, and one that accuses another place accuses no second one.
         """
-        if self.reliability.is_restricted(carrier, now_s):
+        if self.reliability.is_restricted(carrier, now_s) or self.docks.accuses_another(carrier, place):
             return False
         before = self.docks.note(place, item, reason, Failure(carrier, task))
         if before is not None:

@@ -8,8 +8,9 @@ A carrier has failed if it stalls, and then a person is asked to look (`transpor
 storage has promised, because the dock is held. Such a place knows by itself that its dock is not ready (`dock_door`).
 The two do not count together: a dock may be held because others stand there.
 
-One carrier alone, however often it fails, says nothing of a place: it may lie, or be broken. A restarted coordinator
-begins without prejudice, as in `reliability`.
+One carrier alone, however often it fails, says nothing of a place: it may lie, or be broken. Two may lie together. So a
+carrier that has accused a place accuses no other one until such a load has moved there or a person has looked: with
+each further place its failures count against it. A restarted coordinator begins without prejudice, as in `reliability`.
 """
 
 from __future__ import annotations
@@ -35,6 +36,16 @@ class DockFailures:
 
     def __init__(self) -> None:
         self._last: BoundedMap[tuple[str, str, Reason], Failure] = BoundedMap(DOCKS_KEPT)
+        self._accusers: BoundedMap[tuple[str, str], tuple[str, str]] = BoundedMap(DOCKS_KEPT)
+        """By place and item: the two carriers that have failed there."""
+
+    def accusers(self, place: str, item: str) -> tuple[str, ...]:
+        """The carriers that have failed at a place at fault; empty if it is not, or not as far as is known."""
+        return self._accusers.get((place, item), ())
+
+    def accuses_another(self, carrier: str, place: str) -> bool:
+        """Whether a carrier has accused another place, of which nothing is known since."""
+        return any(carrier in pair and where != place for (where, _), pair in self._accusers.items())
 
     def note(self, place: str, item: str, reason: Reason, failure: Failure) -> Failure | None:
         """A carrier has failed, for `STALLED` or `DOCK_HELD`. Returns the failure of another one before it: the place is at fault; None if there is none."""
@@ -43,9 +54,11 @@ class DockFailures:
         if before is None or before.carrier == failure.carrier:
             self._last[key] = failure
             return None
+        self._accusers[place, item] = before.carrier, failure.carrier
         return before
 
     def forget(self, place: str, item: str) -> None:
-        """Such a load has moved at the dock."""
+        """Such a load has moved at the dock, or a person has looked."""
         for reason in (Reason.STALLED, Reason.DOCK_HELD):
             self._last.pop((place, item, reason), None)
+        self._accusers.pop((place, item), None)
