@@ -256,7 +256,7 @@ def test_the_next_life_of_the_machine_still_waits_for_the_word() -> None:
     rig.run(rig.now_s + AGES_S)
     assert rounds(rig, task) == 0
     assert told(rig, task).fails_at == "M7"
-    assert calls(rig, task)[-1].reason.startswith("two vehicles could not load")
+    assert calls(rig, task)[-1].reason.startswith("vehicles could not load")
     assert says(rig, KIND.LOAD_MISSING, task) is None
     rig.run(rig.now_s + 1.0)
     assert rounds(rig, task)
@@ -265,13 +265,32 @@ def test_the_next_life_of_the_machine_still_waits_for_the_word() -> None:
 # --- what says nothing of a place ------------------------------------------------------------------
 
 
-def test_one_vehicle_alone_accuses_no_place_however_often_it_fails() -> None:
+def test_one_vehicle_alone_is_charged_and_a_person_looks_once_nobody_else_takes_the_task() -> None:
     rig, task = with_goods()
-    for _ in range(3):
+    for _ in range(2):
         fails(rig, "ATV2", task)
     assert task_of(rig, task).state is TaskState.UNASSIGNED
-    assert surcharges(rig)["ATV2"] > 400.0
     assert calls(rig, task) == []
+    fails(rig, "ATV2", task)
+    assert told(rig, task).fails_at == "M7"
+    assert calls(rig, task)[-1].reason.startswith("ATV2 could not load")
+    assert surcharges(rig)["ATV2"] > 400.0
+    # It is looked at again, however little the vehicle is believed.
+    assert says(rig, KIND.LOAD_MISSING, task) is None
+    for _ in range(3):
+        assert not task_of(rig, task).is_held
+        fails(rig, "ATV2", task)
+    assert told(rig, task).fails_at == "M7"
+
+
+def test_one_vehicle_that_fails_with_one_task_after_another_accuses_no_place() -> None:
+    rig, _ = lacking()
+    for _ in range(4):
+        [task] = [each.id for each in rig.agent._flow.tasks]
+        fails(rig, "ATV2", task, place="S1")
+        rig.agent._flow.withdraw(task_of(rig, task), rig.now_s)
+        rig.run(rig.now_s + 5.0)
+    assert [each for each in rig.agent._flow.tasks if each.is_held] == []
 
 
 def test_a_vehicle_that_others_have_learned_to_doubt_accuses_no_place() -> None:

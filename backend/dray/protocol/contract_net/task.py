@@ -179,7 +179,7 @@ class OpenTask:
         self.perhaps_down: DepartureMemory | None = None
         """While the task is held: the load that its last carrier may have put down, and has forgotten."""
         self.fails_at = ""
-        """While the task is held: the place where two carriers in a row could not load or unload it; empty for another reason."""
+        """While the task is held: the place where carriers have failed to load or unload it; empty for another reason."""
         self.stranded: StrandedGoods | None = None
         """Goods left on board of a failed carrier that no other carrier has yet."""
 

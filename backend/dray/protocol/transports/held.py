@@ -3,7 +3,7 @@
     disputed        a handover was disputed twice: a third load might be lost like the first two
     perhaps down    the body does not count. An earlier life let the carrier in, and the carrier has forgotten the
                     task and has no such load on board (`Transports.reopen`)
-    fails at        two carriers in a row stood at one dock in vain: a third would, too (`dock_failures`)
+    fails at        two carriers in a row stood at one dock in vain, or one alone time after time (`dock_failures`)
 
 No vehicle carries the transport before a person who is responsible for the destination, or for the place where
 carriers fail, has looked:
@@ -124,7 +124,7 @@ class HeldTransports:
                     reason = f"{what} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
                 if task.fails_at:
                     does = "unload" if task.fails_at == work.destination else "load"
-                    who = " and ".join(task.disputed_by) or "two vehicles"  # An earlier life knew them.
+                    who = " and ".join(task.disputed_by) or "vehicles"  # An earlier life knew them.
                     reason = f"{who} could not {does} {what} at {task.fails_at}"
                 about = LOOK_AT_DOCK if task.fails_at else LOOK_FOR_LOAD
                 calls.open(about, reason, now_s, goods=task.id, place_m=self.place_m(task.id))

@@ -11,7 +11,7 @@ coordinator.
                               the secondary is asked before the announcement
 
 After two disputed handovers it is held, not announced again, until a person has looked (`held`). So it is when its
-carrier may have put the load down and has forgotten it, and when two carriers in a row have failed at one dock.
+carrier may have put the load down and has forgotten it, and when carriers have failed at one dock.
 """
 
 from __future__ import annotations

@@ -3,12 +3,15 @@
     first failure     held against the carrier, as any other: it may be its fault
     second failure    by another carrier, of the same load at the same dock, with no load moved there in between:
                       the place is at fault, and neither failure counts against its vehicle
+    third in a row    by one carrier alone, of one task, which nobody else has taken in between: the place or the vehicle
+                      is at fault. Its failures count against it, and a person is asked to look all the same
 
 A carrier has failed if it stalls, and then a person is asked to look (`transports.held`); or if it gives back what a
 storage has promised, because the dock is held. Such a place knows by itself that its dock is not ready (`dock_door`).
 The two do not count together: a dock may be held because others stand there.
 
-One carrier alone, however often it fails, says nothing of a place: it may lie, or be broken. Two may lie together. So a
+One carrier alone, however often it fails, says nothing of a place: it may lie, or be broken. But one that has dropped a
+task gets it again only while nobody else takes it: that task waits anyway. Two may lie together. So a
 carrier that has accused a place accuses no other one until such a load has moved there or a person has looked: with
 each further place its failures count against it. A restarted coordinator begins without prejudice, as in `reliability`.
 """
@@ -24,6 +27,10 @@ DOCKS_KEPT = 256
 """Maximum remembered loads at docks: more than one coordinator has transports open. A forgotten one begins anew."""
 
 
+ALONE = 3
+"""Failures in a row by one carrier alone after which a person looks."""
+
+
 class Failure(NamedTuple):
     """A carrier that stood at a dock in vain."""
 
@@ -36,11 +43,16 @@ class DockFailures:
 
     def __init__(self) -> None:
         self._last: BoundedMap[tuple[str, str, Reason], Failure] = BoundedMap(DOCKS_KEPT)
-        self._accusers: BoundedMap[tuple[str, str], tuple[str, str]] = BoundedMap(DOCKS_KEPT)
-        """By place and item: the two carriers that have failed there."""
+        self._accusers: BoundedMap[tuple[str, str], tuple[str, ...]] = BoundedMap(DOCKS_KEPT)
+        """By place and item: the carriers for which a person looks there."""
+        self._alone: BoundedMap[tuple[str, str], tuple[Failure, int]] = BoundedMap(DOCKS_KEPT)
+        """By place and item: the last failure to load or to unload, and how many such ones there were in a row."""
 
     def accusers(self, place: str, item: str) -> tuple[str, ...]:
-        """The carriers that have failed at a place at fault; empty if it is not, or not as far as is known."""
+        """The carriers that have failed at a place where a person is to look; empty for none, as far as is known.
+
+        With one alone the place may not be at fault.
+        """
         return self._accusers.get((place, item), ())
 
     def accuses_another(self, carrier: str, place: str) -> bool:
@@ -57,8 +69,20 @@ class DockFailures:
         self._accusers[place, item] = before.carrier, failure.carrier
         return before
 
+    def is_alone(self, place: str, item: str, failure: Failure) -> bool:
+        """A carrier has stalled. Returns whether a person is to look, because it alone has done so time after time."""
+        key = place, item
+        last, count = self._alone.pop(key, (failure, 0))
+        count = count + 1 if last == failure else 1
+        if count < ALONE:
+            self._alone[key] = failure, count
+            return False
+        self._accusers[key] = (failure.carrier,)
+        return True
+
     def forget(self, place: str, item: str) -> None:
         """Such a load has moved at the dock, or a person has looked."""
         for reason in (Reason.STALLED, Reason.DOCK_HELD):
             self._last.pop((place, item, reason), None)
         self._accusers.pop((place, item), None)
+        self._alone.pop((place, item), None)
