@@ -11,8 +11,8 @@ from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
 from spoken import rhb
 
-from dray.body import Book, OpenDock
-from dray.messages import Phase, Withdrawn
+from dray.body import Book, DockReady, OpenDock
+from dray.messages import Docked, Phase, Withdrawn
 from dray.messages.base import COUNT_MAX
 from dray.protocol.runtime.events import Effect
 
@@ -117,3 +117,34 @@ def test_no_vehicle_carries_more_to_a_machine_without_notes_than_it_keeps(
     rig = without_notes()
     claims(rig, "ATV3", "housing", quantity)
     assert (rig.agent._flow.tasks.get("M7-9") is not None) is believed
+
+
+@pytest.mark.parametrize(("atv", "item"), [("ATV3", "housing"), ("ATV2", "impeller")])
+def test_whoever_claims_to_carry_for_a_machine_without_notes_has_brought_nothing_before_it_was_let_in(
+    atv: str, item: str
+) -> None:
+    rig = without_notes()
+    claims(rig, atv, item, 24)
+    assert instructed(rig.on_message(atv, handover("M7-9", 5)), Book) == []
+
+
+def test_who_carries_for_a_machine_without_notes_has_brought_its_load_once_it_was_let_in() -> None:
+    rig = without_notes()
+    claims(rig, "ATV3", "housing", 24)
+    rig.on_message("ATV3", Docked("M7-9", 5, "M7"))
+    rig.report(DockReady(vehicle="ATV3"))
+    effects = rig.on_message("ATV3", handover("M7-9", 5))
+    assert instructed(effects, Book) == [Book("ATV3", "housing", 24, task="M7-9", epoch=5)]
+
+
+def test_who_was_let_in_before_the_notes_were_lost_and_says_that_it_still_carries_is_booked_in_once() -> None:
+    rig = without_notes()
+    says(rig, Phase.UNLOADING, "housing", 24)
+    assert rig.agent._flow.tasks.get("M7-1") is not None
+    effects = rig.on_message("ATV2", handover())
+    assert instructed(effects, Book) == [Book("ATV2", "housing", 24, task="M7-1", epoch=1)]
+    rig.stocked("housing", 24, "ATV2")
+    before = len(rig.all)
+    says(rig, None, "", 0, node="c1", left_empty=DOCK)
+    rig.on_message("ATV2", handover())
+    assert instructed(rig.all[before:], Book) == []

@@ -70,7 +70,8 @@ class Handovers:
         if task.contract.receipt.said_s == NEVER_S:
             task.contract.receipt.said_s = now_s
         task.contract.receipt.said = message.quantity
-        if not self.counts:
+        # That it carries a recovered task is known from its carrier alone.
+        if not self.counts and (not task.recovered or self._dock.may_have_brought(task)):
             self._book(task)
         self._judge(task, now_s)
 

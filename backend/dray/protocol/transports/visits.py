@@ -193,6 +193,15 @@ class Visits:
         visit = self._visits.get(vehicle)
         return visit is not None and visit.stage is Stage.INSIDE
 
+    def may_have_brought(self, vehicle: str, item: str) -> bool:
+        """Whether the dock was opened for a vehicle with such a load, in this life or, as far as the body remembers, in an earlier one."""
+        visit = self._visits.get(vehicle)
+        if visit is None:
+            owed = self._owed.get((vehicle, "", 0))
+            return owed is not None and owed.item == item
+        was_let_in = visit.stage is not Stage.WAITS or (visit.load.change > 0 and not visit.load.task)
+        return was_let_in and visit.load.item in ("", item)
+
     def is_here(self, vehicle: str) -> bool:
         """Whether a vehicle waits, or may be inside."""
         visit = self._visits.get(vehicle)
@@ -367,7 +376,7 @@ class Visits:
     def note_brought(self, vehicle: str) -> None:
         """What a vehicle has brought is in the books: it needs no more room, and there is nothing else to report."""
         visit = self._visits.get(vehicle)
-        if visit is not None and visit.load.change > 0 and self.counts:
+        if visit is not None and visit.load.change > 0 and (self.counts or not visit.load.task):
             visit.load = replace(visit.load, change=0)
             self._life.commit()
         self.forget_owed(vehicle)
